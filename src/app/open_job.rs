@@ -104,12 +104,7 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
         document.take.clone().with_context(|| format!("{}: the project names no take", path.display()))?;
     let source = match (moved_to, source) {
         (Some(take), _) => TakeSource::Path(take.to_owned()),
-        // As it is written, or beside the project.
-        (None, TakeSource::Path(take)) if take.is_relative() => {
-            let beside = path.parent().unwrap_or(Path::new("")).join(&take);
-            TakeSource::Path(if beside.exists() { beside } else { take })
-        }
-        (None, source) => source,
+        (None, source) => source.named_by(path),
     };
     let footage = open_take(&source).map_err(|error| {
         let is_missing = is_missing(&error) && matches!(source, TakeSource::Path(_));
@@ -129,12 +124,7 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
 }
 
 fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
-    let take = match source {
-        TakeSource::BuiltIn => backlit_take::builtin::open()?,
-        TakeSource::Demonstration(which) => which.take()?,
-        TakeSource::Path(path) => Take::open(path)?,
-    };
-    Ok(Footage::new(take, Some(source.clone())))
+    Ok(Footage::new(source.open()?, Some(source.clone())))
 }
 
 /// Whether the take, or a file of it, is not there.

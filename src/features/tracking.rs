@@ -5,8 +5,8 @@
 //! |---|---|
 //! | `update` | begun, stopped, what was found taken in |
 //! | `job`, [`read_ahead`] | the fit of frame after frame |
-//! | `poses_job`, `body_job`, `person_job` | the search, the fit of the sizes, and both where nothing is known |
-//! | `spheres_job` | a body of spheres |
+//! | `poses_job`, `body_job`, `person_job` | the search, a body from several frames, and both where nothing is known |
+//! | `spheres` | a body of spheres, in the place of the sizes |
 //! | `body` | which frames say something of the sizes, and what is said of them |
 //! | `survey` | whether the silhouettes can be a person's at all |
 //! | `keys` | the key poses around a frame |
@@ -23,7 +23,7 @@ mod person_job;
 mod pose_words;
 mod poses_job;
 mod read_ahead;
-mod spheres_job;
+mod spheres;
 mod survey;
 #[cfg(test)]
 mod tests;

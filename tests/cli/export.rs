@@ -1,8 +1,14 @@
 //! `backlit export`: a written track as motion files.
 
 use std::fs;
+use std::path::PathBuf;
+use std::sync::Arc;
 
+use backlit_document::Document;
+use backlit_document::project::write_project;
 use backlit_formats::export::{TrackExport, track_json};
+use backlit_take::source::TakeSource;
+use backlit_tracking::body::Kinematics;
 use backlit_tracking::track::{FrameEstimate, Track};
 
 use crate::scene::Scene;
@@ -35,4 +41,34 @@ fn a_track_becomes_a_file_a_format() {
     );
     scene.fails("export results --to bvh --model full_body --out motion", 1, &["track.json", "frames[0]"]);
     scene.fails("export nowhere --to bvh --out motion", 1, &["nowhere"]);
+}
+
+/// What was set by hand is in it, nothing is computed, and the cameras say which way is up.
+#[test]
+fn the_poses_of_a_project_are_exported_as_they_are() {
+    let scene = crate::track::take();
+    let mut document = Document::new(scene.model.clone());
+    document.take = Some(TakeSource::Path(PathBuf::from("wave")));
+    // The last one lies beyond the take.
+    document.keys = Arc::new([1, 3, 99].map(|frame| (frame, scene.pose())).into());
+    write_project(&scene.path("mine.backlit"), &document, &[]).unwrap();
+    scene.ok("export mine.backlit --to csv,trc --out motion");
+    let rows = fs::read_to_string(scene.path("motion/mine.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 2 * (1 + scene.model.limbs().len()));
+    let last = scene.model.limbs().last().unwrap();
+    let end = *Kinematics::new(&scene.model, &scene.pose()).ends().last().unwrap();
+    let row = rows.lines().find(|row| row.starts_with("3,") && row.contains(&last.name)).unwrap();
+    let x: f64 = row.split(',').rev().nth(2).unwrap().parse().unwrap();
+    assert!((x - end.x).abs() < 1e-9, "{row}; expected {end}");
+    let of_cameras = fs::read(scene.path("motion/mine.trc")).unwrap();
+    let same = ["y", "-y", "z"].map(|up| {
+        scene.ok(&format!("export mine.backlit --to trc --up {up} --out other"));
+        fs::read(scene.path("other/mine.trc")).unwrap() == of_cameras
+    });
+    assert!(same[0] != same[1] && !same[2], "{same:?}");
+
+    scene.fails("export mine.backlit --to csv --model full_body --out motion", 1, &["--model is for tracks"]);
+    document.take = Some(TakeSource::Path(PathBuf::from("gone")));
+    write_project(&scene.path("lost.backlit"), &document, &[]).unwrap();
+    scene.fails("export lost.backlit --to csv --out motion", 1, &["the project's take", "gone"]);
 }

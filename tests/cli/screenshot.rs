@@ -1,5 +1,13 @@
 //! Pictures without a display: of one view, and many.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use backlit_document::project::write_project;
+use backlit_document::{CameraUse, Document};
+use backlit_take::source::TakeSource;
+use backlit_tracking::segment::SegmentOptions;
+
 use crate::scene::Scene;
 
 #[test]
@@ -32,4 +40,19 @@ fn what_makes_no_sense_is_said() {
     scene.fails("screenshot --width 100 --out a.png", 2, &["--camera"]);
     scene.fails("screenshot --sequence frames --delay 1 --out a.gif", 1, &["--delay is 1", "milliseconds"]);
     scene.fails("screenshot --sequence iterations --iteration 0 --camera 1 --out a", 1, &["--iteration"]);
+}
+
+/// A silhouette of a project that is not there is missing in the picture: that is an error.
+#[test]
+fn a_missing_mask_is_an_error() {
+    let scene = crate::track::take();
+    let mut document = Document::new(scene.model.clone());
+    document.take = Some(TakeSource::Path(PathBuf::from("wave")));
+    let camera = |name: &str| CameraUse { name: name.to_owned(), used: true, weight: 1.0 };
+    document.cameras = Arc::new(vec![camera("front"), camera("side")]);
+    document.measurement = Arc::new(vec![SegmentOptions::default(); 2]);
+    document.masks = Arc::new([(0, [(1, PathBuf::from("gone.png"))].into())].into());
+    write_project(&scene.path("mine.backlit"), &document, &[]).unwrap();
+    let picture = "screenshot mine.backlit --size 640x480 --out a.png";
+    scene.fails(picture, 1, &["a.png is written", "camera 2", "gone.png"]);
 }

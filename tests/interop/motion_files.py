@@ -127,6 +127,24 @@ def check_bvh(path, truth):
     check.done()
 
 
+def check_bvhio(path, truth):
+    bvhio = optional("bvhio")
+    if bvhio is None:
+        return
+    check = Check("bvh by bvhio")
+    first, root = min(truth), bvhio.readAsHierarchy(str(path))
+    for index in range(max(truth) - first + 1):
+        if first + index not in truth:
+            continue
+        root.loadPose(index, recursive=True)
+        for node, _, _ in root.layout():
+            joint = PLACES.get(node.Name)
+            if joint:
+                place = node.PositionWorld
+                check.near(place, truth[first + index][joint], f"{node.Name} in frame {first + index}")
+    check.done()
+
+
 def check_trc(path, truth):
     check = Check("trc")
     lines = [line.split("\t") for line in path.read_text().splitlines()]
@@ -137,7 +155,30 @@ def check_trc(path, truth):
             if int(row[0]) in truth:
                 check.near(place, truth[int(row[0])][name], f"{name} in frame {row[0]}")
             else:
-                assert place == ["", "", ""], f"trc: frame {row[0]} is a gap"
+                assert place == ["nan"] * 3, f"trc: frame {row[0]} is a gap"
+    check.done()
+
+
+def check_opensim(mot, trc, truth):
+    """OpenSim itself is large, so that requirements.txt leaves it out: it is asked where it is installed."""
+    opensim = optional("opensim")
+    if opensim is None:
+        return
+    check = Check("mot and trc by OpenSim")
+    table = opensim.TimeSeriesTable(str(mot))
+    assert table.getTableMetaDataAsString("inDegrees") == "yes"
+    columns = [table.getDependentColumn(f"spine_t{axis}") for axis in "xyz"]
+    for row, frame in enumerate(sorted(truth)):
+        check.near([column[row] for column in columns], truth[frame]["root"], f"root in row {row}")
+    table = opensim.TimeSeriesTableVec3(str(trc))
+    assert table.getTableMetaDataAsString("Units") == "m"
+    names, first = list(table.getColumnLabels()), min(truth)
+    for row in range(table.getNumRows()):
+        if first + row in truth:
+            places = table.getRowAtIndex(row)
+            for index, name in enumerate(names):
+                place = [places[index][axis] for axis in range(3)]
+                check.near(place, truth[first + row][name], f"{name} in frame {first + row}")
     check.done()
 
 
@@ -242,7 +283,9 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     truth = read_csv(folder / "motion.csv")
     check_bvh(folder / "motion.bvh", truth)
+    check_bvhio(folder / "motion.bvh", truth)
     check_trc(folder / "motion.trc", truth)
+    check_opensim(folder / "motion.mot", folder / "motion.trc", truth)
     check_ezc3d(folder / "motion.c3d", truth)
     check_c3d(folder / "motion.c3d", truth)
     check_npz(folder / "motion.npz", truth)

@@ -20,7 +20,7 @@ pub enum Command {
     FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
-    /// Write a track as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
+    /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
     /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),

@@ -1,9 +1,12 @@
-//! `backlit export`: a track as motion files of other programs.
+//! `backlit export`: a track, or the poses of a project, as motion files of other programs.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use anyhow::{Context, ensure};
+use backlit_document::project::read_project;
 use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
+use backlit_tracking::camera::up_of;
 use clap::Args;
 use glam::DVec3;
 
@@ -22,13 +25,19 @@ Writes to the folder of --out one file a format, named after TRACK:
 
 Example:
   backlit track TAKE --out results
-  backlit export results --to bvh,c3d --up -y --out motion";
+  backlit export results --to bvh,c3d --up -y --out motion
+  backlit export corrected.backlit --to bvh --out motion";
+
+/// The ending of projects.
+const PROJECT: &str = "backlit";
 
 /// What `backlit export` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct ExportArguments {
-    /// Track: the track.json that `backlit track` wrote, or its folder
+    /// Track: the track.json that `backlit track` wrote, or its folder; or a project, NAME.backlit, whose poses are written as
+    /// they are, those set by hand included
+    #[arg(value_name = "TRACK|PROJECT")]
     track: PathBuf,
     /// Formats, with commas between: bvh, trc, mot, c3d, glb, npz, csv
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', required = true, value_parser = format)]
@@ -40,9 +49,10 @@ pub struct ExportArguments {
     /// body that the track names]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// Which way is up in the take's world: x, y, z, -x, -y, -z, or three numbers with commas between
-    #[arg(long, value_name = "AXIS", default_value = "z", allow_hyphen_values = true)]
-    up: Up,
+    /// Which way is up in the take's world: x, y, z, -x, -y, -z, or three numbers with commas between [default: z; of a
+    /// project, what its cameras say]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<Up>,
     /// Which way the file's axes point: y-up, z-up or world [default: as the format expects]
     #[arg(long, value_parser = axes)]
     axes: Option<Axes>,
@@ -66,7 +76,12 @@ pub struct ExportArguments {
 /// A track or body that cannot be read, no frame to write, or a folder that cannot be written.
 pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     let track = track_files::path_in(&arguments.track);
-    let motion = Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?);
+    let (motion, up) = if track.extension().is_some_and(|extension| extension == PROJECT) {
+        ensure!(arguments.model.is_none(), "--model is for tracks; a project has its body");
+        of_project(&track)?
+    } else {
+        (Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?), None)
+    };
     let range = match arguments.frames {
         Some(FrameRange { first, past: Some(past) }) if past <= first => {
             anyhow::bail!("--frames: there is no frame from {first} up to {past}")
@@ -76,7 +91,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     };
     let options = MotionOptions {
         axes: arguments.axes,
-        up: arguments.up.0,
+        up: arguments.up.map(|up| up.0).or(up).unwrap_or(MotionOptions::default().up),
         unit: arguments.unit,
         range,
         names: arguments.names,
@@ -91,6 +106,24 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
         motion::write(&arguments.out.join(name), format, &motion, &options)?;
     }
     Ok(())
+}
+
+/// The poses of a project as they are, and up as its cameras say. Nothing is computed again.
+///
+/// # Errors
+/// A project or take that cannot be read.
+fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
+    let document = read_project(path)?.document;
+    let source = document.take.clone();
+    let source = source.with_context(|| format!("{}: the project names no take", path.display()))?;
+    let take = source.named_by(path).open().context("the project's take cannot be opened")?;
+    let mut poses = document.own_poses();
+    // Poses beyond the last frame are kept and not shown.
+    poses.retain(|frame, _| *frame < take.frame_count());
+    let rig = document.calibration.as_ref().map_or_else(|| take.rig(), |calibration| &calibration.rig);
+    let up = up_of(rig.cameras());
+    let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
+    Ok((Motion { name, model: (*document.model).clone(), frame_rate, poses }, up))
 }
 
 /// A direction in the world.

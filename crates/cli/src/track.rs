@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
 use backlit_formats::take::BodySizes;
@@ -24,11 +24,8 @@ use super::own_body;
 use super::reference_options::ReferenceArguments;
 use super::resume::Earlier;
 use super::take_options::{self, PartArguments, StartArguments};
-use super::track_files;
+use super::track_files::Writer;
 use super::track_report::{Smoothing, TrackReport};
-
-/// Results so far are written this often: nothing is lost if the program is stopped.
-const WRITE_EVERY: Duration = Duration::from_secs(5);
 
 /// Frames that the filter's noise is estimated from, at most: a filter keeps a third of a megabyte of each.
 const TUNED_FRAMES: usize = 600;
@@ -41,6 +38,7 @@ Writes to the folder of --out:
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
   body.toml     the body, if it is not a built-in one
+  resume.json   what --resume goes on from; not there once the take's last frame is tracked
 
 If the take has no start, one is searched for. If the take asks for sizes, as one written by import does, \
 the person's own sizes are found first. Joints are named after the limb that ends in them, or root. If the \
@@ -108,7 +106,7 @@ pub(crate) struct FollowArguments {
     pub(crate) motion: Option<MotionWord>,
     /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
     /// and root (m/s^1.5)
-    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', num_args = 3)]
+    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
     pub(crate) noise: Option<Vec<f64>>,
     /// Smooth every frame by only so many frames after it, as a live track with that delay could
     #[arg(long, value_name = "FRAMES")]
@@ -228,7 +226,7 @@ pub(crate) enum MotionWord {
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
-    let earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
+    let mut earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
     let mut footage = match &earlier {
         Some(earlier) => Footage::new(Take::open_with_model(&arguments.take, earlier.written.model.clone())?),
         None => take_options::open_with_model(&arguments.take, arguments.model.as_deref())?,
@@ -239,6 +237,11 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         Some(earlier) => earlier.frames_left(footage.take(), &cameras, &all_frames)?,
         None => &all_frames,
     };
+    if let Some(earlier) = &mut earlier
+        && !frames.is_empty()
+    {
+        earlier.recall(smoothing)?;
+    }
     let fit = arguments.follow.fit()?;
     let (start, begun) = if let Some(earlier) = &earlier {
         (earlier.last_pose(), earlier.begun.clone())
@@ -257,27 +260,27 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let take = footage.take();
     let judge = arguments.reference.take(take)?;
     let part = Followed { footage: &footage, cameras: &cameras, frames, cues: &arguments.cues };
-    let mut tracker = tracker(arguments, part, start, &cancel)?;
+    let known = earlier.as_ref().and_then(Earlier::noise);
+    let mut tracker = tracker(arguments, part, start, known, &cancel)?;
     let mut report = TrackReport::new(take, &cameras, smoothing);
     if let Some(earlier) = earlier {
-        tracker = tracker.resuming(&earlier.written.track);
-        report.resume(take, earlier.written.track);
+        tracker = earlier.go_on(&footage, &cameras, &arguments.cues, tracker, &mut report)?;
     }
-    let mut written = Instant::now();
+    let mut writer = Writer::new(&arguments.out, take);
     let tracked = follow(part, tracker, &mut report, &cancel, |report| {
-        if written.elapsed() > WRITE_EVERY {
-            track_files::write(&arguments.out, take, report)?;
-            written = Instant::now();
-        }
+        writer.now_and_then(report);
         Ok(())
     });
+    // What cannot be smoothed or measured, as where the footage is gone, is written as it is.
+    let mut smoothed = Ok(());
     if smoothing.is_some() {
-        report.smooth(take)?;
         let (done, renderer) = (report.frames(), fit.renderer);
-        each_frame(&footage, &cameras, &done, |frame, views, _| {
-            report.measure_overlap(take, frame, &views, renderer);
-            Ok(())
-        })?;
+        smoothed = report.smooth(take).map_err(anyhow::Error::from).and_then(|()| {
+            each_frame(&footage, &cameras, &done, |frame, views, _| {
+                report.measure_overlap(take, frame, &views, renderer);
+                Ok(())
+            })
+        });
     }
     report.finish(take);
     report.is_partial = tracked.is_err();
@@ -286,7 +289,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         report.judge(judge);
     }
     if !report.track().frames.is_empty() {
-        track_files::write(&arguments.out, take, &report)?;
+        writer.at_the_end(&report)?;
     }
     if let Err(error) = tracked {
         let (done, all, folder) = (report.track().frames.len(), all_frames.len(), arguments.out.display());
@@ -295,10 +298,11 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
         });
     }
+    smoothed.context("what was tracked is written")?;
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }
 
-/// The tracker that these frames are followed with.
+/// The tracker that these frames are followed with. Noise that is `known` from an earlier track is not estimated again.
 ///
 /// # Errors
 /// Options that contradict each other or the take, or pictures that cannot be had while the noise is tuned.
@@ -306,14 +310,15 @@ fn tracker(
     arguments: &TrackArguments,
     part: Followed<'_>,
     start: Pose,
+    known: Option<KalmanOptions>,
     cancel: &CancelToken,
 ) -> anyhow::Result<Tracker> {
     let (follow, take) = (&arguments.follow, part.footage.take());
-    let mut noise = follow.noise()?;
-    if arguments.tune {
-        if !follow.is_kalman() {
-            bail!("--tune is for --motion kalman or smoothed");
-        }
+    let mut noise = known.unwrap_or(follow.noise()?);
+    if arguments.tune && !follow.is_kalman() {
+        bail!("--tune is for --motion kalman or smoothed");
+    }
+    if arguments.tune && known.is_none() {
         let tracker = follow.tracker_with(take, start.clone(), noise)?;
         noise = tuned(Followed { cues: &[], ..part }, tracker, noise, cancel)?;
     }
@@ -361,6 +366,11 @@ pub(crate) struct Followed<'a> {
     pub(crate) cues: &'a [Cue],
 }
 
+/// Whether any of these cues is one of pictures.
+pub(crate) fn wants_pictures(cues: &[Cue]) -> bool {
+    cues.iter().any(|cue| *cue != Cue::Keypoints)
+}
+
 fn cue(text: &str) -> Result<Cue, &'static str> {
     // Edges were measured to do more harm than good (docs/chapter6.md).
     let offered = [Cue::Keypoints, Cue::Flow, Cue::Stereo];
@@ -380,7 +390,7 @@ pub(crate) fn follow(
     mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let Followed { footage, cameras, frames, cues } = part;
-    let wants_pictures = cues.iter().any(|cue| *cue != Cue::Keypoints);
+    let wants_pictures = wants_pictures(cues);
     let mut began = Instant::now();
     each_frame(footage, cameras, frames, |frame, views, progress| {
         let seen = match cues {
@@ -392,6 +402,7 @@ pub(crate) fn follow(
             .with_context(|| format!("frame {frame}"))?;
         // A frame that was broken off is no frame.
         anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
+        report.memory = tracker.memory();
         report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
         began = Instant::now();
         progress.set_message(report.progress_text());

@@ -1,18 +1,23 @@
 //! The files that `backlit track` writes, and those of them that are read again.
 
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use backlit_formats::export::track_read::{self, WrittenTrack};
-use backlit_formats::export::{self, TrackExport};
+use backlit_formats::export::{self, TrackExport, resume_file};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
 use backlit_tracking::body::builtin;
 use serde::Deserialize;
 
+use super::output;
 use super::own_body::Begun;
 use super::track_report::TrackReport;
 
 /// The body, where it is no built-in one.
 const BODY: &str = "body.toml";
+/// What `--resume` goes on from.
+pub(crate) const RESUME: &str = "resume.json";
 /// What `--json` prints.
 const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
@@ -37,7 +42,72 @@ pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow:
     if builtin::of_name(take.model().name()).is_none_or(|model| model != **take.model()) {
         others.push((BODY, body.as_bytes()));
     }
-    Ok(export::write(folder, &export, &others)?)
+    // After the take's last frame there is nothing to go on with.
+    let has_ended =
+        report.track().frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
+    let resume = report.resume_point().filter(|_| !has_ended).map(|resume| resume_file::to_text(&resume));
+    if let Some(resume) = &resume {
+        others.push((RESUME, resume.as_bytes()));
+    }
+    export::write(folder, &export, &others)?;
+    if has_ended {
+        // One that cannot be removed is refused when it is read: it is of another frame.
+        let _ = fs::remove_file(folder.join(RESUME));
+    }
+    Ok(())
+}
+
+/// Results so far are written this often: nothing is lost if the program is stopped.
+const WRITE_EVERY: Duration = Duration::from_secs(5);
+
+/// Writes the results of a track while it goes on and at its end, and loses nothing of them where a disk is full or a folder
+/// vanishes.
+#[derive(Debug)]
+pub(crate) struct Writer<'a> {
+    folder: &'a Path,
+    take: &'a Take,
+    written: Instant,
+    is_told: bool,
+}
+
+impl<'a> Writer<'a> {
+    /// Into a folder; nothing is written yet.
+    pub(crate) fn new(folder: &'a Path, take: &'a Take) -> Self {
+        Self { folder, take, written: Instant::now(), is_told: false }
+    }
+
+    /// Writes what there is if it is time to. What cannot be written is told once; the track goes on.
+    pub(crate) fn now_and_then(&mut self, report: &TrackReport) {
+        if self.written.elapsed() <= WRITE_EVERY {
+            return;
+        }
+        if let Err(error) = self.write(report)
+            && !self.is_told
+        {
+            output::complain(&format!("{error:#}; the track goes on, and is written at its end"));
+            self.is_told = true;
+        }
+        self.written = Instant::now();
+    }
+
+    fn write(&self, report: &TrackReport) -> anyhow::Result<()> {
+        output::make_folder(self.folder)?;
+        write(self.folder, self.take, report)
+    }
+
+    /// Writes all there is; where that cannot be, into a folder for temporary files.
+    ///
+    /// # Errors
+    /// It could not be written where it was wanted; the message says where it is, if anywhere.
+    pub(crate) fn at_the_end(&self, report: &TrackReport) -> anyhow::Result<()> {
+        let Err(error) = self.write(report) else { return Ok(()) };
+        let other = std::env::temp_dir().join(format!("backlit-track-{}", std::process::id()));
+        let elsewhere = Writer { folder: &other, ..*self };
+        Err(match elsewhere.write(report) {
+            Ok(()) => error.context(format!("the results are in {}", other.display())),
+            Err(_) => error,
+        })
+    }
 }
 
 /// What was found before an earlier track into this folder began.
@@ -72,4 +142,36 @@ pub(crate) fn read(track: &Path, model: Option<&str>) -> anyhow::Result<WrittenT
     }
     let of_beside = track_read::read(&path, Some(&model_file::read(&beside)?));
     of_beside.or_else(|error| track_read::read(&path, None).map_err(|_error| error.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use backlit_tracking::track::FrameEstimate;
+
+    /// A folder that has vanished is made again; where none can be, the results are elsewhere, and that is said.
+    #[test]
+    fn results_are_not_lost_with_their_folder() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/take");
+        let take = Take::open(&path).unwrap();
+        let mut report = TrackReport::new(&take, &[0], None);
+        let estimate =
+            FrameEstimate { overlap: vec![None], ..FrameEstimate::of_pose(0, take.start().unwrap().clone()) };
+        report.add(&take, estimate, 1.0).unwrap();
+        let folder = std::env::temp_dir().join(format!("backlit-vanished-{}", std::process::id()));
+        let out = folder.join("results");
+        Writer::new(&out, &take).at_the_end(&report).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        Writer::new(&out, &take).at_the_end(&report).unwrap();
+        assert!(out.join("track.json").is_file());
+
+        let error = Writer::new(&out.join("track.json"), &take).at_the_end(&report).unwrap_err();
+        let message = format!("{error:#}");
+        let elsewhere = message.strip_prefix("the results are in ").unwrap().split(':').next().unwrap();
+        assert!(message.contains("track.json"), "{message}");
+        let again = read(Path::new(elsewhere), None).unwrap();
+        assert_eq!(again.track.frames.len(), 1);
+        fs::remove_dir_all(elsewhere).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use backlit_formats::Take;
+use backlit_formats::export::resume_file::{Resume, WaitingFrames};
 use backlit_tracking::fit::FitView;
 use backlit_tracking::metrics::{self, JointErrors, Statistics};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track};
+use backlit_tracking::track::{FrameEstimate, KalmanOptions, Smoother, SmoothingError, Track, TrackerMemory};
 use serde::Serialize;
 
 use super::own_body::Begun;
@@ -20,8 +21,13 @@ pub(crate) struct TrackReport {
     /// Names of the body's limbs.
     limbs: Vec<String>,
     track: Track,
-    /// Smooths frames by later ones, where that is asked for.
+    /// Smooths frames by later ones, where that is asked for: by so many, or by all.
     smoother: Option<Smoother>,
+    lag: Option<usize>,
+    /// The frames that waited when the rest was smoothed too.
+    waiting: Option<WaitingFrames>,
+    /// What the tracker knew after the newest frame.
+    pub(crate) memory: Option<TrackerMemory>,
     /// Whether what the filter believed of a frame is needed after it.
     keeps_beliefs: bool,
     /// Milliseconds of every frame, in the order in which they were tracked.
@@ -135,6 +141,9 @@ impl TrackReport {
             limbs: take.model().limbs().iter().map(|limb| limb.name.clone()).collect(),
             track: Track::default(),
             smoother: smoothing.map(|smoothing| Smoother::new(smoothing.lag)),
+            lag: smoothing.and_then(|smoothing| smoothing.lag),
+            waiting: None,
+            memory: None,
             keeps_beliefs: false,
             times_ms: Vec::new(),
             errors: JointErrors::default(),
@@ -176,9 +185,37 @@ impl TrackReport {
         Ok(())
     }
 
-    /// Takes over the frames of an earlier run.
-    pub(crate) fn resume(&mut self, take: &Take, track: Track) {
+    /// Takes over the frames of an earlier run, of which some wait to be smoothed by a filter of that noise.
+    pub(crate) fn resume(
+        &mut self,
+        take: &Take,
+        mut track: Track,
+        waiting: Option<(WaitingFrames, KalmanOptions)>,
+    ) {
+        if let Some((WaitingFrames { frames: waiting, .. }, noise)) = waiting
+            && let Some(smoother) = self.smoother.take()
+        {
+            let known = waiting.iter().map(|waiting| {
+                let known = track.frames.remove(&waiting.frame);
+                known.unwrap_or_else(|| FrameEstimate::of_pose(waiting.frame, waiting.pose.clone()))
+            });
+            let known: Vec<FrameEstimate> = known.collect();
+            for (known, waiting) in known.iter().zip(&waiting) {
+                let newest = FrameEstimate { pose: waiting.pose.clone(), ..known.clone() };
+                self.track.frames.insert(newest.frame, newest);
+            }
+            self.smoother = Some(smoother.with_waiting(known, waiting, noise, take.frame_rate()));
+        }
         track.frames.into_values().for_each(|estimate| self.keep(take, estimate));
+    }
+
+    /// What is needed to go on after the newest frame, if there is one.
+    pub(crate) fn resume_point(&self) -> Option<Resume> {
+        let smoothing = self.waiting.clone().or_else(|| {
+            let frames = self.smoother.as_ref()?.waiting();
+            Some(WaitingFrames { lag: self.lag, frames })
+        });
+        Some(Resume { memory: self.memory.clone()?, smoothing })
     }
 
     fn keep(&mut self, take: &Take, mut estimate: FrameEstimate) {
@@ -196,6 +233,7 @@ impl TrackReport {
     /// A track that cannot be smoothed.
     pub(crate) fn smooth(&mut self, take: &Take) -> Result<(), SmoothingError> {
         if let Some(mut smoother) = self.smoother.take() {
+            self.waiting = Some(WaitingFrames { lag: self.lag, frames: smoother.waiting() });
             smoother.finish()?.into_iter().for_each(|estimate| self.keep(take, estimate));
         }
         Ok(())

@@ -123,12 +123,12 @@ pub enum Edit {
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum EditError {
-    #[error("the pose of frame {frame} does not fit the body: {source}")]
-    Pose { frame: usize, source: PoseError },
-    #[error("the size of limb {limb} is wrong: {source}")]
-    Size { limb: usize, source: ModelError },
-    #[error("the body cannot be of that size: {source}")]
-    Scale { source: ModelError },
+    #[error("the pose of frame {frame} does not fit the body: {error}")]
+    Pose { frame: usize, error: PoseError },
+    #[error("the size of limb {limb} is wrong: {error}")]
+    Size { limb: usize, error: ModelError },
+    #[error("the body cannot be of that size: {error}")]
+    Scale { error: ModelError },
     #[error("there is no limb {limb}; the body has {count}")]
     NoLimb { limb: usize, count: usize },
     #[error("the body has other limbs; expected the same ones in other sizes")]
@@ -212,7 +212,7 @@ impl Document {
             }
             Edit::SetBody(model) => self.set_body(model)?,
             Edit::ScaleBody { factor } => {
-                let scaled = self.model.scaled(factor).map_err(|source| EditError::Scale { source })?;
+                let scaled = self.model.scaled(factor).map_err(|error| EditError::Scale { error })?;
                 self.model = Arc::new(scaled);
                 self.outdate_estimates();
             }
@@ -262,7 +262,7 @@ impl Document {
     }
 
     fn set_pose(&mut self, frame: usize, pose: &Pose) -> Result<(), EditError> {
-        pose.check(&self.model).map_err(|source| EditError::Pose { frame, source })?;
+        pose.check(&self.model).map_err(|error| EditError::Pose { frame, error })?;
         Arc::make_mut(&mut self.keys).insert(frame, pose.normalized());
         Arc::make_mut(&mut self.estimates).remove(&frame);
         Ok(())
@@ -270,7 +270,7 @@ impl Document {
 
     fn add_estimates(&mut self, found: Vec<(usize, Arc<Estimate>)>) -> Result<(), EditError> {
         for (frame, estimate) in &found {
-            let wrong = |source| EditError::Pose { frame: *frame, source };
+            let wrong = |error| EditError::Pose { frame: *frame, error };
             estimate.pose.check(&self.model).map_err(wrong)?;
             if ![estimate.cost, estimate.rms].iter().flatten().all(|value| value.is_finite()) {
                 return Err(EditError::Cost { frame: *frame });
@@ -291,7 +291,7 @@ impl Document {
                 (limb.length, limb.radius) = (length, radius);
             }
         }
-        let model = Model::new(&spec).map_err(|source| EditError::Size { limb, source })?;
+        let model = Model::new(&spec).map_err(|error| EditError::Size { limb, error })?;
         self.model = Arc::new(model);
         self.outdate_estimates();
         Ok(())

@@ -130,6 +130,12 @@ impl Document {
         }
     }
 
+    /// The poses that are not another frame's, by frame: found, or set by hand.
+    pub fn own_poses(&self) -> BTreeMap<usize, Pose> {
+        let frames = self.estimates.keys().chain(self.keys.keys());
+        frames.map(|&frame| (frame, self.pose_at(frame).clone())).collect()
+    }
+
     /// Whether a frame has a pose of its own.
     pub fn has_pose(&self, frame: usize) -> bool {
         self.estimates.contains_key(&frame) || self.keys.contains_key(&frame)

@@ -47,7 +47,7 @@ pub struct Project {
 /// # Errors
 /// The file system says no.
 pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
-    let json = |source| ProjectError::Json { path: path.to_owned(), source };
+    let json = |error| ProjectError::Json { path: path.to_owned(), error };
     let file = to_file(document, runs);
     let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
     if !file.runs.is_empty() {
@@ -66,12 +66,12 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
 /// The first thing that is wrong, with the file and the field.
 pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
     let text = DiskFiles.read(path, MAX_BYTES)?;
-    let json = |source: serde_json::Error| {
+    let json = |error: serde_json::Error| {
         let path = path.to_owned();
-        if source.is_eof() {
-            ProjectError::Cut { path, line: source.line() }
+        if error.is_eof() {
+            ProjectError::Cut { path, line: error.line() }
         } else {
-            ProjectError::Json { path, source }
+            ProjectError::Json { path, error }
         }
     };
     // The version first: another version's fields would only confuse.
@@ -274,11 +274,17 @@ mod tests {
             ("\"mismatch\":8.0", "\"mismatch\":-8.0", "`runs[0].steps[0].mismatch` is -8"),
             ("\"stage\":1", "\"stage\":2", "`runs[0].steps[1].stage` is 2"),
             ("\"damping\":0.5,\"step", "\"dumping\":0.5,\"step", "unknown field `dumping`"),
+            ("\"stride\": ", "\"stride\": 429496729600", "`fit`: `stages[0].stride` is 4294967"),
+            ("\"length\": ", "\"length\": -", "`model`: limb "),
         ] {
             assert!(good.contains(from), "{from}");
             std::fs::write(&path, good.replacen(from, to, 1)).unwrap();
-            let message = read_project(&path).unwrap_err().to_string();
+            let error = read_project(&path).unwrap_err();
+            let message = error.to_string();
             assert!(message.contains(expected) && message.contains("b.backlit"), "{message}");
+            // Who prints causes too, as the command line does, would say it twice.
+            let cause = std::error::Error::source(&error).map(ToString::to_string);
+            assert!(cause.as_ref().is_none_or(|cause| !message.contains(cause)), "{message}: {cause:?}");
         }
         for cut in [0, 1, good.len() / 2, good.trim_end().len() - 1] {
             std::fs::write(&path, &good[..cut]).unwrap();

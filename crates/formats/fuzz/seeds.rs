@@ -5,17 +5,22 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use backlit_formats::calibration::write::{self, Format};
+use backlit_formats::export::resume_file::{self, Resume, WaitingFrames};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{TrackExport, track_json};
 use backlit_formats::motion::{self, Motion, MotionFormat, MotionOptions};
 use backlit_formats::{model_file, pose_file, prior_file};
 use backlit_tracking::body::{Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
-use backlit_tracking::cues::{Cue, LimbHold};
+use backlit_tracking::cues::{Cue, CueMemory, LimbHold};
+use backlit_tracking::filter::Belief;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::prior::{BodyDirection, PosePrior, PriorPart, StepStatistics, StudentComponent};
 use backlit_tracking::silhouette::Overlap;
-use backlit_tracking::track::{FrameEstimate, Lost, Track};
+use backlit_tracking::track::{
+    FilterMemory, FrameEstimate, KalmanOptions, LastFrame, LastResort, Lost, Track, TrackerMemory, UsualCost,
+    WaitingFrame,
+};
 use glam::DVec3;
 use image::{DynamicImage, GrayImage, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 
@@ -178,6 +183,29 @@ pub(crate) fn tracks() -> Vec<Vec<u8>> {
         track: Track { frames: BTreeMap::from([(3, good), (4, lost)]) },
     };
     vec![track_text(&written).into_bytes()]
+}
+
+/// What is left of a track to go on from: by velocity, and smoothed.
+pub(crate) fn resumes() -> Vec<Vec<u8>> {
+    let belief = || Belief::from_numbers(vec![0.1; 6], (0..144).map(f64::from).collect()).unwrap();
+    let pose = Pose::rest(&builtin::single_limb());
+    let plain = TrackerMemory {
+        last: LastFrame { frame: 7, pose: pose.clone(), lost: false, velocity: Some(vec![0.25; 6]) },
+        usual: UsualCost { last: [20.25, 21.5].into(), too_high: 1 },
+        last_resort: LastResort { wait: 1, waited: 2 },
+        has_start: true,
+        filter: None,
+        cues: Some(CueMemory { offsets: vec![[0.5; 12]], before: Some(pose.clone()) }),
+    };
+    let filter = FilterMemory { noise: KalmanOptions::default(), pose: pose.clone(), belief: belief() };
+    let filtered = TrackerMemory { filter: Some(filter), cues: None, ..plain.clone() };
+    let waiting = |frame, belief| WaitingFrame { frame, pose: pose.clone(), belief, goes_on: true };
+    let frames = vec![waiting(6, Some(belief())), waiting(7, None)];
+    let smoothing = Some(WaitingFrames { lag: Some(3), frames });
+    [Resume { memory: plain, smoothing: None }, Resume { memory: filtered, smoothing }]
+        .iter()
+        .map(|resume| resume_file::to_text(resume).into_bytes())
+        .collect()
 }
 
 /// A body's motion as BVH, as we write it, and one written by hand.

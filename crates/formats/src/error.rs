@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::camera::{CameraError, MAX_PIXELS, RigError};
+use backlit_tracking::track::MemoryError;
 use thiserror::Error;
 
 use crate::masks::MaskProblem;
@@ -128,6 +129,8 @@ pub enum FileProblem {
     Model { error: ModelError },
     #[error(transparent)]
     Pose { error: PoseError },
+    #[error(transparent)]
+    Memory { error: MemoryError },
     #[error("camera \"{}\": {error}", cut(.camera))]
     Camera { camera: String, error: CameraError },
     #[error(transparent)]

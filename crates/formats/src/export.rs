@@ -5,6 +5,7 @@
 //! | [`tables`] | CSV: poses, joints, and how well each frame fits |
 //! | [`track_json`] | all of it in one `backlit-track 1` JSON |
 //! | [`track_read`] | that JSON again |
+//! | [`resume_file`] | what the tracker knew at the end, to go on from |
 //! | [`write`](write()) | all of these files at once |
 
 use std::path::Path;
@@ -16,6 +17,7 @@ use backlit_tracking::track::Track;
 use super::FileError;
 use super::atomic::{self, Fill};
 
+pub mod resume_file;
 pub mod tables;
 pub mod track_json;
 pub mod track_read;

@@ -249,15 +249,26 @@ impl Footage {
         wants_pictures: bool,
     ) -> Result<FrameCues, FootageError> {
         let one = |&camera: &usize| -> Result<CameraCues, FootageError> {
-            let keypoints = self.take.keypoint_cues(camera, frame, &self.cameras[camera])?;
-            let picture = match wants_pictures {
-                true => GreyPicture::of_image(&grayscale(&self.picture(camera, frame)?)).ok().map(Arc::new),
-                false => None,
-            };
-            Ok(CameraCues { keypoints, picture })
+            let picture = if wants_pictures { Some(self.picture(camera, frame)?) } else { None };
+            Ok(self.camera_cues(camera, frame, picture.as_ref())?)
         };
         let cameras: Vec<Result<CameraCues, FootageError>> = cameras.par_iter().map(one).collect();
         Ok(FrameCues { cameras: cameras.into_iter().collect::<Result<_, _>>()? })
+    }
+
+    /// The same of one camera, whose [`picture`](Self::picture) this is if it is to be looked at.
+    ///
+    /// # Errors
+    /// A file that is not one of keypoints.
+    pub fn camera_cues(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: Option<&RgbImage>,
+    ) -> Result<CameraCues, TakeError> {
+        let keypoints = self.take.keypoint_cues(camera, frame, &self.cameras[camera])?;
+        let grey = picture.and_then(|picture| GreyPicture::of_image(&grayscale(picture)).ok());
+        Ok(CameraCues { keypoints, picture: grey.map(Arc::new) })
     }
 
     fn rectified(&self, camera: usize, picture: &RgbImage) -> Result<RgbImage, FootageError> {

@@ -10,14 +10,13 @@ use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::{CameraCues, GreyPicture};
+use backlit_tracking::cues::CameraCues;
 use backlit_tracking::fit::{DataView, Evidence};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use backlit_tracking::synchronise::SynchroniseOptions;
-use image::imageops::grayscale;
 use image::{DynamicImage, RgbImage};
 
 use crate::demonstration::{Demonstration, UNKNOWN_GREY};
@@ -148,9 +147,7 @@ impl Footage {
         frame: usize,
         picture: Option<&RgbImage>,
     ) -> Result<CameraCues, TakeError> {
-        let keypoints = self.inner.take().keypoint_cues(camera, frame, &self.cameras[camera])?;
-        let grey = picture.and_then(|picture| GreyPicture::of_image(&grayscale(picture)).ok());
-        Ok(CameraCues { keypoints, picture: grey.map(Arc::new) })
+        self.inner.camera_cues(camera, frame, picture)
     }
 
     /// How far the cameras were started apart, from the motion of the take's silhouettes. `on_frame` hears how many frames are

@@ -37,14 +37,14 @@ pub enum ReplacementError {
     CameraSize { path: PathBuf, camera: String, found: [usize; 2], expected: [usize; 2] },
     #[error("{}: has {}×{} pixels; the pictures of camera \"{camera}\" have {}×{}", path.display(), found[0], found[1], expected[0], expected[1])]
     MaskSize { path: PathBuf, camera: String, found: [usize; 2], expected: [usize; 2] },
-    #[error("{}: {source}", path.display())]
-    Camera { path: PathBuf, source: CameraError },
-    #[error("{}: {source}", path.display())]
-    Rig { path: PathBuf, source: RigError },
-    #[error("{}: {source}", path.display())]
-    Mask { path: PathBuf, source: MaskError },
-    #[error("{}: {source}", path.display())]
-    Folder { path: PathBuf, source: std::io::Error },
+    #[error("{}: {error}", path.display())]
+    Camera { path: PathBuf, error: CameraError },
+    #[error("{}: {error}", path.display())]
+    Rig { path: PathBuf, error: RigError },
+    #[error("{}: {error}", path.display())]
+    Mask { path: PathBuf, error: MaskError },
+    #[error("{}: {error}", path.display())]
+    Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: there is no PNG in it", path.display())]
     NoPictures { path: PathBuf },
     #[error("{}: no camera is called that; expected NAME.png for one of {known}, or one picture for each camera", path.display())]
@@ -91,9 +91,9 @@ pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, 
         let size = expected.map(|side| side as u64);
         let (lens, place) = (*new.distortion(), *new.camera_from_world());
         let camera = Camera::new(camera.name(), size, *new.intrinsics(), lens, place);
-        fitted.push(camera.map_err(|source| ReplacementError::Camera { path: path.to_owned(), source })?);
+        fitted.push(camera.map_err(|error| ReplacementError::Camera { path: path.to_owned(), error })?);
     }
-    let rig = Rig::new(fitted).map_err(|source| ReplacementError::Rig { path: path.to_owned(), source })?;
+    let rig = Rig::new(fitted).map_err(|error| ReplacementError::Rig { path: path.to_owned(), error })?;
     Ok(Calibration { path: path.to_owned(), rig })
 }
 
@@ -141,7 +141,7 @@ pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize,
 /// The PNGs of a folder.
 fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ReplacementError> {
     let entries = std::fs::read_dir(folder)
-        .map_err(|source| ReplacementError::Folder { path: folder.to_owned(), source })?;
+        .map_err(|error| ReplacementError::Folder { path: folder.to_owned(), error })?;
     let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let pictures: Vec<PathBuf> =
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_png(path)).collect();
@@ -163,7 +163,7 @@ pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError>
         let (path, camera) = (path.to_owned(), camera.name().to_owned());
         return Err(ReplacementError::MaskSize { path, camera, found, expected });
     }
-    let wrong = |source| ReplacementError::Mask { path: path.to_owned(), source };
+    let wrong = |error| ReplacementError::Mask { path: path.to_owned(), error };
     let mask = Mask::from_gray(&picture).map_err(wrong)?;
     match Rectification::new(camera).nearest(mask.labels(), Label::Unknown) {
         Some(labels) => Mask::new(mask.width(), mask.height(), labels).map_err(wrong),

@@ -1,7 +1,10 @@
 //! Where a take comes from.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use backlit_formats::Take;
+
+use super::builtin;
 use super::demonstration::Demonstration;
 
 /// Where the footage of a document comes from.
@@ -13,4 +16,30 @@ pub enum TakeSource {
     Demonstration(Demonstration),
     /// A folder with a `take.toml`, or the file itself.
     Path(PathBuf),
+}
+
+impl TakeSource {
+    /// As a project names it that lies here: a path that does not begin at the root is looked for beside the project first.
+    #[must_use]
+    pub fn named_by(self, project: &Path) -> Self {
+        match self {
+            Self::Path(take) if take.is_relative() => {
+                let beside = project.parent().unwrap_or(Path::new("")).join(&take);
+                Self::Path(if beside.exists() { beside } else { take })
+            }
+            source => source,
+        }
+    }
+
+    /// Opens the take.
+    ///
+    /// # Errors
+    /// It is not there or no take, or a demonstration's footage is not there.
+    pub fn open(&self) -> anyhow::Result<Take> {
+        match self {
+            Self::BuiltIn => Ok(builtin::open()?),
+            Self::Demonstration(which) => which.take(),
+            Self::Path(path) => Ok(Take::open(path)?),
+        }
+    }
 }

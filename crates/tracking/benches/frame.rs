@@ -1,6 +1,7 @@
 //! One frame from pixels to pose on one thread: segmentation, distances, the robust fit.
 //!
-//! `BACKLIT_DATA=… cargo bench -p backlit-tracking --bench frame`
+//! `BACKLIT_DATA=… cargo bench -p backlit-tracking --bench frame`, or with `-- TAKE RESULTS` a take of one's own, with the body and
+//! the first pose of what `backlit track TAKE --out RESULTS` wrote.
 //!
 //! The real footage, four cameras of 272 × 480, full body; without `BACKLIT_DATA` the built-in take. The pictures are
 //! decoded and rectified beforehand. Frames are followed in their order, as a tracker does, and each is timed once a
@@ -8,11 +9,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a measurement without its input is none")]
 
+use std::env;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use backlit_formats::{Footage, Take};
+use backlit_formats::export::track_read;
+use backlit_formats::{Footage, Take, model_file};
+use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::search::start;
@@ -28,25 +32,43 @@ const REACH_PX: f32 = 13.0;
 
 fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let real =
-        std::env::var_os("BACKLIT_DATA").map(PathBuf::from).filter(|data| data.join("balancing").is_dir());
-    let (name, take) = match real {
-        Some(_) => ("Real footage", "../../tests/takes/balancing"),
-        None => ("Built-in take (no BACKLIT_DATA)", "../../assets/take"),
+    let real = env::var_os("BACKLIT_DATA").map(PathBuf::from).filter(|data| data.join("balancing").is_dir());
+    // Cargo adds options of its own.
+    let named: Vec<String> = env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let (name, footage, begin) = match (named.as_slice(), real) {
+        ([take, results], _) => {
+            let (footage, pose) = tracked(Path::new(take), Path::new(results));
+            (take.as_str(), footage, Some(pose))
+        }
+        (_, Some(_)) => ("Real footage", open(&folder.join("../../tests/takes/balancing")), None),
+        (_, None) => ("Built-in take (no BACKLIT_DATA)", open(&folder.join("../../assets/take")), None),
     };
-    let footage = Footage::new(Take::open(&folder.join(take)).unwrap());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    pool.install(|| table(name, &footage));
+    pool.install(|| table(name, &footage, begin));
 }
 
-fn table(name: &str, footage: &Footage) {
+fn open(take: &Path) -> Footage {
+    Footage::new(Take::open(take).unwrap())
+}
+
+/// A take with the body that it was tracked with, and its first pose.
+fn tracked(take: &Path, results: &Path) -> (Footage, Pose) {
+    let body = results.join("body.toml");
+    let body = body.exists().then(|| model_file::read(&body).unwrap());
+    let written = track_read::read(&results.join("track.json"), body.as_ref()).unwrap();
+    let first = written.track.frames.values().next().unwrap().pose.clone();
+    (Footage::new(Take::open_with_model(take, written.model).unwrap()), first)
+}
+
+fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
     let take = footage.take();
     let cameras = take.rig().count();
     let pictures: Vec<Vec<RgbImage>> = (0..take.frame_count())
         .map(|frame| (0..cameras).map(|camera| footage.picture(camera, frame).unwrap()).collect())
         .collect();
-    let begin =
-        take.start().cloned().or_else(|| start::from_joints(take.model(), &take.reference()?.joints(0)));
+    let of_take =
+        || take.start().cloned().or_else(|| start::from_joints(take.model(), &take.reference()?.joints(0)));
+    let begin = begin.or_else(of_take);
     let mut parts: [Part; 4] =
         ["segmentation", "distances within 13 px", "fit, distances included", "whole frame"].map(Part::new);
     let mut iterations = Vec::new();

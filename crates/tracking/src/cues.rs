@@ -82,4 +82,4 @@ pub use hold::LimbHold;
 pub use keypoints::KeypointOffsets;
 pub use options::{CueOptions, CueOptionsError, CueReach, CueStrength};
 pub use picture::{GreyPicture, GreyPictureError};
-pub use watch::{CueWatch, WatchedCamera};
+pub use watch::{CueMemory, CueWatch, WatchedCamera};

@@ -136,6 +136,7 @@ pub mod fit;
 pub mod geometry;
 pub mod metrics;
 pub mod names;
+mod numbers;
 pub mod observability;
 pub mod optimize;
 pub mod particles;

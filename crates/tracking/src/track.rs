@@ -10,6 +10,7 @@
 //! | `motion` | [`Motion`]: how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
 //! | `lost` | [`Lost`]: noticing that a track was lost |
 //! | `smoothing` | [`smoothed`]: what later frames say of earlier ones; [`Smoother`]: frame after frame, some frames late, in bounded memory |
+//! | `memory` | [`TrackerMemory`]: what a tracker knows after a frame, to go on from another day |
 //! | `tune` | [`tune()`]: the filter's noise, from innovations |
 //! | [`join`](mod@join) | two tracks of the same frames, one forwards and one backwards, made one |
 
@@ -20,13 +21,16 @@ mod frame_masks;
 pub mod join;
 mod last_frame;
 mod lost;
+mod memory;
 mod motion;
 mod smoothing;
 mod tracker;
 mod tune;
 
 pub use estimate::{FrameEstimate, Track};
-pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, Lost};
+pub use last_frame::LastFrame;
+pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, LastResort, Lost, UsualCost};
+pub use memory::{FilterMemory, MemoryError, TrackerMemory, WaitingFrame};
 pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, Predicted, Seen};
 pub use smoothing::{Smoother, SmoothingError, WHOLE_LAG, smoothed};
 pub use tracker::{SEARCH_BELOW_IOU, Tracker, WhenToSearch};

@@ -9,13 +9,12 @@ use crate::context::Context;
 /// The poses of a document: of each frame that has one of its own, fitted or set by hand.
 pub(super) fn motion_of(context: &Context<'_>) -> Motion {
     let document = context.document();
-    let frames = document.estimates.keys().chain(document.keys.keys());
     let take = context.session.take.as_ref();
     Motion {
         name: take.map_or_else(|| "backlit".to_owned(), |take| take.name.clone()),
         model: (*document.model).clone(),
         frame_rate: take.map_or(30.0, |take| take.frame_rate),
-        poses: frames.map(|&frame| (frame, document.pose_at(frame).clone())).collect(),
+        poses: document.own_poses(),
     }
 }
 

@@ -36,7 +36,7 @@ impl About {
     pub(crate) fn write(&self, copy: &Path) -> Result<(), ProjectError> {
         let path = Self::path_of(copy);
         let json =
-            serde_json::to_vec(self).map_err(|source| ProjectError::Json { path: path.clone(), source })?;
+            serde_json::to_vec(self).map_err(|error| ProjectError::Json { path: path.clone(), error })?;
         Ok(atomic::write(&path, &json)?)
     }
 

@@ -13,13 +13,12 @@ use backlit_tracking::posing;
 use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
 
-use super::body_job::BodyJob;
+use super::body_job::{self, BodyJob};
 use super::job::{Leg, TrackInputs, TrackJob};
 use super::keys::keys_around;
 use super::person_job::PersonJob;
 use super::poses_job::PosesJob;
-use super::spheres_job::{self, SpheresJob};
-use super::{Found, OtherPoses, Tracking, Work, body};
+use super::{Found, OtherPoses, Tracking, Work, body, spheres};
 use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
@@ -157,14 +156,15 @@ impl Tracking {
     pub(crate) fn make_body(&mut self, command: FitCommand, context: &Context<'_>, requests: &mut Requests) {
         let Some((footage, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
         let measurement = context.document().measurement.clone();
+        let read = Vec::new();
         if command == FitCommand::MakeSpheres {
             let waiting = body::frames(context, body::SPHERE_FRAMES);
             self.at = None;
-            let job = SpheresJob { footage, measurement, fit, waiting, read: Vec::new() };
+            let job = BodyJob { footage, measurement, fit, waiting, read, make: spheres::spheres };
             self.begin(Work::Spheres, context, job);
         } else {
             let waiting = body::frames(context, body::SIZE_FRAMES);
-            let job = BodyJob { footage, measurement, fit, waiting, read: Vec::new() };
+            let job = BodyJob { footage, measurement, fit, waiting, read, make: body_job::sizes };
             self.begin(Work::FitBody, context, job);
         }
         requests.request(Request::LeaveStep);
@@ -248,7 +248,7 @@ impl Tracking {
                 }
                 News::Output(Found::Poses(frame, found)) => self.poses_found(frame, found, context, requests),
                 News::Output(Found::Body(fit)) => body::take_in(&fit, context, requests),
-                News::Output(Found::Spheres(body)) => spheres_job::take_in(&body, context, requests),
+                News::Output(Found::Spheres(body)) => spheres::take_in(&body, context, requests),
                 News::Output(Found::Person { frame, person, said }) => {
                     self.person_found(frame, &person, said, context, requests);
                 }

@@ -16,8 +16,8 @@ use super::FORMAT;
 pub enum ProjectError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{}: {source}", path.display())]
-    Json { path: PathBuf, source: serde_json::Error },
+    #[error("{}: {error}", path.display())]
+    Json { path: PathBuf, error: serde_json::Error },
     #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
     Format { path: PathBuf, found: String },
     #[error(
@@ -27,10 +27,10 @@ pub enum ProjectError {
     Newer { path: PathBuf, found: String },
     #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
     Cut { path: PathBuf, line: usize },
-    #[error("{}: `model`: {source}", path.display())]
-    Model { path: PathBuf, source: ModelError },
-    #[error("{}: `{field}`: {source}", path.display())]
-    Pose { path: PathBuf, field: String, source: PoseError },
+    #[error("{}: `model`: {error}", path.display())]
+    Model { path: PathBuf, error: ModelError },
+    #[error("{}: `{field}`: {error}", path.display())]
+    Pose { path: PathBuf, field: String, error: PoseError },
     #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
     Limb { path: PathBuf, field: String, limb: String },
     #[error(
@@ -44,12 +44,12 @@ pub enum ProjectError {
     Measurements { path: PathBuf, count: usize, cameras: usize },
     #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
     MaskCamera { path: PathBuf, frame: usize, camera: String },
-    #[error("{}: `fit`: {source}", path.display())]
-    Fit { path: PathBuf, source: OptionsError },
-    #[error("{}: `{field}.fit`: {source}", path.display())]
-    RunFit { path: PathBuf, field: String, source: OptionsError },
-    #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
-    Measurement { path: PathBuf, index: usize, source: SegmentError },
+    #[error("{}: `fit`: {error}", path.display())]
+    Fit { path: PathBuf, error: OptionsError },
+    #[error("{}: `{field}.fit`: {error}", path.display())]
+    RunFit { path: PathBuf, field: String, error: OptionsError },
+    #[error("{}: `measurement`, camera {index} counted from 0: {error}", path.display())]
+    Measurement { path: PathBuf, index: usize, error: SegmentError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number, 0 or above", path.display())]
     Weight { path: PathBuf, camera: String, weight: f64 },
 }

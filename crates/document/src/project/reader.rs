@@ -25,14 +25,14 @@ pub(crate) struct Reader<'a> {
 impl Reader<'_> {
     pub(crate) fn project(&self, file: ProjectFile) -> Result<Project, ProjectError> {
         let model = Model::new(&file.model)
-            .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
-        let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
+            .map_err(|error| ProjectError::Model { path: self.path.to_owned(), error })?;
+        let wrong = |error| ProjectError::Fit { path: self.path.to_owned(), error };
         let mut fit = file.fit;
         likely_poses::set_weight(&mut fit, file.likely_poses.unwrap_or(0.0));
         fit.check().map_err(wrong)?;
         for (index, options) in file.measurement.iter().enumerate() {
             let path = self.path.to_owned();
-            options.check().map_err(|source| ProjectError::Measurement { path, index, source })?;
+            options.check().map_err(|error| ProjectError::Measurement { path, index, error })?;
         }
         let start = self.pose(&model, "start", &file.start)?;
         let mut keys = BTreeMap::new();
@@ -95,7 +95,7 @@ impl Reader<'_> {
     }
 
     fn calibration(&self, record: CalibrationRecord) -> Result<Arc<Calibration>, ProjectError> {
-        let json = |source| ProjectError::Json { path: self.path.to_owned(), source };
+        let json = |error| ProjectError::Json { path: self.path.to_owned(), error };
         let text = serde_json::to_string(&record.cameras).map_err(json)?;
         let rig = backlit::parse(self.path, &text, CalibrationOptions::default())?;
         Ok(Arc::new(Calibration { path: record.file, rig }))
@@ -134,8 +134,7 @@ impl Reader<'_> {
             }
             pose.rotations[limb.rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
         }
-        let wrong =
-            |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
+        let wrong = |error| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), error };
         pose.check(model).map_err(wrong)?;
         Ok(pose)
     }

@@ -125,7 +125,7 @@ impl Reader<'_> {
 
     fn run(&self, model: &Model, field: &str, record: RunRecord) -> Result<Run, ProjectError> {
         let wrong =
-            |source| ProjectError::RunFit { path: self.path.to_owned(), field: field.to_owned(), source };
+            |error| ProjectError::RunFit { path: self.path.to_owned(), field: field.to_owned(), error };
         let mut fit = record.fit;
         likely_poses::set_weight(&mut fit, record.likely_poses.unwrap_or(0.0));
         fit.check().map_err(wrong)?;

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use backlit_formats::calibration::write::{self, Format};
 use backlit_formats::calibration::{self, CalibrationOptions};
-use backlit_formats::export::track_read;
+use backlit_formats::export::{resume_file, track_read};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file, trc};
-use backlit_tracking::body::builtin;
+use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::camera::Rig;
+use backlit_tracking::cues::CueOptions;
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::track::{KalmanOptions, Motion, Tracker};
 
 use crate::engine::{Answer, Target};
 use crate::mutate::Syntax;
@@ -86,6 +89,29 @@ fn track(bytes: &[u8]) -> Answer {
     if let Ok(written) = &found {
         let again = track_read::parse(path, seeds::track_text(written).as_bytes(), None).unwrap();
         assert_eq!(&again, written);
+    }
+    found.into()
+}
+
+/// What was read is written and read again as the same, and a tracker takes it or says why not.
+fn resume(bytes: &[u8]) -> Answer {
+    let (path, model) = (Path::new("resume.json"), builtin::single_limb());
+    let found = resume_file::parse(path, bytes, &model);
+    if let Ok(resume) = &found {
+        let again = resume_file::parse(path, resume_file::to_text(resume).as_bytes(), &model).unwrap();
+        assert_eq!(&again, resume);
+        let start = Pose::rest(&model);
+        let tracker = Tracker::new(Arc::new(model), FitOptions::default(), start).unwrap();
+        let tracker = match &resume.memory.filter {
+            Some(_) => tracker.with_motion(Motion::Kalman(KalmanOptions::default()), 30.0).unwrap(),
+            None => tracker,
+        };
+        let tracker = match &resume.memory.cues {
+            Some(_) => tracker.with_cues(CueOptions::default()).unwrap(),
+            None => tracker,
+        };
+        let tracker = tracker.with_memory(resume.memory.clone()).unwrap();
+        assert!(tracker.start_of(resume.memory.last.frame).rotations.len() == 1);
     }
     found.into()
 }
@@ -212,6 +238,7 @@ pub(super) fn targets() -> Vec<Target> {
             ..text("prior", seeds::priors, prior)
         },
         Target { words: POSE, short: 400, ..text("track", seeds::tracks, track) },
+        Target { words: &["\"waiting\"", "null", "\"belief\""], ..text("resume", seeds::resumes, resume) },
         Target {
             words: &["\"people\""],
             ..text("keypoints", || seeds::kept("keypoints", false), keypoint_file)

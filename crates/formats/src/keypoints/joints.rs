@@ -216,6 +216,28 @@ mod tests {
         assert_eq!(cues_of(&builtin::single_limb(), &person, ORDERS[0], &camera, &working), []);
     }
 
+    /// The other way round than `cues_of`: what was there is there again, at its place in COCO's order, and nothing else.
+    #[test]
+    fn cues_become_the_person_whose_they_are() {
+        use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+        let model = builtin::full_body();
+        let pinhole = Intrinsics { fx: 260.0, fy: 260.0, cx: 99.5, cy: 149.5 };
+        let place = CameraFromWorld::looking_at(DVec3::new(0.4, 3.5, 1.0), DVec3::ZERO, DVec3::Z);
+        let camera = Camera::new("c", [200, 300], pinhole, Distortion::None, place).unwrap();
+        let mut seen = person();
+        seen[9] = None;
+        let again = person_of(&model, &cues_of(&model, &seen, ORDERS[0], &camera, &camera));
+        assert_eq!(again.len(), COCO_KEYPOINTS);
+        for (index, (found, expected)) in again.iter().zip(&seen).enumerate() {
+            // Nose, eyes and ears are no joints of the body.
+            let expected = expected.filter(|_| index >= 5);
+            assert_eq!(found.is_some(), expected.is_some(), "keypoint {index}");
+            let Some((found, expected)) = found.zip(expected) else { continue };
+            assert!(found.place.distance(expected.place) < 1e-9 && found.score == 0.9, "{index}: {found:?}");
+        }
+        assert_eq!(person_of(&builtin::single_limb(), &[]), vec![None; COCO_KEYPOINTS]);
+    }
+
     #[test]
     fn keypoints_tell_the_trunk_from_what_may_be_and_what_is_not() {
         let person = person();

@@ -1,4 +1,5 @@
-//! TRC, the markers of `OpenSim`: tabs, two lines of names, one row a frame. In a gap the fields are empty.
+//! TRC, the markers of `OpenSim`: tabs, two lines of names, one row a frame. In a gap the
+//! numbers are `nan`, as `OpenSim` writes it: a row that ends in empty fields it does not read.
 
 use std::fmt::Write;
 
@@ -37,7 +38,7 @@ pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
                     let _ = write!(out, "\t{:.6}\t{:.6}\t{:.6}", point.x, point.y, point.z);
                 }
             }
-            None => out.extend(std::iter::repeat_n("\t", 3 * markers.len())),
+            None => out.extend(std::iter::repeat_n("\tnan", 3 * markers.len())),
         }
         out.push('\n');
     }

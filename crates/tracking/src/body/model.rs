@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::limb::{JointLimits, Limb, LimbSphere, SphereLevel};
 use crate::names;
+use crate::numbers::Brief;
 
 /// Name and version of the model file's format.
 pub const FORMAT: &str = "backlit-body 1";
@@ -92,7 +93,8 @@ pub enum ModelError {
     )]
     Direction { limb: String, value: DVec3 },
     #[error(
-        "limb \"{limb}\": `{field}` is {value}; expected a number of metres above 0 and at most {MAX_SIZE}"
+        "limb \"{limb}\": `{field}` is {}; expected a number of metres above 0 and at most {MAX_SIZE}",
+        Brief(*.value)
     )]
     Size { limb: String, field: &'static str, value: f64 },
     #[error("limb \"{limb}\": `limits.{field}` {problem}")]

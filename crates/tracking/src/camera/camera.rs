@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::{Distortion, Intrinsics};
 use crate::names;
+use crate::numbers::Brief;
 
 /// Most pixels across or down a picture.
 pub const MAX_SIDE: u32 = 16_384;
@@ -62,9 +63,9 @@ pub enum CameraError {
     Size { field: &'static str, value: u64 },
     #[error("`width` × `height` is {} × {}; expected at most {MAX_PIXELS} pixels", size[0], size[1])]
     Pixels { size: [u64; 2] },
-    #[error("`{field}` is {value}; expected a number of pixels above 0 and at most {LARGEST_NUMBER:e}")]
+    #[error("`{field}` is {}; expected a number of pixels above 0 and at most {LARGEST_NUMBER:e}", Brief(*.value))]
     Focal { field: &'static str, value: f64 },
-    #[error("`{field}` is {value}; expected a number of at most {LARGEST_NUMBER:e}")]
+    #[error("`{field}` is {}; expected a number of at most {LARGEST_NUMBER:e}", Brief(*.value))]
     NotFinite { field: &'static str, value: f64 },
     #[error("`rotation` is not a rotation: its rows are {error:.1e} away from orthonormal, or it mirrors")]
     Rotation { error: f64 },

@@ -54,6 +54,24 @@ impl KeypointOffsets {
         Self { by_limb: vec![zero; limbs], deviation }
     }
 
+    /// What was learnt of every limb: nine numbers of products, three of forces.
+    pub(super) fn numbers(&self) -> Vec<[f64; 12]> {
+        let one = |Normal { products, forces }: &Normal| {
+            let (p, f) = (products.to_cols_array(), forces);
+            [p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], f.x, f.y, f.z]
+        };
+        self.by_limb.iter().map(one).collect()
+    }
+
+    /// Goes on from such numbers.
+    pub(super) fn remember(&mut self, numbers: &[[f64; 12]]) {
+        for (normal, numbers) in self.by_limb.iter_mut().zip(numbers) {
+            let (products, forces) = numbers.split_at(9);
+            *normal =
+                Normal { products: DMat3::from_cols_slice(products), forces: DVec3::from_slice(forces) };
+        }
+    }
+
     /// The offset of a limb's keypoint from its second joint, in the limb's rest frame, metres.
     #[must_use]
     pub fn offset(&self, limb: usize) -> DVec3 {

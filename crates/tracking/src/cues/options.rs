@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::coverage::CoverageOptions;
+use crate::numbers::Brief;
 use crate::residual::cue::Cue;
 
 /// Largest weight.
@@ -73,7 +74,7 @@ impl Default for CueOptions {
 
 /// What is wrong with options.
 #[derive(Debug, Error, Clone, PartialEq)]
-#[error("`{field}` is {value}; expected {expected}")]
+#[error("`{field}` is {}; expected {expected}", Brief(*.value))]
 #[expect(missing_docs, reason = "the message says what each field is")]
 pub struct CueOptionsError {
     pub field: &'static str,

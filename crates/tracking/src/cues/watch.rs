@@ -35,10 +35,28 @@ pub struct CueWatch {
     options: CueOptions,
     renderer: RendererKind,
     offsets: KeypointOffsets,
-    /// Pose and pictures of the frame before, by camera's name.
-    before: Option<(Kinematics, BTreeMap<String, Arc<GreyPicture>>)>,
+    /// The frame before, if its pose was good.
+    before: Option<Before>,
     /// By camera's name.
     edges: BTreeMap<String, EdgeMemory>,
+}
+
+/// The frame before.
+#[derive(Debug, Clone)]
+struct Before {
+    pose: Pose,
+    kinematics: Kinematics,
+    /// By camera's name.
+    pictures: BTreeMap<String, Arc<GreyPicture>>,
+}
+
+/// What cues have learnt up to a frame, but for pictures and for edges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CueMemory {
+    /// Of every limb, what says how far its keypoint is from its joint: nine numbers of products, three of forces.
+    pub offsets: Vec<[f64; 12]>,
+    /// The pose that the next frame's flow begins at; `None` where that frame was no good one, or had no pictures.
+    pub before: Option<Pose>,
 }
 
 impl CueWatch {
@@ -87,7 +105,7 @@ impl CueWatch {
         }
         let is_on = |cue| self.options.strength(cue).weight > 0.0;
         if is_on(Cue::Flow)
-            && let Some((before, last)) = &self.before
+            && let Some(Before { kinematics: before, pictures: last, .. }) = &self.before
         {
             let strength = self.options.strength(Cue::Flow);
             for (index, (camera, picture)) in cameras.iter().zip(&pictures).enumerate() {
@@ -140,24 +158,47 @@ impl CueWatch {
         if is_good {
             let lowest = self.options.lowest_score;
             self.offsets.learn(&self.model, &kinematics, &plain, cues, &coverage, lowest);
-            self.learn_pictures(&plain, cues, kinematics);
+            self.learn_pictures(&plain, cues, pose, kinematics);
         }
         holds
     }
 
-    fn learn_pictures(&mut self, cameras: &[&Camera], cues: &FrameCues, kinematics: Kinematics) {
-        let mut last = BTreeMap::new();
-        for ((camera, cues), picture) in cameras.iter().zip(&cues.cameras).zip(pictures(cameras, cues)) {
-            let (Some(picture), Some(shared)) = (picture, &cues.picture) else { continue };
-            if self.options.strength(Cue::Edges).weight > 0.0 {
-                let view = self.view(&kinematics, camera);
-                let mut edges = self.edges.remove(camera.name()).unwrap_or_default();
-                edges.learn(&self.seen(&kinematics, camera, &view), picture);
-                self.edges.insert(camera.name().to_owned(), edges);
-            }
-            last.insert(camera.name().to_owned(), Arc::clone(shared));
+    fn learn_pictures(&mut self, cameras: &[&Camera], cues: &FrameCues, pose: &Pose, kinematics: Kinematics) {
+        let learns_edges = self.options.strength(Cue::Edges).weight > 0.0;
+        for (camera, picture) in cameras.iter().zip(pictures(cameras, cues)).filter(|_| learns_edges) {
+            let Some(picture) = picture else { continue };
+            let view = self.view(&kinematics, camera);
+            let mut edges = self.edges.remove(camera.name()).unwrap_or_default();
+            edges.learn(&self.seen(&kinematics, camera, &view), picture);
+            self.edges.insert(camera.name().to_owned(), edges);
         }
-        self.before = (!last.is_empty()).then_some((kinematics, last));
+        let pictures = shared_pictures(cameras, cues);
+        self.before = (!pictures.is_empty()).then(|| Before { pose: pose.clone(), kinematics, pictures });
+    }
+
+    /// What it has learnt so far.
+    #[must_use]
+    pub fn memory(&self) -> CueMemory {
+        let before = self.before.as_ref().map(|before| before.pose.clone());
+        CueMemory { offsets: self.offsets.numbers(), before }
+    }
+
+    /// Goes on from what another one had learnt. The memory must be of the same body.
+    pub fn remember(&mut self, memory: CueMemory) {
+        self.offsets.remember(&memory.offsets);
+        self.before = memory.before.map(|pose| Before {
+            kinematics: Kinematics::new(&self.model, &pose),
+            pictures: BTreeMap::new(),
+            pose,
+        });
+    }
+
+    /// Shows it the pictures of the frame that it [remembers](Self::remember).
+    pub fn see_before(&mut self, cameras: &[WatchedCamera], cues: &FrameCues) {
+        let plain: Vec<&Camera> = cameras.iter().map(|watched| &*watched.camera).collect();
+        if let Some(before) = &mut self.before {
+            before.pictures = shared_pictures(&plain, cues);
+        }
     }
 
     fn view(&self, kinematics: &Kinematics, camera: &Camera) -> View {
@@ -193,4 +234,14 @@ fn pictures<'a>(cameras: &[&Camera], cues: &'a FrameCues) -> Vec<Option<&'a Grey
         is_its_own.then_some(picture)
     };
     cameras.iter().enumerate().map(of_camera).collect()
+}
+
+/// The same, by the camera's name.
+fn shared_pictures(cameras: &[&Camera], cues: &FrameCues) -> BTreeMap<String, Arc<GreyPicture>> {
+    let are_their_own = pictures(cameras, cues).into_iter().map(|picture| picture.is_some());
+    let of_cameras =
+        cameras.iter().zip(&cues.cameras).zip(are_their_own).filter(|(_, is_its_own)| *is_its_own);
+    of_cameras
+        .filter_map(|((camera, cues), _)| Some((camera.name().to_owned(), cues.picture.clone()?)))
+        .collect()
 }

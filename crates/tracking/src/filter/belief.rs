@@ -25,6 +25,22 @@ impl Belief {
         Self { velocity: DVector::zeros(n), covariance: DMatrix::from_diagonal(&variances) }
     }
 
+    /// n velocities and the covariance's 4 n² numbers, column after column; `None` where those are not so many.
+    #[must_use]
+    pub fn from_numbers(velocity: Vec<f64>, covariance: Vec<f64>) -> Option<Self> {
+        let size = 2 * velocity.len();
+        (covariance.len() == size * size).then(|| Self {
+            velocity: DVector::from_vec(velocity),
+            covariance: DMatrix::from_vec(size, size, covariance),
+        })
+    }
+
+    /// The numbers that [`from_numbers`](Self::from_numbers) takes.
+    #[must_use]
+    pub fn numbers(&self) -> (&[f64], &[f64]) {
+        (self.velocity.as_slice(), self.covariance.as_slice())
+    }
+
     /// n: columns of the pose.
     #[must_use]
     pub fn columns(&self) -> usize {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::body::Parameters;
+use crate::numbers::Brief;
 use crate::optimize::{Method, SolverOptions, Tolerances};
 use crate::render::{Ramp, RendererKind};
 use crate::residual::Loss;
@@ -365,7 +366,7 @@ fn is_weight(value: f64) -> bool {
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum OptionsError {
-    #[error("`{field}` is {value}; expected a number from 0 to {LARGEST_WEIGHT:e}")]
+    #[error("`{field}` is {}; expected a number from 0 to {LARGEST_WEIGHT:e}", Brief(*.value))]
     Number { field: &'static str, value: f64 },
     #[error("`{field}` has a scale that is not above 0; expected a finite number")]
     Loss { field: &'static str },

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::fit::{FitError, FitOptions};
+use crate::numbers::Brief;
 
 /// Most particles: each holds a pose.
 const MOST_PARTICLES: usize = 1_000_000;
@@ -59,7 +60,7 @@ impl Default for ParticleOptions {
 pub enum ParticleError {
     #[error(transparent)]
     Fit(#[from] FitError),
-    #[error("`{field}` is {value}; expected {expected}")]
+    #[error("`{field}` is {}; expected {expected}", Brief(*.value))]
     Number { field: &'static str, value: f64, expected: &'static str },
     #[error("no start was given; expected at least one pose")]
     NoStart,

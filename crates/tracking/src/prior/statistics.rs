@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::direction::BodyDirection;
 use super::mixture::{StudentComponent, StudentMixture};
+use crate::numbers::Brief;
 
 /// Most parts, components of a part, and numbers of a direction.
 const MOST_PARTS: usize = 64;
@@ -58,7 +59,7 @@ pub enum PriorError {
          and the lower triangle of a positive definite covariance"
     )]
     Component { part: String, index: usize, size: usize },
-    #[error("part \"{part}\": `degrees` is {value}; expected a number above 0")]
+    #[error("part \"{part}\": `degrees` is {}; expected a number above 0", Brief(*.value))]
     Degrees { part: String, value: f64 },
     #[error(
         "part \"{part}\": `step` is not a distribution; expected seconds from 0.001 to 1, an exponent from 0 to 8, and the \

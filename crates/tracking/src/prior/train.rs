@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::direction::{BodyDirection, BodyPoints};
 use super::mixture::{StudentComponent, StudentMixture, lower_triangle};
 use super::statistics::{PosePrior, PriorError, PriorPart, StepStatistics};
+use crate::numbers::Brief;
 
 /// Times over which steps are looked at, seconds; the second one is what a prior holds.
 const STEP_SECONDS: [f64; 4] = [1.0 / 30.0, 1.0 / 15.0, 2.0 / 15.0, 4.0 / 15.0];
@@ -68,7 +69,7 @@ impl Default for TrainOptions {
 pub enum TrainError {
     #[error("there are {found} poses; expected {expected} or more, ten a component")]
     TooFew { found: usize, expected: usize },
-    #[error("`{field}` is {value}; expected {expected}")]
+    #[error("`{field}` is {}; expected {expected}", Brief(*.value))]
     Option { field: &'static str, value: f64, expected: &'static str },
     #[error(transparent)]
     Prior(#[from] PriorError),

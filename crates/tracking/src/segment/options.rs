@@ -91,8 +91,18 @@ impl SegmentOptions {
         ];
         let bad_number = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0));
         let bad_distance = distances.into_iter().find(|(_, px)| *px > MAX_DISTANCE_PX);
-        match bad_number.or(bad_distance.map(|(option, px)| (option, px as f32))) {
-            Some((option, value)) => Err(SegmentError::InvalidOption { option, value }),
+        if let Some((option, value)) = bad_number {
+            return Err(SegmentError::InvalidOption {
+                option,
+                value,
+                expected: "a finite number, 0 or above",
+            });
+        }
+        match bad_distance {
+            Some((option, px)) => {
+                let expected = "pixels, no more than a picture has on a side";
+                Err(SegmentError::InvalidOption { option, value: px as f32, expected })
+            }
             None => Ok(()),
         }
     }

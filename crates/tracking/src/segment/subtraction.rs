@@ -15,6 +15,7 @@ use super::options::SegmentOptions;
 use super::shadow::clear_shadows;
 use super::threshold::{Limits, Threshold};
 use super::{components, exposure};
+use crate::numbers::Brief;
 use crate::silhouette::{Label, Mask, MaskError};
 
 /// Why a frame could not be segmented.
@@ -28,13 +29,15 @@ pub enum SegmentError {
         /// Width and height of the background.
         background: (usize, usize),
     },
-    /// An option is negative, infinite or not a number.
-    #[error("segmentation option `{option}` cannot be {value}")]
+    /// An option is negative, infinite or not a number, or a distance longer than any picture.
+    #[error("`{option}` is {}; expected {expected}", Brief(*.value))]
     InvalidOption {
         /// The name of the option.
         option: &'static str,
         /// Its value.
         value: f32,
+        /// What it may be.
+        expected: &'static str,
     },
     /// The frame has no pixels or too many.
     #[error(transparent)]

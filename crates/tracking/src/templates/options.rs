@@ -4,6 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::fit::{FitError, FitOptions};
+use crate::numbers::Brief;
 use crate::search::WithoutStartError;
 
 /// How to place templates.
@@ -47,7 +48,7 @@ pub enum TemplateError {
     Fit(#[from] FitError),
     #[error(transparent)]
     Place(#[from] WithoutStartError),
-    #[error("`{field}` is {value}; expected {expected}")]
+    #[error("`{field}` is {}; expected {expected}", Brief(*.value))]
     Number { field: &'static str, value: f64, expected: &'static str },
     #[error("the body \"{model}\" is one chain of limbs; expected a trunk with a head on it")]
     NoHead { model: String },

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::body::Pose;
-use crate::cues::{CueSet, CueWatch, FrameCues, LimbHold, WatchedCamera};
+use crate::cues::{CueMemory, CueSet, CueWatch, FrameCues, LimbHold, WatchedCamera};
 use crate::fit::{Evidence, Fit, FitError, FitView};
 
 /// What is remembered from frame to frame, and what pulls in the one at hand.
@@ -20,8 +20,30 @@ impl Cued {
         Self { watch, cameras: Vec::new(), cues: FrameCues::default(), set: Arc::default() }
     }
 
+    /// What is remembered after a frame.
+    pub(super) fn memory(&self) -> CueMemory {
+        self.watch.memory()
+    }
+
+    /// Goes on from there.
+    pub(super) fn remember(&mut self, memory: CueMemory) {
+        self.watch.remember(memory);
+    }
+
+    /// Shows it the pictures of the frame before.
+    pub(super) fn see_before(&mut self, views: &[FitView], cues: FrameCues) {
+        self.take_in(views, cues);
+        self.watch.see_before(&self.cameras, &self.cues);
+    }
+
     /// Begins a frame whose fit starts at a pose.
-    pub(super) fn begin(&mut self, views: &[FitView], mut cues: FrameCues, start: &Pose) {
+    pub(super) fn begin(&mut self, views: &[FitView], cues: FrameCues, start: &Pose) {
+        self.take_in(views, cues);
+        self.set = Arc::new(self.watch.look(&self.cameras, &self.cues, start));
+    }
+
+    /// The cameras that see somebody, with their cues.
+    fn take_in(&mut self, views: &[FitView], mut cues: FrameCues) {
         let watched = |view: &FitView| WatchedCamera {
             camera: Arc::clone(&view.camera),
             mask: match &view.evidence {
@@ -37,7 +59,6 @@ impl Cued {
         self.cameras =
             views.iter().zip(used).filter(|(_, used)| *used).map(|(view, _)| watched(view)).collect();
         self.cues = cues;
-        self.set = Arc::new(self.watch.look(&self.cameras, &self.cues, start));
     }
 
     /// A fit of this frame with its cues.

@@ -3,15 +3,16 @@
 use crate::body::{Parameters, Pose};
 
 /// The frame before.
-#[derive(Debug)]
-pub(super) struct LastFrame {
-    pub(super) frame: usize,
+#[derive(Debug, Clone, PartialEq)]
+pub struct LastFrame {
+    /// Its number.
+    pub frame: usize,
     /// As it was fitted, before any filter.
-    pub(super) pose: Pose,
+    pub pose: Pose,
     /// Whether the subject was lost there.
-    pub(super) lost: bool,
+    pub lost: bool,
     /// Tangent units per second, where the motion goes on from the frame before that.
-    pub(super) velocity: Option<Vec<f64>>,
+    pub velocity: Option<Vec<f64>>,
 }
 
 impl LastFrame {

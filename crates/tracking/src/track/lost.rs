@@ -47,14 +47,28 @@ pub enum Lost {
 }
 
 /// The RMS of the last frames that were fitted well.
-#[derive(Debug, Clone, Default)]
-pub(super) struct UsualCost {
-    last: VecDeque<f64>,
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct UsualCost {
+    /// Oldest first, ten at most, grey levels.
+    pub last: VecDeque<f64>,
     /// Frames in a row whose cost was too high.
-    too_high: usize,
+    pub too_high: usize,
 }
 
 impl UsualCost {
+    /// A number that cannot have been remembered, and what can.
+    pub(super) fn wrong(&self) -> Option<(f64, &'static str)> {
+        let (count, too_high) = (self.last.len(), self.too_high);
+        if count > REMEMBERED {
+            return Some((count as f64, "ten numbers at most"));
+        }
+        if too_high >= REMEMBERED {
+            return Some((too_high as f64, "fewer than ten frames too high"));
+        }
+        let wrong = self.last.iter().find(|rms| !(rms.is_finite() && **rms >= 0.0));
+        wrong.map(|&rms| (rms, "a finite number, 0 or more"))
+    }
+
     /// How a fitted frame is lost, if it is.
     pub(super) fn judge(&self, rms: f64, iou: Option<f64>) -> Option<Lost> {
         match iou {
@@ -101,14 +115,23 @@ const RAREST: usize = 16;
 
 /// When the last resort of a lost frame is due: at once, and then ever more rarely, since it takes as long as tens of
 /// frames.
-#[derive(Debug, Clone, Default)]
-pub(super) struct LastResort {
-    /// Frames to wait, and how many it was the last time.
-    wait: usize,
-    waited: usize,
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LastResort {
+    /// Frames to wait.
+    pub wait: usize,
+    /// How many it was the last time.
+    pub waited: usize,
 }
 
 impl LastResort {
+    /// A number that cannot have come of counting, and what can.
+    pub(super) fn wrong(self) -> Option<(f64, &'static str)> {
+        if self.waited > RAREST {
+            return Some((self.waited as f64, "16 frames at most"));
+        }
+        (self.wait > self.waited).then_some((self.wait as f64, "no more frames than it waited the last time"))
+    }
+
     /// Counts a frame.
     pub(super) fn is_due(&mut self, is_lost: bool) -> bool {
         if !is_lost {

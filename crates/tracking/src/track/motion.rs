@@ -7,9 +7,11 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::memory::FilterMemory;
 use crate::body::{Model, Parameters, Pose};
 use crate::filter::{Belief, ConstantVelocity, FilterError, Innovation, update};
 use crate::fit::Preset;
+use crate::numbers::Brief;
 use crate::residual::motion_prior::MotionPrior;
 
 /// How a frame's fit learns from the frames before.
@@ -58,9 +60,9 @@ impl Default for KalmanOptions {
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum MotionError {
-    #[error("`kalman.{field}` is {value}; expected a finite number above 0, {unit}")]
+    #[error("`kalman.{field}` is {}; expected a finite number above 0, {unit}", Brief(*.value))]
     Noise { field: &'static str, value: f64, unit: &'static str },
-    #[error("`frame_rate` is {0}; expected a finite number above 0, frames a second")]
+    #[error("`frame_rate` is {}; expected a finite number above 0, frames a second", Brief(*.0))]
     FrameRate(f64),
 }
 
@@ -142,6 +144,13 @@ pub struct Predicted {
 }
 
 impl Predicted {
+    /// What is foretold so many seconds after a frame of which this is believed.
+    pub(super) fn after(noise: &KalmanOptions, pose: &Pose, belief: &Belief, seconds: f64) -> Self {
+        let (step, belief) = noise.model(belief.columns()).predict(belief, seconds);
+        let mean = pose.retract(Parameters::Tangent, step.as_slice());
+        Self { mean, belief, seconds, noise: *noise }
+    }
+
     /// What it says of a frame's pose.
     ///
     /// # Errors
@@ -190,9 +199,23 @@ impl MotionFilter {
     /// What is foretold `seconds` after the last frame, if there was one.
     pub(super) fn predict(&self, seconds: f64) -> Option<Predicted> {
         let (last, belief) = self.last.as_ref()?;
-        let (step, belief) = self.model.predict(belief, seconds);
-        let mean = last.retract(Parameters::Tangent, step.as_slice());
-        Some(Predicted { mean, belief, seconds, noise: self.options })
+        Some(Predicted::after(&self.options, last, belief, seconds))
+    }
+
+    /// What is believed after the last frame, if there was one.
+    pub(super) fn memory(&self) -> Option<FilterMemory> {
+        let (pose, belief) = self.last.clone()?;
+        Some(FilterMemory { noise: self.options, pose, belief })
+    }
+
+    /// A filter that goes on from there.
+    pub(super) fn remembering(model: &Model, memory: FilterMemory) -> Self {
+        Self { last: Some((memory.pose, memory.belief)), ..Self::new(model, memory.noise) }
+    }
+
+    /// What smoothing needs of a frame.
+    pub(super) fn believed(belief: Belief, predicted: Option<Predicted>) -> FrameBelief {
+        FrameBelief { belief, predicted, innovation: None, begins: None, seen: None }
     }
 
     /// Learns a frame's pose with its JᵀJ and Jᵀρ; `seen` is `None` where there was nothing to see. Without a prediction it

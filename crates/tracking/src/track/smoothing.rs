@@ -6,6 +6,8 @@ use nalgebra::DVector;
 use thiserror::Error;
 
 use super::estimate::{FrameEstimate, Track};
+use super::memory::{WaitingFrame, waiting_again};
+use super::motion::KalmanOptions;
 use crate::body::{Parameters, Pose};
 use crate::filter::{Belief, FilterError, smoother};
 
@@ -91,6 +93,35 @@ impl Smoother {
         Self { wait: lag.map_or(Wait::AtLeast(WHOLE_LAG), Wait::Exactly), waiting: VecDeque::new() }
     }
 
+    /// The frames that wait now, in the order of tracking.
+    #[must_use]
+    pub fn waiting(&self) -> Vec<WaitingFrame> {
+        let one = |estimate: &FrameEstimate| {
+            let belief = estimate.belief.as_ref();
+            WaitingFrame {
+                frame: estimate.frame,
+                pose: estimate.pose.clone(),
+                belief: belief.map(|found| found.belief.clone()),
+                goes_on: belief.is_some_and(|found| found.predicted.is_some()),
+            }
+        };
+        self.waiting.iter().map(one).collect()
+    }
+
+    /// The smoother again that these frames waited in, with a filter of this noise at this frame rate. `known` is what else is
+    /// known of them, in the same order.
+    #[must_use]
+    pub fn with_waiting(
+        mut self,
+        known: Vec<FrameEstimate>,
+        waiting: Vec<WaitingFrame>,
+        noise: KalmanOptions,
+        frame_rate: f64,
+    ) -> Self {
+        self.waiting = waiting_again(known, waiting, noise, 1.0 / frame_rate).into();
+        self
+    }
+
     /// Frames that it keeps now.
     #[must_use]
     pub fn kept(&self) -> usize {
@@ -173,7 +204,7 @@ fn smoothed_by(
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::track::motion::{KalmanOptions, MotionFilter};
+    use crate::track::motion::MotionFilter;
     use nalgebra::DMatrix;
 
     /// A limb that the filter follows through these frames of a movement.
@@ -187,7 +218,7 @@ mod tests {
             let step = [0.1 * seconds, 0.0, 0.0, 0.4 * (5.0 * seconds).sin(), 0.2, 0.3 * seconds];
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
             let predicted = last
-                .and_then(|before: usize| filter.predict(seconds - before as f64 / 30.0))
+                .and_then(|before: usize| filter.predict((frame as f64 - before as f64) * (1.0 / 30.0)))
                 .ok_or(crate::track::Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
             let belief = Some(filter.learn(&pose, Some((products, DVector::zeros(6))), predicted));
@@ -243,6 +274,42 @@ mod tests {
             let moved =
                 whole.frames.values().zip(followed(&frames)).filter(|(a, b)| a.pose != b.pose).count();
             assert!(moved > 300, "{moved}");
+        }
+    }
+
+    /// What waits is all that is needed to smooth as if nothing had come between: poses and beliefs are the same to the bit.
+    #[test]
+    fn a_smoother_goes_on_where_another_stopped() {
+        let smooth = |found: Vec<FrameEstimate>| -> Vec<(usize, Pose, Belief)> {
+            let belief = |estimate: &FrameEstimate| estimate.belief.as_ref().unwrap().belief.clone();
+            found.iter().map(|estimate| (estimate.frame, estimate.pose.clone(), belief(estimate))).collect()
+        };
+        let frames: Vec<usize> = (0..200).filter(|frame| *frame != 150).collect();
+        for lag in [None, Some(3), Some(0)] {
+            let all = followed(&frames);
+            let mut whole = Smoother::new(lag);
+            let mut before = Vec::new();
+            for estimate in &all[..120] {
+                before.extend(whole.push(estimate.clone()).unwrap());
+            }
+            let waiting = whole.waiting();
+            let known = waiting
+                .iter()
+                .map(|frame| FrameEstimate::of_pose(frame.frame, Pose::rest(&builtin::single_limb())));
+            let mut again = Smoother::new(lag).with_waiting(
+                known.collect(),
+                waiting.clone(),
+                KalmanOptions::default(),
+                30.0,
+            );
+            assert_eq!(again.kept(), 120 - before.len());
+            for estimate in &all[120..] {
+                let [one, other] =
+                    [&mut again, &mut whole].map(|smoother| smooth(smoother.push(estimate.clone()).unwrap()));
+                assert!(one == other, "frame {}", estimate.frame);
+            }
+            let [one, other] = [again, whole].map(|mut smoother| smooth(smoother.finish().unwrap()));
+            assert!(one == other, "the rest");
         }
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::attempt::{Attempt, Found, rms};
 use super::cued::Cued;
-use super::estimate::{FrameEstimate, Track, iou};
+use super::estimate::{FrameEstimate, iou};
 use super::frame_masks::FrameMasks;
 use super::last_frame::LastFrame;
 use super::lost::{LastResort, Lost, UsualCost};
@@ -40,18 +40,18 @@ pub enum WhenToSearch {
 /// their numbers and the frame rate are the time.
 #[derive(Debug)]
 pub struct Tracker {
-    model: Arc<Model>,
+    pub(super) model: Arc<Model>,
     options: FitOptions,
     /// Where the first frame's fit starts; `None` looks for it in the visual hull.
-    start: Option<Pose>,
-    last: Option<LastFrame>,
-    usual: UsualCost,
-    last_resort: LastResort,
-    motion: Motion,
+    pub(super) start: Option<Pose>,
+    pub(super) last: Option<LastFrame>,
+    pub(super) usual: UsualCost,
+    pub(super) last_resort: LastResort,
+    pub(super) motion: Motion,
     search: WhenToSearch,
-    filter: Option<MotionFilter>,
+    pub(super) filter: Option<MotionFilter>,
     frame_seconds: f64,
-    cues: Option<Cued>,
+    pub(super) cues: Option<Cued>,
 }
 
 impl Tracker {
@@ -134,25 +134,6 @@ impl Tracker {
         let pose = self.first_start();
         self.start = Some(pose.clone());
         self.last = Some(LastFrame { frame, pose, lost: false, velocity: None });
-        self
-    }
-
-    /// Goes on after a track that was tracked forwards with the same options, as if this tracker had followed it: with its
-    /// last pose and velocity, and with what cost is usual in it. What a Kalman filter believes and what cues have learnt is
-    /// not known of it; they begin anew. Without frames nothing changes.
-    #[must_use]
-    pub fn resuming(mut self, track: &Track) -> Self {
-        for (&frame, estimate) in &track.frames {
-            let lost = estimate.lost_because;
-            if let Some(rms) = estimate.rms {
-                self.usual.remember(rms, lost);
-            }
-            if self.search != WhenToSearch::Never {
-                self.last_resort.is_due(lost.is_some());
-            }
-            self.advance(frame, estimate.pose.clone(), lost.is_some(), true);
-            self.start = Some(estimate.pose.clone());
-        }
         self
     }
 

@@ -8,14 +8,14 @@ use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{
-    CameraCues, Cue, CueError, CueOptions, CuePull, CueSet, CueTarget, CueWatch, FrameCues, JointKeypoint,
-    WatchedCamera,
+    CameraCues, Cue, CueError, CueOptions, CuePull, CueSet, CueTarget, CueWatch, FrameCues, GreyPicture,
+    JointKeypoint, WatchedCamera,
 };
 use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::residual::Loss;
 use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
-use backlit_tracking::track::{FrameEstimate, Tracker};
+use backlit_tracking::track::{FrameEstimate, KalmanOptions, Motion, Tracker};
 use glam::{DVec2, DVec3};
 
 const RATE: f64 = 15.0;
@@ -142,6 +142,70 @@ fn offsets_of_keypoints_are_learnt() {
     let found = learnt(0.0);
     assert!(found.distance(off) < 0.012, "{found}");
     assert_eq!(learnt(0.5 * squats::PERIOD), DVec3::ZERO, "before the trunk it would confirm itself");
+}
+
+/// A ground that wanders, so that flow has something to follow.
+fn pictures(frame: usize, cameras: &[Arc<Camera>]) -> FrameCues {
+    let grey = |x: u32, y: u32| {
+        let [x, y] = [f64::from(x) + 0.4 * frame as f64, f64::from(y)];
+        image::Luma([(128.0 + 60.0 * (0.7 * x + 0.1 * y).sin() + 60.0 * (0.5 * y - 0.2 * x).cos()) as u8])
+    };
+    let picture = |camera: &Arc<Camera>| {
+        let image = image::GrayImage::from_fn(camera.width() as u32, camera.height() as u32, grey);
+        CameraCues { keypoints: Vec::new(), picture: Some(Arc::new(GreyPicture::of_image(&image).unwrap())) }
+    };
+    FrameCues { cameras: cameras.iter().map(picture).collect() }
+}
+
+/// With a memory, and shown its last frame's pictures again, a tracker goes on as if nothing had stopped it: keypoints' offsets
+/// and flow too.
+#[test]
+fn what_cues_have_learnt_is_remembered() {
+    const DONE: usize = 12;
+    let model = Arc::new(builtin::full_body());
+    let cameras = squats::cameras(SIZE).unwrap();
+    let truth = |frame: usize| squats::pose(&model, frame as f64 / RATE);
+    let cues = |frame: usize| {
+        let mut cues = pictures(frame, &cameras);
+        let points = keypoints(&model, &truth(frame), &cameras, DVec3::new(0.02, 0.0, -0.03));
+        for (cues, points) in cues.cameras.iter_mut().zip(points.cameras) {
+            cues.keypoints = points.keypoints;
+        }
+        cues
+    };
+    let begin = || {
+        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), truth(0)).unwrap();
+        let options = CueOptions::default().only(&[Cue::Keypoints, Cue::Flow]);
+        tracker
+            .with_motion(Motion::Kalman(KalmanOptions::default()), RATE)
+            .unwrap()
+            .with_cues(options)
+            .unwrap()
+    };
+    let views = |frame: usize| views(&model, &truth(frame), &cameras);
+    let track = |tracker: &mut Tracker, frame| {
+        tracker.track_frame_with_cues(frame, views(frame), cues(frame), &CancelToken::new()).unwrap()
+    };
+    let mut whole = begin();
+    (0..DONE).for_each(|frame| drop(track(&mut whole, frame)));
+    let memory = whole.memory().unwrap();
+    let remembered = memory.cues.as_ref().unwrap();
+    assert!(remembered.before.is_some() && remembered.offsets.iter().flatten().any(|number| *number != 0.0));
+    let again = || begin().with_memory(memory.clone()).unwrap();
+    let mut shown = again().with_pictures_before(&views(DONE - 1), cues(DONE - 1));
+    let mut forgetful = memory.clone();
+    forgetful.cues.as_mut().unwrap().offsets.fill([0.0; 12]);
+    let mut others = [again(), begin().with_memory(forgetful).unwrap()];
+    let mut poses = [Vec::new(), Vec::new(), Vec::new()];
+    for frame in DONE..DONE + 4 {
+        let expected = track(&mut whole, frame);
+        assert_eq!(track(&mut shown, frame), expected, "frame {frame}");
+        poses[0].push(expected.pose);
+        poses[1].push(track(&mut others[0], frame).pose);
+        poses[2].push(track(&mut others[1], frame).pose);
+    }
+    assert!(poses[0] != poses[1], "the pictures of the frame before decide something");
+    assert!(poses[0] != poses[2], "the offsets decide something");
 }
 
 #[test]

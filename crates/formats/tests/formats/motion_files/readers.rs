@@ -98,7 +98,7 @@ pub(super) fn trc(bytes: &[u8]) -> BTreeMap<usize, BTreeMap<String, DVec3>> {
     let row = |row: &Vec<&str>| {
         assert_eq!(row.len(), 2 + 3 * markers);
         let place = |fields: &[&str]| {
-            (!fields[0].is_empty())
+            (fields[0] != "nan")
                 .then(|| DVec3::from_array([0, 1, 2].map(|axis| fields[axis].parse().unwrap())))
         };
         let found = names.iter().zip(row[2..].chunks(3));

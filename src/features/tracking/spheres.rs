@@ -1,18 +1,15 @@
-//! A body of spheres from several frames: one frame is read a step, then limbs are carved from all.
+//! A body of spheres from several frames, and how it is taken in.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::{Job, Outbox, Step};
-use backlit_take::footage::Footage;
-use backlit_tracking::body::Pose;
+use backlit_jobs::Outbox;
+use backlit_tracking::body::Model;
 use backlit_tracking::body_spheres::{
     PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
 };
 use backlit_tracking::fit::{Evidence, FitOptions};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::Label;
 
 use super::Found;
@@ -20,44 +17,20 @@ use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
 use crate::context::{Context, Request, Requests};
-use crate::session::load_frame;
-use crate::session::prediction::FitInputs;
 
 /// A sphere stands for so many pixels of the subject in a view, or more.
 const PIXELS_A_SPHERE: usize = 25;
 /// The fewest spheres of a body.
 const FEWEST: usize = 120;
 
-/// Frames with poses, of which a body of spheres is made.
-#[derive(Debug)]
-pub(super) struct SpheresJob {
-    pub(super) footage: Arc<Footage>,
-    pub(super) measurement: Arc<Vec<SegmentOptions>>,
-    pub(super) fit: FitInputs,
-    /// Frames that are still to be read, each with its pose.
-    pub(super) waiting: VecDeque<(usize, Pose)>,
-    pub(super) read: Vec<PosedViews>,
-}
-
-impl Job<Found> for SpheresJob {
-    fn step(&mut self, out: &Outbox<Found>) -> Step {
-        if out.cancel().is_cancelled() {
-            return Step::Done;
-        }
-        if let Some((frame, pose)) = self.waiting.pop_front() {
-            self.fit.frame = Some(Arc::new(load_frame(&self.footage, &self.measurement, frame)));
-            self.read.push(PosedViews { frame, views: self.fit.views(), pose });
-            return Step::Again;
-        }
-        let frames = std::mem::take(&mut self.read);
-        let (options, fit) = (options_for(&frames), FitOptions::default());
-        let told = |what: &str| out.send(Found::At(format!("Making a body of spheres: {what}")));
-        match sphere_body(&self.fit.model, frames, &options, &fit, out.cancel(), told) {
-            Ok(body) => out.send(Found::Spheres(Box::new(body))),
-            Err(SphereBodyError::Cancelled) => {}
-            Err(error) => out.send(Found::Refused(format!("No body of spheres can be made: {error}."))),
-        }
-        Step::Done
+/// Limbs carved from all silhouettes, and spheres in them.
+pub(super) fn spheres(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Found>) {
+    let (options, fit) = (options_for(&frames), FitOptions::default());
+    let told = |what: &str| out.send(Found::At(format!("Making a body of spheres: {what}")));
+    match sphere_body(model, frames, &options, &fit, out.cancel(), told) {
+        Ok(body) => out.send(Found::Spheres(Box::new(body))),
+        Err(SphereBodyError::Cancelled) => {}
+        Err(error) => out.send(Found::Refused(format!("No body of spheres can be made: {error}."))),
     }
 }
 
