@@ -93,7 +93,7 @@ pub(crate) struct Fault {
 }
 
 /// Time of this thread on a processor: others that use the machine do not count.
-fn processor_time() -> Duration {
+pub(crate) fn processor_time() -> Duration {
     cpu_time::ThreadTime::now().as_duration()
 }
 

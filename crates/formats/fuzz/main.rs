@@ -18,7 +18,7 @@ mod targets;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use engine::{Fault, Figures, Target};
 
@@ -79,8 +79,9 @@ fn faults_are_found() {
             engine::Answer::Read
         }),
         ("takes", |bytes| {
-            let began = Instant::now();
-            while bytes.starts_with(b"[[") && began.elapsed() < Duration::from_secs(3) {}
+            // On a machine that others use three seconds of the clock may be less than one of work.
+            let began = engine::processor_time();
+            while bytes.starts_with(b"[[") && engine::processor_time() - began < Duration::from_secs(2) {}
             engine::Answer::Read
         }),
         ("holds", |bytes| {
