@@ -276,6 +276,6 @@ fn the_picture_in_architecture_is_the_codes() {
     if std::env::var_os("UPDATE_ARCHITECTURE").is_some() {
         fs::write(&path, format!("{before}{begin}{new}{end}{after}")).unwrap();
     } else {
-        assert_eq!(old, new, "UPDATE_ARCHITECTURE=1 cargo test --test layering makes it anew");
+        assert_eq!(old, new, "UPDATE_ARCHITECTURE=1 cargo test --test layering makes it again");
     }
 }

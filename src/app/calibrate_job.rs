@@ -1,4 +1,4 @@
-//! Making footage anew for other cameras: the lens is taken out of every picture by tables that take their time.
+//! Making footage again for other cameras: the lens is taken out of every picture by tables that take their time.
 
 use std::sync::Arc;
 

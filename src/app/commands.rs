@@ -39,14 +39,18 @@ impl Inspector {
         requests
     }
 
-    /// Does a command, if it can be used now. In the laboratory's layout some mean what they mean there.
+    /// Does a command, or says why it cannot be used now. In the laboratory's layout some mean what they mean there.
     pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
         let is_free =
             !self.features.laboratory.is_running() || self.state.preferences.layout != Layout::Demonstrate;
         if command == Command::Fit(FitCommand::Stop) && is_free && (self.cancel_drag(ctx) || self.escape()) {
             return;
         }
-        if self.unavailable(command).is_some() {
+        if let Some(why) = self.unavailable(command) {
+            // Esc is pressed for many things.
+            if command != Command::Fit(FitCommand::Stop) {
+                self.state.status = Some(format!("{} cannot be used now. {why}.", command.text()));
+            }
             return;
         }
         // What was said was about the command before.

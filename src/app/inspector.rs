@@ -181,7 +181,7 @@ impl Inspector {
         self.state.notices.close_all();
     }
 
-    /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
+    /// Whether nothing is being read, fitted or drawn again: what is on the screen is whole.
     pub fn is_idle(&self) -> bool {
         // A body that sways never comes to rest, and neither does its picture.
         let is_at_rest = match self.features.observability.is_playing() {

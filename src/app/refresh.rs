@@ -142,7 +142,7 @@ impl Inspector {
     }
 
     /// The footage follows the document's calibration and silhouettes, also where they are undone. Frames that were made
-    /// with others, or with other settings of the measurement, are made anew.
+    /// with others, or with other settings of the measurement, are made again.
     fn follow_replacements(&mut self) {
         let Some(take) = self.state.session.take.clone() else { return };
         let (calibration, masks) = (self.document().calibration.clone(), self.document().masks.clone());

@@ -1,4 +1,4 @@
-//! What matters of the window, as a JSON file that is written anew whenever it changes: for tests that drive
+//! What matters of the window, as a JSON file that is written again whenever it changes: for tests that drive
 //! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` describes it.
 
 use std::collections::BTreeMap;

@@ -16,6 +16,7 @@
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
 //! | `held` | what held limbs that silhouettes did not |
+//! | `keypoints` | where another tool saw joints |
 //! | `observed` | a body that sways, ellipses of joints |
 //! | `ghosts` | bodies in the place of the posed one |
 //! | `gutter` | overlap, use in the fit, what a drag does |
@@ -31,6 +32,7 @@ mod gutter;
 mod header;
 pub(crate) mod held;
 mod hover_card;
+mod keypoints;
 mod legend;
 mod legend_block;
 mod linked;

@@ -8,7 +8,7 @@
 //! | `check` | the analytic Jacobian against differences, column by column |
 //! | `comparison` | the curves of one comparison, and the step that is looked at |
 //! | `commands` | what commands mean in its layout |
-//! | `update` | begun anew, stepped, what its pictures lack |
+//! | `update` | begun again, stepped, what its pictures lack |
 //! | `job` | the steps, the pictures, the checks |
 //! | `panel` | the centre of its layout |
 //! | [`story`] | the caption: told from the numbers |

@@ -6,6 +6,7 @@
 //! | `span` | which frames are on the screen, and where |
 //! | `lanes` | the curves |
 //! | `motions` | the lane of motions by name |
+//! | `unsure` | the lane of limbs that nothing holds |
 //! | `marks` | ruler, lost and worst frames, the frame on the screen |
 //! | `key_poses` | the diamonds |
 //! | `update` | commands, and how long frames take to be read |
@@ -18,6 +19,7 @@ mod motions;
 mod read_out;
 mod span;
 mod transport;
+mod unsure;
 mod update;
 
 use backlit_ui::style::theme;
@@ -83,8 +85,8 @@ impl Timeline {
         };
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,
-            1 => size::TIMELINE_ONE_LANE + 6.0 + motions::height(context),
-            _ => size::TIMELINE + motions::height(context),
+            1 => size::TIMELINE_ONE_LANE + 6.0 + motions::height(context) + unsure::height(context),
+            _ => size::TIMELINE + motions::height(context) + unsure::height(context),
         };
         let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
         Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {
@@ -125,8 +127,8 @@ impl Timeline {
             marks::marked(ui, plot, &scale, range);
         }
         marks::ruler(ui, plot, &scale, count);
-        let named = motions::height(context);
-        let lane_height = (rect.height() - RULER - named) / lanes.len() as f32;
+        let (named, unsure) = (motions::height(context), unsure::height(context));
+        let lane_height = (rect.height() - RULER - named - unsure) / lanes.len() as f32;
         let document = context.document();
         for (index, lane) in lanes.iter().enumerate() {
             let top = rect.top() + RULER + lane_height * index as f32;
@@ -141,6 +143,11 @@ impl Timeline {
             let said = || lane.said(document, context.selection.frame);
             name.widget_info(|| WidgetInfo::labeled(Role::Label, true, said()));
             name.on_hover_text(lane.explanation(document));
+        }
+        if unsure > 0.0 {
+            let top = rect.bottom() - named - unsure;
+            let lane = Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=top + unsure - 1.0);
+            unsure::ui(ui, context, names, lane, &scale);
         }
         if named > 0.0 {
             let top = rect.bottom() - named;

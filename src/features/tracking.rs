@@ -39,7 +39,6 @@ use backlit_jobs::{Priority, Task};
 use backlit_tracking::body_fit::{BodyFit, Person};
 use backlit_tracking::body_spheres::SphereBody;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
 
 use crate::context::Context;
@@ -48,6 +47,7 @@ use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::session::{BelievedJoints, FrameData, HeldLimbs};
 use keys::keys_around;
+use poses_job::OtherPose;
 
 /// The feature.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ enum Found {
     /// Two tracks were joined after this frame; so far apart were their joints there.
     Joined { frame: usize, distance_m: f64, meets: bool },
     /// Poses that fit a frame, best first.
-    Poses(usize, Vec<Hypothesis>),
+    Poses(usize, Vec<OtherPose>),
     /// The body's own sizes.
     Body(Box<BodyFit>),
     /// A body of spheres.
@@ -117,8 +117,8 @@ enum Found {
 #[derive(Debug, Clone)]
 struct OtherPoses {
     /// Best first.
-    found: Vec<Hypothesis>,
-    /// The choices of the fit by which the costs were measured.
+    found: Vec<OtherPose>,
+    /// The choices of the fit by which they were measured.
     fit: Arc<FitOptions>,
 }
 

@@ -10,7 +10,7 @@
 //! | `BACKLIT_SCREENSHOTS` | folder for the README's pictures of the window [default: none are made] |
 //! | `BACKLIT_DATA` | where the real footage lies; without it that part is skipped, or fails where `BACKLIT_REQUIRE_DATA=1` |
 //!
-//! The README's pictures are made anew by
+//! The README's pictures are made again by
 //!
 //!     BACKLIT_SCREENSHOTS=screenshots cargo test --release --test e2e readme
 //!

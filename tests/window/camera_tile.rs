@@ -164,6 +164,7 @@ impl Scene {
             spheres: &[],
             likelier: &[],
             held: &[],
+            keypoints: &[],
             shows_hover_card: false,
         }
     }

@@ -161,7 +161,7 @@ fn own_takes_with_several_cameras_and_every_lineup() {
         caption(&harness);
     }
     choose(&mut harness, "Start", "Start 10° off");
-    assert_eq!(steps(&harness), (0, 0), "another start begins anew");
+    assert_eq!(steps(&harness), (0, 0), "another start begins again");
     caption(&harness);
 
     let begun = comparison(&harness).id;
@@ -169,7 +169,7 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     press(&mut harness, NONE, Key::ArrowRight);
     assert_eq!((harness.state().selection().frame, comparison(&harness).id), (1, begun));
     press(&mut harness, NONE, Key::F3);
-    assert!(comparison(&harness).id > begun, "another frame begins anew");
+    assert!(comparison(&harness).id > begun, "another frame begins again");
     assert!(!harness.state().document().has_pose(1));
 }
 

@@ -6,6 +6,7 @@
 
 mod basin;
 mod camera_tile;
+mod cues;
 mod curves;
 mod demonstrations;
 mod docking;
@@ -13,6 +14,7 @@ mod drop;
 mod export;
 mod exported_state;
 mod failing_disk;
+mod first_users;
 mod laboratory;
 mod names;
 mod new_take;

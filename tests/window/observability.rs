@@ -69,7 +69,7 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     press(&mut harness, Modifiers::SHIFT, Key::Backspace);
     assert_ne!(harness.state().document(), &document);
     assert!(!harness.state().observability().is_swaying(), "an edited pose stops it");
-    assert!(!harness.state().observability().is_stale(), "and is looked at anew");
+    assert!(!harness.state().observability().is_stale(), "and is looked at again");
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn ellipses_and_sets_of_cameras() {
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
     settle(&mut harness);
     assert_eq!(harness.state().document().used_cameras().collect::<Vec<_>>(), [1]);
-    assert_eq!(harness.state().observability().found().unwrap().shown.cameras, [1], "looked at anew");
+    assert_eq!(harness.state().observability().found().unwrap().shown.cameras, [1], "looked at again");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(*harness.state().document(), before, "undone as one");
 }

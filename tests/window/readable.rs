@@ -6,12 +6,30 @@ use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
+use egui::accesskit::Role;
 use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{open_sized, press, settle};
+use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::take;
 use crate::support::words::unreadable;
+
+/// Panes that a layout does not have at first, as the palette finds them.
+const PANES: [&str; 5] = ["scene", "convergence", "basin", "motions", "ways to begin"];
+/// The sections of the panel.
+const SECTIONS: [&str; 9] = [
+    "Pose",
+    "Refit",
+    "Size",
+    "Measurement",
+    "Renderer",
+    "Solver",
+    "Observability",
+    "Camera subsets",
+    "Basin",
+];
+const MENUS: [&str; 6] = ["File", "Edit", "View", "Fit", "Demonstrate", "Help"];
 
 /// The smallest window, the commonest laptop, a large one, and that at one and a half times.
 const SIZES: [Vec2; 4] =
@@ -53,16 +71,76 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
 }
 
+/// Finds a command in the palette and does it.
+fn command(window: &mut Harness<'_, App>, name: &str) {
+    press(window, Modifiers::COMMAND, Key::K);
+    window.get_by_role(Role::TextInput).type_text(name);
+    settle(window);
+    press(window, Modifiers::NONE, Key::Enter);
+}
+
+#[test]
+fn every_word_of_every_pane_can_be_read() {
+    let mut wrong = Vec::new();
+    for size in SIZES {
+        for layout in [Layout::Pose, Layout::Debug] {
+            let opening = Opening::Ready(Box::new(take::take()));
+            let mut window = open(opening, layout, size);
+            press(&mut window, Modifiers::NONE, Key::Enter);
+            window.state_mut().close_notices();
+            for pane in PANES {
+                let place = format!("{pane} in {layout:?} at {} × {}", size.x.round(), size.y.round());
+                let is_open = |window: &Harness<'_, App>| {
+                    let title = format!("{}{}", pane[..1].to_uppercase(), &pane[1..]);
+                    window.query_all_by_label(&title).next().is_some()
+                };
+                let was_open = is_open(&window);
+                if !was_open {
+                    command(&mut window, &format!("Show or hide {pane}"));
+                }
+                look(&window, &place, &mut wrong);
+                if !was_open {
+                    command(&mut window, &format!("Show or hide {pane}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn every_word_of_every_section_and_menu_can_be_read() {
+    let mut wrong = Vec::new();
+    for size in SIZES {
+        let opening = Opening::Ready(Box::new(take::take()));
+        let mut window = open(opening, Layout::Pose, size);
+        let place = |what: &str| format!("{what} at {} × {}", size.x.round(), size.y.round());
+        for menu in MENUS {
+            window.get_by_role_and_label(Role::Button, menu).click();
+            window.run_steps(3);
+            look(&window, &place(menu), &mut wrong);
+            press(&mut window, Modifiers::NONE, Key::Escape);
+        }
+        // Sections are open one at a time.
+        for open_at_first in ["Pose", "Refit"] {
+            click(&mut window, open_at_first);
+        }
+        for section in SECTIONS {
+            click(&mut window, section);
+            look(&window, &place(section), &mut wrong);
+            click(&mut window, section);
+        }
+    }
+    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
+
 #[test]
 fn every_word_of_the_demonstrations_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
-        for demonstration in [
-            Demonstration::SingleLimb,
-            Demonstration::TwoCameras,
-            Demonstration::Begin,
-            Demonstration::Motions,
-        ] {
+        for demonstration in Demonstration::ALL
+            .into_iter()
+            .filter(|which| which.is_available()) {
             let opening = Opening::Take(TakeSource::Demonstration(demonstration));
             let mut window = open(opening, Layout::Debug, size);
             let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());

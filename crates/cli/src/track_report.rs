@@ -227,7 +227,7 @@ impl TrackReport {
     }
 
     /// Smooths the newest frames too, by as many later ones as there are. Costs stay those of the poses before, overlaps
-    /// until they are measured anew.
+    /// until they are measured again.
     ///
     /// # Errors
     /// A track that cannot be smoothed.
@@ -247,7 +247,7 @@ impl TrackReport {
         }
     }
 
-    /// Measures a frame's overlap anew.
+    /// Measures a frame's overlap again.
     pub(crate) fn measure_overlap(
         &mut self,
         take: &Take,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
-use backlit_tracking::fit::FitOptions;
+use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::optimize::Termination;
 use backlit_ui::style::format;
 
@@ -16,7 +16,8 @@ use crate::runs::StepRef;
 pub struct RunStep {
     /// The pose after the step; of a rejected step, the pose before it.
     pub pose: Pose,
-    /// Mismatch by one measure for all steps and runs, squared grey levels: the plot's height.
+    /// Mismatch by the run's [measure](Run::measure), one for all steps and all runs of a frame, squared grey levels: the
+    /// plot's height.
     pub mismatch: f64,
     /// Root of its mean over the pixels that count, grey levels; zero where none does.
     pub rms: f64,
@@ -124,6 +125,8 @@ pub struct Run {
     pub detail: String,
     /// The frame that was fitted.
     pub frame: usize,
+    /// Whose ramp and data its steps are measured by, where that is not the last stage of its own fit.
+    pub measured_by: Option<Stage>,
     /// Index of its colour and dash.
     pub colour: usize,
     /// The start, then every step.
@@ -137,6 +140,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// Whose ramp and data its steps are measured by.
+    pub fn measure(&self) -> Option<Stage> {
+        self.measured_by.or_else(|| self.choices.fit.stages.last().copied())
+    }
+
     /// Number of accepted steps among the first `step` ones: the place in the plot.
     pub fn accepted_until(&self, step: usize) -> usize {
         self.steps.iter().take(step + 1).skip(1).filter(|step| step.accepted).count()

@@ -2,6 +2,7 @@
 //! their steps back.
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::fit::{FitOptions, Stage};
 
 use super::run::{Run, RunEnding, RunStep};
 use super::run_names::name_runs;
@@ -88,6 +89,14 @@ impl Runs {
     /// The run of a frame that was begun last.
     pub fn newest_of(&self, frame: usize) -> Option<&Run> {
         self.all.iter().rfind(|run| run.frame == frame)
+    }
+
+    /// What a run with these choices would be measured by to be comparable with the other runs of its frame, where that is
+    /// not its own last stage.
+    pub fn measure_beside(&self, frame: usize, fit: &FitOptions) -> Option<Stage> {
+        let others = self.newest_of(frame)?.measure()?;
+        let is_own = |own: &Stage| own.ramp == others.ramp && own.data == others.data;
+        (!fit.stages.last().is_some_and(is_own)).then_some(others)
     }
 
     /// The first step of a run on a frame that ended at this pose, if it is not that run's start.

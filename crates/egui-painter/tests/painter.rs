@@ -339,7 +339,7 @@ fn small_app(ui: &mut Ui) {
     });
 }
 
-/// `tests/app.png` is the picture. `UPDATE_SNAPSHOTS=1` makes it anew.
+/// `tests/app.png` is the picture. `UPDATE_SNAPSHOTS=1` makes it again.
 #[test]
 fn an_app_looks_as_it_did() {
     let picture = Headless::new(180.0, 104.0, 1.5).frames(3, Vec::new(), small_app);

@@ -44,7 +44,7 @@ impl Priority {
     pub const OPEN: Self = Self::of(Crew::Screen, 2);
     /// Reading dropped files.
     pub const TAKE_IN: Self = Self::of(Crew::Screen, 3);
-    /// Making the footage anew for other cameras.
+    /// Making the footage again for other cameras.
     pub const CALIBRATION: Self = Self::of(Crew::Screen, 4);
     /// Reading and segmenting the frame on the screen.
     pub const FRAME: Self = Self::of(Crew::Screen, 5);

@@ -54,7 +54,7 @@ impl<I, O> Task<I, O> {
         all
     }
 
-    /// Asks the job to end soon; its last outputs still arrive. To ask for the same again stays free: who wants it anew
+    /// Asks the job to end soon; its last outputs still arrive. To ask for the same again stays free: who wants it again
     /// begins it.
     pub fn stop(&self) {
         if let Some(work) = &self.work {

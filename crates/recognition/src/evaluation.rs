@@ -48,7 +48,7 @@ pub struct Evaluation {
     /// By method.
     pub methods: BTreeMap<&'static str, Score>,
     /// How far clips, windows and windows in context of the method that names takes would spread with other people of the same kind: deviations
-    /// where people are drawn anew, again and again (bootstrap).
+    /// where people are drawn again, again and again (bootstrap).
     pub spread: [f64; 3],
     /// Of the method that names takes, hidden Markov models and support vectors together.
     pub confusion: Confusion,
@@ -112,7 +112,7 @@ struct Tally {
 
 /// Seconds of a take that clips are joined to, about.
 const JOINED_S: f64 = 40.0;
-/// How often people are drawn anew.
+/// How often people are drawn again.
 const DRAWS: usize = 1000;
 
 impl Tally {
@@ -193,7 +193,7 @@ impl Tally {
         }
     }
 
-    /// Deviations of clips, windows and windows in context where people are drawn anew.
+    /// Deviations of clips, windows and windows in context where people are drawn again.
     fn spread(&self) -> [f64; 3] {
         let people: Vec<&[Count; 4]> = self.people.values().collect();
         let mut random = Pcg64Mcg::seed_from_u64(11);

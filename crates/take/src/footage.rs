@@ -10,7 +10,7 @@ use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::CameraCues;
+use backlit_tracking::cues::{CameraCues, JointKeypoint};
 use backlit_tracking::fit::{DataView, Evidence};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
@@ -64,6 +64,8 @@ pub struct CameraFrame {
     distance: OnceLock<SignedDistance>,
     /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
     pub grey_levels: Option<Arc<Measurement>>,
+    /// Where another tool saw joints; empty where none has looked, or its file cannot be read.
+    pub keypoints: Vec<JointKeypoint>,
     /// Why something is missing.
     pub problem: Option<String>,
 }
@@ -256,13 +258,9 @@ impl Footage {
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
     /// cameras and the picture without its silhouette are still of use.
     pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
-        let mut result = CameraFrame {
-            image: None,
-            mask: None,
-            distance: OnceLock::new(),
-            grey_levels: None,
-            problem: None,
-        };
+        // The tracker says what is wrong with a file of keypoints.
+        let keypoints = self.cues(camera, frame, None).map_or_else(|_| Vec::new(), |cues| cues.keypoints);
+        let mut result = CameraFrame { keypoints, ..CameraFrame::default() };
         if let Some(TakeSource::Demonstration(which)) = &self.source
             && which.pictures_are_silhouettes()
         {

@@ -12,7 +12,7 @@ use super::demonstration::Demonstration;
 pub enum TakeSource {
     /// The take that comes with the program.
     BuiltIn,
-    /// A simulated take, made anew when it is opened.
+    /// A simulated take, made again when it is opened.
     Demonstration(Demonstration),
     /// A folder with a `take.toml`, or the file itself.
     Path(PathBuf),

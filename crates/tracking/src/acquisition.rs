@@ -9,7 +9,7 @@
 //!    camera. A limb's radius ends there; the end of an arm, a leg or the skull is felt for by a ball that goes along it; where the
 //!    chain is bent, the joint in its middle goes to where both parts hold most of the subject. Left and right, and all frames,
 //!    count together, by their medians.
-//! 4. **Turning on the way.** After each round of growing a fit turns all limbs of the grown body, and growing begins anew.
+//! 4. **Turning on the way.** After each round of growing a fit turns all limbs of the grown body, and growing begins again.
 //!
 //! There is no prior of proportions and no least squares: it is quick and rough, a body to begin
 //! [`fit_body_from`](crate::body_fit::fit_body_from) or a track with. Lengths that end nowhere (spine, hips, clavicles) keep the body's

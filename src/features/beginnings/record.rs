@@ -21,8 +21,8 @@ pub(super) const MOST_BODIES: usize = 60;
 const FALL: f64 = 4.0;
 /// What comes of each round of the search without a start.
 const ROUNDS: [&str; 4] = [
-    "Bodies stand up in the hull, facing eight ways, and limbs are put on",
-    "The best of them are fitted, each arm, leg and head put on anew",
+    "Bodies stand up in the hull, facing eight ways, and limbs are added",
+    "The best of them are fitted, each arm, leg and head found again",
     "The best of those are looked at closely, and each turned round too",
     "What is left is fitted to the end",
 ];
@@ -204,12 +204,12 @@ impl Recorder {
         let best = self.tried.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
         let what = match &tried.origin {
             Origin::Start => "The start, fitted".to_owned(),
-            Origin::Trunk => "Trunk moved, limbs put on anew, fitted".to_owned(),
+            Origin::Trunk => "Trunk moved, limbs found again, fitted".to_owned(),
             Origin::TurnedRound => "The body turned round, fitted".to_owned(),
             Origin::Hull => "From the hull, fitted".to_owned(),
-            Origin::Chain { limb } => format!("{} put on anew, fitted", chain_words(&self.model, limb)),
+            Origin::Chain { limb } => format!("{} found again, fitted", chain_words(&self.model, limb)),
             Origin::Pair { limbs: [one, other] } => {
-                format!("{}, and {other} likewise, put on anew, fitted", chain_words(&self.model, one))
+                format!("{}, and {other} likewise, found again, fitted", chain_words(&self.model, one))
             }
         };
         let how_good = if tried.cost < best * (1.0 - 1e-6) {

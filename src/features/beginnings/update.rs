@@ -51,7 +51,7 @@ impl Beginnings {
         std::mem::take(&mut self.is_shown)
     }
 
-    /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin anew.
+    /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin again.
     pub(super) fn begin(&mut self, ways: &[Way], context: &Context<'_>, requests: &mut Requests) {
         requests.request(Request::Pane(Pane::Beginnings, PaneEvent::Open));
         let Some((footage, inputs)) = context.session.take.clone().zip(context.fit_inputs()) else { return };

@@ -66,7 +66,7 @@ impl Way {
                 "A ball finds the head, a capsule hangs from it and turns to the middle of its pixels, then limb after limb. \
                  The start plays no part"
             }
-            Self::Search => "The program's own: fits from many places, with arms, legs and head put on anew",
+            Self::Search => "The program's own: fits from many places, with arms, legs and head found again",
             Self::Report => "The fit of the 2004 report goes downhill, as it was",
             Self::Body => {
                 "Nothing is known, the person's size neither: the search finds the pose of a scaled body, then every limb \

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
-use backlit_ui::style::theme::data_colours::{LIKELIER, PICTURE_GROUND};
+use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -13,7 +13,7 @@ use super::CameraTileInput;
 use super::comparison::Seen;
 use super::legend_block::{Block, Item, ROW};
 use super::tile::TileLayout;
-use super::{ghosts, held};
+use super::{ghosts, held, keypoints};
 
 /// Above and below the rows.
 const MARGIN: f32 = 2.0;
@@ -119,6 +119,9 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
 fn outlines<'a>(input: &CameraTileInput<'a>) -> Vec<(&'a str, Color32)> {
     let ghosts = input.observed.ghosts.map_or_else(Vec::new, ghosts::legend);
     let mut held: Vec<(&str, Color32)> = held::legend(input.held).collect();
+    if !input.keypoints.is_empty() {
+        held.push((keypoints::LEGEND, HELD_BY_CUE));
+    }
     held.extend(ghosts);
     if !input.likelier.is_empty() {
         held.push(("Where likely poses pull", LIKELIER));

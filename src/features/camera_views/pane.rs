@@ -4,6 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::Cue;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
@@ -201,6 +202,13 @@ impl<'a> CameraPane<'a> {
             held: match self.ghosts {
                 Some(_) => &[],
                 None => session.held(context.selection.frame, self.pose),
+            },
+            keypoints: match document.tracking.cues.cues().contains(&Cue::Keypoints) {
+                true => session
+                    .shown_frame(context.selection.frame)
+                    .and_then(|frame| frame.cameras.get(index))
+                    .map_or(&[], |camera| &camera.keypoints),
+                false => &[],
             },
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),

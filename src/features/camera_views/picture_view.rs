@@ -24,7 +24,7 @@ use super::hover_card::HoverCard;
 use super::observed::{paint_bodies, paint_ellipses, paint_likelier};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
-use super::{CameraTileInput, TileEvent, held, legend};
+use super::{CameraTileInput, TileEvent, held, keypoints, legend};
 use glam::DVec2;
 
 /// Circles of spheres: width in points, and opacity.
@@ -182,6 +182,7 @@ fn paint_marks(
     }
     if shows_limb {
         held::paint(painter, view, input.held, input.body, input.limbs);
+        keypoints::paint(painter, view, input.keypoints, input.joints);
     }
     if !input.joints.is_empty() {
         if let Some(Grip::Limb(limb)) = state.pointer.hovered {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
-use backlit_tracking::cues::LimbHold;
+use backlit_tracking::cues::{JointKeypoint, LimbHold};
 use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{
     JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks, SightRay,
@@ -47,7 +47,7 @@ pub struct CameraTileInput<'a> {
     pub picture: PictureInput<'a>,
     /// The footage at its full size, where `picture` has a part of it.
     pub full: Option<&'a Arc<ColorImage>>,
-    /// Changes whenever anything in `picture` does. Textures are made anew only then.
+    /// Changes whenever anything in `picture` does. Textures are made again only then.
     pub generation: u64,
     /// The calibration, for the marks of it.
     pub camera: Option<&'a Camera>,
@@ -91,6 +91,8 @@ pub struct CameraTileInput<'a> {
     pub likelier: &'a [[DVec2; 2]],
     /// What held the limbs, where the frame was tracked with cues.
     pub held: &'a [LimbHold],
+    /// Where another tool saw joints, while the tracker looks at that too.
+    pub keypoints: &'a [JointKeypoint],
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
 }

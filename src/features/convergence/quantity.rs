@@ -59,10 +59,17 @@ impl Quantity {
     pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::Percent => {
-                "Squared mismatch of body and silhouettes, in percent of the start’s, by one measure for all runs"
+                "Squared mismatch of body and silhouettes, in percent of the start’s. All runs of a frame are measured by the last \
+                 ramp of the first of them"
             }
-            Self::Cost => "Squared mismatch of body and silhouettes, by one measure for all stages and runs",
-            Self::Rms => "Root mean square of D − Λ over the pixels that count, in grey levels",
+            Self::Cost => {
+                "Squared mismatch of body and silhouettes. All runs of a frame are measured by the last ramp of the first of \
+                 them"
+            }
+            Self::Rms => {
+                "Root mean square of D − Λ over the pixels that count, in grey levels. All runs of a frame are measured by \
+                 the last ramp of the first of them"
+            }
             Self::Iou => {
                 "Area that body and silhouettes share, over the area that either covers, all cameras together"
             }

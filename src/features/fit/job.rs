@@ -6,7 +6,7 @@ use std::time::Instant;
 use backlit_document::run::{RunEnding, RunStep};
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
-use backlit_tracking::fit::{Fit, FitError, FitOptions};
+use backlit_tracking::fit::{Fit, FitError, FitOptions, Stage};
 
 use crate::session::prediction::{FitInputs, Predicted};
 
@@ -32,6 +32,8 @@ pub(super) struct FitStart {
     pub(super) options: FitOptions,
     /// Rotations that may move; all of them if there is none.
     pub(super) free: Option<Vec<bool>>,
+    /// Whose ramp and data its steps are measured by, where that is not its own last stage.
+    pub(super) measured_by: Option<Stage>,
 }
 
 /// A fit between two steps: damping and stage go on where they were.
@@ -39,6 +41,8 @@ pub(super) struct FitStart {
 pub(super) struct Running {
     fit: Fit,
     inputs: FitInputs,
+    /// What its steps are measured by, where it is not that.
+    measure: Option<FitInputs>,
     last: Arc<Predicted>,
 }
 
@@ -72,12 +76,28 @@ impl FitJob {
 
 impl FitStart {
     fn begin(self, out: &Outbox<Fitted>) -> Result<Running, FitError> {
-        let Self { inputs, pose, options, free } = self;
+        let Self { inputs, pose, options, free, measured_by } = self;
         let fit = Fit::with_free_rotations(inputs.model.clone(), inputs.views(), pose, options, free)?;
         let last = Arc::new(Predicted::new(&inputs, fit.pose(), None));
         let first = last.start_of(&fit);
-        out.send(Fitted::Step(Box::new(first), last.clone()));
-        Ok(Running { fit, inputs, last })
+        let measure = measured_by.map(|stage| {
+            let fit = FitOptions { stages: vec![stage], ..(*inputs.fit).clone() };
+            FitInputs { fit: Arc::new(fit), ..inputs.clone() }
+        });
+        let running = Running { fit, inputs, measure, last };
+        running.send(first, out);
+        Ok(running)
+    }
+}
+
+impl Running {
+    /// Sends a step that ends at what was predicted last, measured as the other runs of its frame are.
+    fn send(&self, mut step: RunStep, out: &Outbox<Fitted>) {
+        if let Some(measure) = &self.measure {
+            let measured = Predicted::new(measure, &self.last.pose, None);
+            (step.mismatch, step.rms) = (measured.mismatch, measured.rms.unwrap_or_default());
+        }
+        out.send(Fitted::Step(Box::new(step), self.last.clone()));
     }
 }
 
@@ -110,7 +130,7 @@ impl Job<Fitted> for FitJob {
             running.last = Arc::new(Predicted::new(&running.inputs, &record.pose, Some(&running.last)));
         }
         let step = running.last.step_of(&record, seconds);
-        out.send(Fitted::Step(Box::new(step), running.last.clone()));
+        running.send(step, out);
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again
     }

@@ -145,10 +145,12 @@ impl Fit {
         let options = (*fit).clone().at_scale(&inputs.model, &inputs.views(), &pose);
         let number = runs.next_number();
         let branched_from = runs.step_with_pose(frame, &pose);
+        let measured_by = runs.measure_beside(frame, &fit);
         let run = Run {
             number,
             detail: words::fit_detail(&fit),
             frame,
+            measured_by,
             colour: runs.free_colour(),
             stages: options.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
             choices: RunChoices { fit, cameras: inputs.uses.clone(), part, branched_from },
@@ -158,7 +160,7 @@ impl Fit {
         requests.request(Request::Runs(RunChange::Begin(Box::new(run))));
         requests.request(Request::LeaveStep);
         self.live = Some(LiveRun { is_comparison, ..LiveRun::new(number, frame, inputs.clone()) });
-        let start = FitStart { inputs, pose, options, free };
+        let start = FitStart { inputs, pose, options, free, measured_by };
         self.task.begin(context.pool, (), |()| FitJob::begin(start, new.steps));
     }
 
@@ -252,7 +254,7 @@ impl Fit {
             let estimate = Estimate {
                 pose: last.pose.clone(),
                 origin: Origin::Fit,
-                cost: Some(last.mismatch),
+                cost: Some(predicted.map_or(last.mismatch, |predicted| predicted.mismatch)),
                 rms: predicted.and_then(|predicted| predicted.rms),
                 iou: predicted.and_then(|predicted| predicted.iou()),
                 steps: live.steps,

@@ -9,7 +9,7 @@ use super::{CheckProgress, Entrant, PushAxis, Pushed};
 use crate::session::Extent;
 use crate::session::prediction::{FitInputs, Predicted};
 
-/// What a comparison is made of. If it changes the comparison begins anew.
+/// What a comparison is made of. If it changes the comparison begins again.
 #[derive(Debug, Clone)]
 pub struct Basis {
     /// The frame's data; its fit is not looked at.

@@ -1,4 +1,4 @@
-//! The laboratory in every frame of the window: it begins anew when what it compares changes, steps its fits, and asks
+//! The laboratory in every frame of the window: it begins again when what it compares changes, steps its fits, and asks
 //! for what its pictures lack.
 
 use std::io::Cursor;

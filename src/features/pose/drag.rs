@@ -88,7 +88,7 @@ impl Dragging {
 }
 
 impl Posing {
-    /// Goes along with a drag in a camera's view. A modifier pressed on the way begins anew from the pose that is
+    /// Goes along with a drag in a camera's view. A modifier pressed on the way begins again from the pose that is
     /// reached: still one gesture.
     pub(crate) fn drag(
         &mut self,

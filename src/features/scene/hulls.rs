@@ -60,7 +60,7 @@ mod tests {
         let (first, again) = (frame(3), frame(3));
         cache.insert(first.clone(), None);
         assert_eq!(cache.get(&first), Some(None));
-        assert_eq!(cache.get(&again), None, "segmented anew, it is another one");
+        assert_eq!(cache.get(&again), None, "segmented again, it is another one");
         cache.insert(again.clone(), None);
         assert_eq!(cache.get(&first), None);
         for other in 10..10 + CAPACITY {

@@ -1,4 +1,4 @@
-//! All that a picture of the scene shows, so that it is drawn anew only when something in it has changed.
+//! All that a picture of the scene shows, so that it is drawn again only when something in it has changed.
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;

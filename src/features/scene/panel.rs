@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `header` | title and the menu of views and of what is shown |
 //! | `drag`, `keys` | orbit, pan, zoom, click on a camera |
-//! | `canvas` | the picture, ordered anew only when something in it has changed |
+//! | `canvas` | the picture, ordered again only when something in it has changed |
 //! | `marks` | badges, the held joint, axes and words, over the picture |
 
 mod canvas;

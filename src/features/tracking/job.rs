@@ -19,6 +19,7 @@ use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track, Tracker};
 
 use super::Found;
+use super::poses_job::measured;
 use super::read_ahead::ReadAhead;
 use super::survey::{no_keypoints, nobody_to_track};
 use crate::session::prediction::FitInputs;
@@ -281,7 +282,7 @@ impl Job<Found> for TrackJob {
                 self.tell_beside(std::slice::from_ref(&found), out);
                 out.send(Found::Tracked(frame, estimate(&found)));
                 if !found.hypotheses.is_empty() {
-                    out.send(Found::Poses(frame, found.hypotheses.clone()));
+                    out.send(Found::Poses(frame, measured(&self.inputs.fit, &found.hypotheses)));
                 }
                 // What was set by hand is not smoothed.
                 if self.kept_key(frame).is_none() {

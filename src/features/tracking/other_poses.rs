@@ -31,28 +31,23 @@ impl Tracking {
         let Some(poses) = self.other_poses.get(&frame) else { return };
         ui.label(RichText::new("Poses that fit, best first").small().color(palette.text2));
         let shown = context.shown_pose();
-        let best = poses.found.first().map_or(0.0, |found| found.cost);
         for (index, found) in poses.found.iter().enumerate() {
             let is_shown = found.pose.root.distance(shown.root) < SAME
                 && found.pose.local(shown).iter().all(|value| value.abs() < SAME);
-            let cost = format::cost(found.cost);
-            let more = if index == 0 || best <= 0.0 {
-                "best".to_owned()
-            } else {
-                format!("+{}", format::percent(found.cost / best - 1.0))
-            };
-            let name = format!("Pose {}: {}, {cost}, {more}", index + 1, pose_words::origin(&found.origin));
+            let rms = found.rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1));
+            let best = if index == 0 { ", best" } else { "" };
+            let name = format!("Pose {}: {}, RMS {rms}{best}", index + 1, pose_words::origin(&found.origin));
             let row = egui::Button::selectable(is_shown, (name, egui::Atom::grow())).truncate();
             let response = ui.add_sized([ui.available_width(), theme::size::ROW], row);
-            let hover =
-                "Give the frame this pose, as a key pose. Cost by the last stage of the fit, priors included";
+            let hover = "Give the frame this pose, as a key pose.\nRMS is in grey levels, as in the timeline. The order is by the \
+                         fit’s last cost, priors and limits included";
             if response.on_hover_text(hover).clicked() {
                 let what = "Choose pose".to_owned();
                 requests.edit(Edit::SetPose { frame, pose: found.pose.clone(), what });
             }
         }
         if !std::sync::Arc::ptr_eq(&poses.fit, &context.document().fit) {
-            let text = RichText::new("The fit’s choices have changed since these costs")
+            let text = RichText::new("The fit’s choices have changed since this was measured")
                 .text_style(TextStyle::Small);
             ui.label(text.color(palette.text3));
         }

@@ -2,10 +2,31 @@
 
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
-use backlit_tracking::search::{self, SearchOptions};
+use backlit_tracking::search::{self, Hypothesis, Origin, SearchOptions};
 
 use super::Found;
-use crate::session::prediction::FitInputs;
+use crate::session::prediction::{FitInputs, Predicted};
+
+/// A pose that a search has found.
+#[derive(Debug, Clone)]
+pub(super) struct OtherPose {
+    /// The pose.
+    pub(super) pose: Pose,
+    /// Where it comes from.
+    pub(super) origin: Origin,
+    /// Root mean square residual in grey levels, as the views and the timeline measure it.
+    pub(super) rms: Option<f64>,
+}
+
+/// Poses that were found, in their order, each measured as the views measure the pose on the screen.
+pub(super) fn measured(inputs: &FitInputs, found: &[Hypothesis]) -> Vec<OtherPose> {
+    let measured = |found: &Hypothesis| OtherPose {
+        rms: Predicted::new(inputs, &found.pose, None).rms,
+        pose: found.pose.clone(),
+        origin: found.origin.clone(),
+    };
+    found.iter().map(measured).collect()
+}
 
 /// A search to be made.
 #[derive(Debug)]
@@ -24,7 +45,7 @@ impl Job<Found> for PosesJob {
         match search::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
             // Half a search has looked at half of the body.
             Ok(_) if out.cancel().is_cancelled() => {}
-            Ok(found) => out.send(Found::Poses(frame, found.found)),
+            Ok(found) => out.send(Found::Poses(frame, measured(fit, &found.found))),
             Err(error) => out.send(Found::Refused(format!("Other poses cannot be looked for: {error}."))),
         }
         Step::Done

@@ -10,14 +10,13 @@ use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::Person;
 use backlit_tracking::posing;
-use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
 
 use super::body_job::{self, BodyJob};
 use super::job::{Leg, TrackInputs, TrackJob};
 use super::keys::keys_around;
 use super::person_job::PersonJob;
-use super::poses_job::PosesJob;
+use super::poses_job::{OtherPose, PosesJob};
 use super::{Found, OtherPoses, Tracking, Work, body, spheres};
 use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
@@ -293,7 +292,7 @@ impl Tracking {
     fn poses_found(
         &mut self,
         frame: usize,
-        found: Vec<Hypothesis>,
+        found: Vec<OtherPose>,
         context: &Context<'_>,
         requests: &mut Requests,
     ) {

@@ -12,7 +12,7 @@ use image::{DynamicImage, RgbaImage};
 ///
 /// No pixel may differ by any amount: the CPU painter gives the same bits everywhere. What was painted
 /// instead is left beside the stored picture as `NAME.new.png`. With `UPDATE_SNAPSHOTS` set, pictures that
-/// differ are stored anew.
+/// differ are stored again.
 #[derive(Debug, Default)]
 pub(crate) struct Snapshots {
     wrong: Vec<String>,
@@ -66,7 +66,7 @@ fn difference(stored: &RgbaImage, painted: &RgbaImage) -> Option<String> {
 impl Drop for Snapshots {
     fn drop(&mut self) {
         if !self.wrong.is_empty() && !std::thread::panicking() {
-            panic!("UPDATE_SNAPSHOTS=1 stores them anew:\n{}", self.wrong.join("\n"));
+            panic!("UPDATE_SNAPSHOTS=1 stores them again:\n{}", self.wrong.join("\n"));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::Model;
-use backlit_tracking::fit::FitOptions;
+use backlit_tracking::fit::{FitOptions, Stage};
 use serde::{Deserialize, Serialize};
 
 use super::ProjectError;
@@ -32,6 +32,9 @@ pub(crate) struct RunRecord {
     /// Number and step of the run that it began at.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     branched_from: Option<[usize; 2]>,
+    /// The stage by which its steps are measured, where it is not the last of its own fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    measured_by: Option<Stage>,
     colour: usize,
     shown: bool,
     /// Words for the stages of the annealing.
@@ -75,6 +78,7 @@ pub(crate) fn run_record(model: &Model, run: &Run) -> Option<RunRecord> {
         cameras: run.choices.cameras.iter().map(camera_record).collect(),
         part: run.choices.part.clone(),
         branched_from: run.choices.branched_from.map(|from| [from.run, from.step]),
+        measured_by: run.measured_by,
         colour: run.colour,
         shown: run.is_shown,
         stages: run.stages.clone(),
@@ -151,6 +155,7 @@ impl Reader<'_> {
             },
             detail: record.detail,
             frame: record.frame,
+            measured_by: record.measured_by,
             colour: record.colour,
             steps,
             stages: record.stages,

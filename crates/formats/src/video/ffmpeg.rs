@@ -26,7 +26,7 @@ use crate::images::reduced;
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 /// Frames that the program may be ahead.
 const AHEAD: usize = 2;
-/// Frames that are rather read and thrown away than looked up anew.
+/// Frames that are rather read and thrown away than looked up again.
 const MAX_SKIPPED: usize = 48;
 /// Containers that the programs may read: none that names other files.
 const FORMATS: &str = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,ogg,flv,asf";

@@ -153,7 +153,7 @@ fn edits_and_uneven_times_are_as_ffmpeg_has_them() {
         skipped("edits", "this ffmpeg has no libx264");
         return;
     }
-    // A cut without coding anew begins at a key; what lies before the cut is left out by an edit.
+    // A cut without coding again begins at a key; what lies before the cut is left out by an edit.
     ffmpeg("-c copy", &["-ss", "0.5", "-i", "whole.mp4"], "cut.mp4", folder.path()).unwrap();
     check(folder.path(), "cut.mp4", 0);
     assert!(Video::open(&folder.path().join("cut.mp4")).unwrap().frame_count() < 30);

@@ -2,7 +2,7 @@
 //!
 //! From a track with a body of about the right size, well-spread frames are chosen and some of them held out. Sizes are
 //! fitted to the others ([`fit_body`]). Then the body found, as the silhouettes show it, and the body to begin with, scaled
-//! as a whole, are posed anew in the frames held out, and what does not overlap better there, or is no person's size, is
+//! as a whole, are posed again in the frames held out, and what does not overlap better there, or is no person's size, is
 //! not taken: a fact of the report, not an error. Errors are what forbids to look at all.
 
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub const FEWEST_FRAMES: usize = 3;
 pub struct OwnSizesOptions {
     /// The fit of sizes; by default of people in clothes of whom no joint is known.
     pub fit: BodyFitOptions,
-    /// How the frames held out are posed anew.
+    /// How the frames held out are posed again.
     pub pose: FitOptions,
     /// Frames that sizes are fitted to.
     pub fitted: usize,
@@ -248,7 +248,7 @@ fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> O
     }
 }
 
-/// Poses both bodies anew in the frames held out.
+/// Poses both bodies again in the frames held out.
 fn judge(
     bodies: &[Arc<Model>; 2],
     frames: &[BodyFrame],

@@ -157,7 +157,7 @@ impl Fit {
     }
 
     /// The same fit with what the pictures say beside their silhouettes: pulls at limbs, from here on. The stage that it
-    /// is in begins anew where it stands. Without any pull nothing changes, to the bit.
+    /// is in begins again where it stands. Without any pull nothing changes, to the bit.
     ///
     /// # Errors
     /// A pull at a limb or through a camera that is none, or a camera with lens distortion.

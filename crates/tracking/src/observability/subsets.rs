@@ -1,4 +1,4 @@
-//! Sets of cameras compared, from sums that are there already: nothing is rendered anew.
+//! Sets of cameras compared, from sums that are there already: nothing is rendered again.
 
 use super::directions::Noise;
 use super::information::FrameInformation;

@@ -145,7 +145,7 @@ impl View {
         }
     }
 
-    /// Leaves out the limbs for which `drawn` is false: as if the body did not have them, until it is prepared anew.
+    /// Leaves out the limbs for which `drawn` is false: as if the body did not have them, until it is prepared again.
     ///
     /// `drawn` has one entry a limb; what is missing is left out.
     pub fn keep_limbs(&mut self, drawn: &[bool]) {

@@ -5,12 +5,12 @@
 //!
 //! 1. **Trunks.** Samples about the start, by the sketch of the trunk alone, and the best of them. On each the
 //!    free-hanging chains are put together one after the other, and the whole is refined.
-//! 2. **Chains.** One arm, leg or head at a time is taken off and seeded anew; the best places are refined,
+//! 2. **Chains.** One arm, leg or head at a time is taken off and seeded again; the best places are refined,
 //!    and the best of all hypotheses goes on. Sweeps over the chains end when one brings nothing.
 //! 3. **Pairs.** Where the silhouettes are still ill explained, two chains are taken off at once: arms that
 //!    have changed places, a head that has become a hand.
 //! 4. **Turned round.** The best pose with the body facing the other way and its sides swapped, as it is and put
-//!    together anew, in a search of its own whose chains are swept where it is a rival in cost. Silhouettes hardly tell the two apart, and a fit never
+//!    together again, in a search of its own whose chains are swept where it is a rival in cost. Silhouettes hardly tell the two apart, and a fit never
 //!    crosses over.
 //!
 //! Thousands of places are sifted by the sketch, which draws flat limbs on coarse pictures; some tens are
@@ -59,12 +59,12 @@ pub enum Origin {
     TurnedRound,
     /// The visual hull, where no start was known.
     Hull,
-    /// A chain seeded anew.
+    /// A chain seeded again.
     Chain {
         /// The chain's first limb.
         limb: String,
     },
-    /// Two chains seeded anew.
+    /// Two chains seeded again.
     Pair {
         /// The chains' first limbs.
         limbs: [String; 2],
@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Other trunks, and all chains anew on them and on the best one.
+    /// Other trunks, and all chains again on them and on the best one.
     fn try_trunks(&mut self, start: &Pose, chains: &[usize]) {
         let best = self.found[0].pose.clone();
         let mut trunks: Vec<(f32, Pose)> = Vec::with_capacity(self.effort.trunk_samples);
@@ -261,7 +261,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A body that faces the other way: as it is, and put together anew.
+    /// A body that faces the other way: as it is, and put together again.
     fn try_turned(&mut self, turned: &Pose, chains: &[usize]) {
         let whole = self.reseeder.assemble(turned, chains);
         for (pose, stage) in [(turned, 0), (&whole, self.refining_stage())] {
@@ -284,7 +284,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Every chain anew, one after the other, each on the best pose so far.
+    /// Every chain again, one after the other, each on the best pose so far.
     fn try_chains(&mut self, chains: &[usize]) {
         for &chain in chains {
             let proposals = self.reseeder.propose(&self.found[0].pose, chain, &[]);
@@ -293,7 +293,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Every two chains anew: the places of one, with the other taken off, then the best place of that.
+    /// Every two chains again: the places of one, with the other taken off, then the best place of that.
     fn try_pairs(&mut self, chains: &[usize]) {
         let longer = |&chain: &usize| std::cmp::Reverse(self.reseeder.parts.chains[chain].rotations.len());
         let mut by_length = chains.to_vec();

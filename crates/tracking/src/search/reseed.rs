@@ -92,7 +92,7 @@ impl Reseeder<'_> {
         (skeleton, canvas)
     }
 
-    /// All chains put anew on a pose's trunk, one after the other, the shortest (a head) first.
+    /// All chains put again on a pose's trunk, one after the other, the shortest (a head) first.
     pub(super) fn assemble(&self, trunk: &Pose, chains: &[usize]) -> Pose {
         let mut order = chains.to_vec();
         order.sort_by_key(|&chain| self.parts.chains[chain].rotations.len());

@@ -5,7 +5,7 @@
 //!    how far away it is.
 //! 2. **Headings.** About the vertical through the person the body stands up in eight directions. On the best trunks of
 //!    each, by the sketch, arms, legs and head are put together, and the whole is refined a little by two coarse stages.
-//! 3. **Halving.** The best few that differ are refined to the end, each chain seeded anew; then the best of them more
+//! 3. **Halving.** The best few that differ are refined to the end, each chain seeded again; then the best of them more
 //!    closely, each also turned round: facing the other way, right and left swapped.
 //! 4. **Judgement.** By the last stage's cost without any pull to a start. Where the other way costs as good as the same,
 //!    the body is taken to face the cameras if these stand on one side of it, and that is said ([`Doubt`]).
@@ -110,7 +110,7 @@ pub struct Found {
     /// that faces away from the cameras.
     pub candidates: Vec<Candidate>,
     /// What came of each round, best first: the trunks of all headings with their limbs; the best of these, their chains seeded
-    /// anew; the best of those and the same turned round, looked at more closely. Costs can be compared within a round.
+    /// again; the best of those and the same turned round, looked at more closely. Costs can be compared within a round.
     pub rounds: Vec<Vec<Rated>>,
     /// Up, a unit vector, world axes.
     pub up: DVec3,

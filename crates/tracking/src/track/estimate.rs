@@ -74,7 +74,7 @@ impl FrameEstimate {
         self.holds.iter().filter(|hold| hold.is_unsure()).map(|hold| hold.limb)
     }
 
-    /// Measures the overlap anew with what the frame's cameras saw, as after smoothing has moved the pose.
+    /// Measures the overlap again with what the frame's cameras saw, as after smoothing has moved the pose.
     pub fn measure_overlap(&mut self, model: &Model, renderer: RendererKind, views: &[FitView]) {
         self.overlap = FrameMasks::of(views).overlap(model, &self.pose, renderer);
     }

@@ -54,7 +54,7 @@ pub struct WaitingFrame {
     pub pose: Pose,
     /// Velocity and covariance; `None` where no filter looked at it.
     pub belief: Option<Belief>,
-    /// Whether the filter went on from the frame before; else it began anew here.
+    /// Whether the filter went on from the frame before; else it began again here.
     pub goes_on: bool,
 }
 

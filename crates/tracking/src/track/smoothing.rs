@@ -27,7 +27,7 @@ pub enum SmoothingError {
 /// `lag`, by so many frames after each, as a live track could show that many frames late.
 ///
 /// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
-/// was foretold, begins anew. Costs and overlaps stay those of the filtered poses; overlaps can be measured anew
+/// was foretold, begins again. Costs and overlaps stay those of the filtered poses; overlaps can be measured again
 /// ([`FrameEstimate::measure_overlap`]).
 ///
 /// # Errors

@@ -232,7 +232,7 @@ fn the_damped_step_is_the_augmented_least_squares_solution() {
     report(&failures);
 }
 
-/// Compares what a prior adds with differences of its weighted residuals √w ρ(X), written out anew here.
+/// Compares what a prior adds with differences of its weighted residuals √w ρ(X), written out again here.
 fn check_prior(
     name: &str,
     parameters: Parameters,

@@ -1,5 +1,5 @@
 //! What the cameras see of a pose: null directions that are known, depth of one camera, covariances against noisy fits,
-//! sets of cameras against looking anew.
+//! sets of cameras against looking again.
 
 use std::sync::Arc;
 
@@ -183,8 +183,8 @@ fn sets_of_cameras_are_what_looking_anew_gives() {
     for set in camera_subsets(&[0, 1, 2, 3]) {
         let alone: Vec<Option<FitView>> =
             views.iter().enumerate().map(|(at, view)| view.clone().filter(|_| set.contains(&at))).collect();
-        let anew = FrameInformation::new(&model, &alone, &plain, &pose).unwrap();
-        let expected = anew.observe_with_noise(&[0, 1, 2, 3], Some(noise));
+        let again = FrameInformation::new(&model, &alone, &plain, &pose).unwrap();
+        let expected = again.observe_with_noise(&[0, 1, 2, 3], Some(noise));
         assert_eq!(expected.cameras, set);
         let found = figures.iter().find(|figures| figures.cameras == set).unwrap();
         assert_eq!(found.null_count, expected.null_count(), "{set:?}");

@@ -7,7 +7,7 @@ use super::JointId;
 /// What the pointer does with a drag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DragEvent {
-    /// It begins. Pressing a modifier on the way begins anew, from the pose that is reached.
+    /// It begins. Pressing a modifier on the way begins again, from the pose that is reached.
     Begin(Drag),
     /// It goes on. Everything counts from the pose at the start.
     Move(Drag),

@@ -201,7 +201,7 @@ struct CachedTexture {
     handle: TextureHandle,
 }
 
-/// The texture of `id`, made anew by `image` only when `key` differs from the last call's. Pixels are squares if
+/// The texture of `id`, made again by `image` only when `key` differs from the last call's. Pixels are squares if
 /// `is_crisp`.
 pub fn cached_texture<I: Into<Arc<ColorImage>>>(
     ctx: &Context,
@@ -228,7 +228,7 @@ pub fn cached_texture<I: Into<Arc<ColorImage>>>(
     handle
 }
 
-/// Forgets all textures of [`cached_texture`]: they are made anew when they are next shown.
+/// Forgets all textures of [`cached_texture`]: they are made again when they are next shown.
 pub fn forget_textures(ctx: &Context) {
     ctx.data_mut(|data| data.remove_by_type::<CachedTexture>());
 }

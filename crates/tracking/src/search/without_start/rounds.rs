@@ -174,7 +174,7 @@ impl Rounds<'_> {
         trunks.into_iter().take(self.choices.trunks).map(|(_, pose)| pose).collect()
     }
 
-    /// Refined to the end, its chains seeded anew.
+    /// Refined to the end, its chains seeded again.
     fn refine(&self, pose: &Pose, effort: &SearchOptions) -> Rated {
         let options = self.free_options();
         let mut search = self.search(pose, &options, effort);
@@ -211,7 +211,7 @@ impl Rounds<'_> {
         FitOptions { stages, proximal_weight: pull, ..self.options.clone() }
     }
 
-    /// The body facing the other way. One with sides trades right and left; another has its limbs put on anew.
+    /// The body facing the other way. One with sides trades right and left; another has its limbs put on again.
     fn turned(&self, pose: &Pose) -> Pose {
         if Sides::of(self.model, &Kinematics::new(self.model, pose)).is_some() {
             return posing::turn_round(self.model, pose);

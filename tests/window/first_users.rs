@@ -1,0 +1,186 @@
+//! What first users met, so that it stays mended: keys that do nothing say why, one measure for what is compared, menus that
+//! stay in the window.
+
+use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
+use backlit_tracking::body::Kinematics;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Order, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use crate::support::app_window::{click, drag, open_sized, press, settle};
+use crate::support::take;
+
+/// The smallest window, and the commonest laptop's.
+const SMALL: [Vec2; 2] = [vec2(1024.0, 640.0), vec2(1366.0, 768.0)];
+const MENUS: [&str; 6] = ["File", "Edit", "View", "Fit", "Demonstrate", "Help"];
+
+fn open(opening: Option<Opening>, layout: Layout, size: Vec2) -> Harness<'static, App> {
+    let settings = Settings { layout, ..Settings::default() };
+    open_sized(AppOptions { settings, opening, ..AppOptions::default() }, size)
+}
+
+fn open_arm() -> Harness<'static, App> {
+    open(Some(Opening::Ready(Box::new(take::take()))), Layout::Debug, vec2(1500.0, 900.0))
+}
+
+/// Finds a command in the palette and does it.
+fn command(window: &mut Harness<'_, App>, name: &str) {
+    press(window, Modifiers::COMMAND, Key::K);
+    window.get_by_role(Role::TextInput).type_text(name);
+    settle(window);
+    press(window, Modifiers::NONE, Key::Enter);
+}
+
+#[test]
+fn a_key_that_cannot_act_says_why() {
+    let mut window = open(None, Layout::Pose, vec2(1500.0, 900.0));
+    press(&mut window, Modifiers::NONE, Key::Space);
+    window.get_by_label("Step cannot be used now. Open a take first.");
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    window.get_by_label("Track forward cannot be used now. Open a take first.");
+    // Esc is for many things, and says nothing of the fit.
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(window.query_by_label_contains("Stop cannot be used").is_none());
+}
+
+#[test]
+fn a_tracked_frame_a_refit_and_a_search_have_one_measure() {
+    let mut window = open_arm();
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    let rms = |window: &Harness<'_, App>| {
+        let state = window.state();
+        state.document().estimates[&state.selection().frame].rms.unwrap()
+    };
+    let tracked = rms(&window);
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let fitted = rms(&window);
+    assert!((fitted / tracked - 1.0).abs() < 0.1, "tracked {tracked}, fitted {fitted}");
+    press(&mut window, Modifiers::COMMAND, Key::F);
+    click(&mut window, "Refit");
+    let best = window.get_by_label_contains("Pose 1: ");
+    let text = best.accesskit_node().label().unwrap();
+    let said = text.split("RMS ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
+    let searched: f64 = said.parse().unwrap();
+    assert!(text.ends_with("best") && (searched / fitted - 1.0).abs() < 0.1, "fitted {fitted}, {text}");
+}
+
+#[test]
+fn runs_from_one_start_are_measured_alike() {
+    let mut window = open_arm();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    for over in ["ramp", "preset", "renderer"] {
+        command(&mut window, &format!("Run again with each {over}"));
+    }
+    let runs = window.state().runs();
+    assert!(runs.len() >= 8, "{} runs", runs.len());
+    let start = runs[0].steps[0].mismatch;
+    for run in runs.iter().filter(|run| run.choices.fit.renderer == runs[0].choices.fit.renderer) {
+        assert_eq!(run.steps[0].mismatch, start, "{}", run.name);
+        assert!(run.steps.last().unwrap().mismatch < start, "{}", run.name);
+    }
+    // Runs by hand are measured like that too.
+    press(&mut window, Modifiers::SHIFT, Key::Backspace);
+    command(&mut window, "Report 2004");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(window.state().runs().last().unwrap().steps[0].mismatch, start);
+}
+
+#[test]
+fn menus_stay_within_the_window() {
+    for size in SMALL {
+        for menu in MENUS {
+            let opening = Some(Opening::Ready(Box::new(take::take())));
+            let mut window = open(opening, Layout::Pose, size);
+            window.get_by_role_and_label(Role::Button, menu).click();
+            window.run_steps(3);
+            let inside = window.ctx.content_rect();
+            let areas: Vec<egui::Rect> = window.ctx.memory(|memory| {
+                let layers = memory.layer_ids().filter(|layer| layer.order == Order::Foreground);
+                layers.filter_map(|layer| memory.area_rect(layer.id)).collect()
+            });
+            assert!(areas.iter().any(|area| area.height() > 60.0), "{menu} is not open: {areas:?}");
+            let out = areas.iter().find(|area| !inside.contains_rect(**area));
+            assert_eq!(out, None, "{menu} at {size}");
+        }
+    }
+}
+
+#[test]
+fn letters_grow_and_shrink_by_keys() {
+    let mut window = open_arm();
+    let zoom = |window: &Harness<'_, App>| window.ctx.zoom_factor();
+    press(&mut window, Modifiers::COMMAND, Key::Plus);
+    assert!((zoom(&window) - 1.1).abs() < 1e-3, "{}", zoom(&window));
+    press(&mut window, Modifiers::COMMAND, Key::Minus);
+    press(&mut window, Modifiers::COMMAND, Key::Minus);
+    assert!((zoom(&window) - 0.9).abs() < 1e-3, "{}", zoom(&window));
+    command(&mut window, "Usual letters");
+    assert_eq!(zoom(&window), 1.0);
+}
+
+#[test]
+fn what_undo_said_goes_with_the_next_act() {
+    let mut window = open_arm();
+    drag(&mut window, "right wrist, Camera 1", vec2(0.0, 30.0));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(window.query_by_label_contains("Undone: ").is_some());
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert!(window.query_by_label_contains("Undone: ").is_none());
+}
+
+#[test]
+fn a_dragged_wrist_leaves_the_other_arm_alone() {
+    let opening = Some(Opening::Take(TakeSource::BuiltIn));
+    let mut window = open(opening, Layout::Pose, vec2(1600.0, 1000.0));
+    let places = |window: &Harness<'_, App>| {
+        let document = window.state().document();
+        let kinematics = Kinematics::new(&document.model, document.pose_at(0));
+        ["right hand", "left hand", "left foot"].map(|name| {
+            let limb = document.model.limbs().iter().position(|limb| limb.name.contains(name)).unwrap();
+            kinematics.ends()[limb]
+        })
+    };
+    let before = places(&window);
+    drag(&mut window, "right wrist, Camera 1", vec2(20.0, -20.0));
+    let moved: Vec<f64> = places(&window).iter().zip(before).map(|(a, b)| a.distance(b)).collect();
+    assert!(moved[0] > 0.02, "{moved:?} m");
+    assert!(moved[1] < 0.003 && moved[2] < 0.003, "{moved:?} m");
+}
+
+#[test]
+fn stages_are_edited_and_the_next_run_obeys() {
+    let mut window = open_arm();
+    let stages = window.state().document().fit.stages.len();
+    for stage in 1..=stages {
+        let field = format!("Stage {stage}, steps");
+        window.get_by_label(&field).click();
+        window.run_steps(2);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.run_steps(2);
+        window.event(egui::Event::Text("1".to_owned()));
+        window.run_steps(2);
+        press(&mut window, Modifiers::NONE, Key::Enter);
+    }
+    let fit = &window.state().document().fit;
+    assert!(fit.stages.iter().all(|stage| stage.iterations == 1), "{:?}", fit.stages);
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let run = window.state().runs().last().unwrap();
+    assert!((1..=stages).contains(&run.last_step()), "{} steps", run.last_step());
+}
+
+#[test]
+fn demonstrations_of_the_report_open_ready_to_compare() {
+    for demonstration in Demonstration::ALL[..7].iter().filter(|which| which.is_available()) {
+        let opening = Opening::Take(TakeSource::Demonstration(*demonstration));
+        let window = open(Some(opening), Layout::Pose, vec2(1366.0, 768.0));
+        assert_eq!(window.state().settings().layout, Layout::Demonstrate, "{demonstration:?}");
+        let tries = ["Compare", "Fit with camera", "Track"];
+        let offers = tries.iter().any(|text| window.query_all_by_label_contains(text).next().is_some());
+        assert!(offers, "{demonstration:?} offers nothing to try");
+    }
+}
