@@ -157,16 +157,14 @@ impl Predicted {
         // Cameras side by side, sums in their order.
         let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
             (0..scene.cameras.len()).into_par_iter().map(look).collect();
-        let mut weight = 0.0;
+        let measured = Measured::of(looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()));
+        (result.mismatch, result.rms) = (measured.mismatch, measured.rms);
         for (camera, mismatch) in looks {
             result.cameras.push(camera);
             let Some(mismatch) = mismatch else { continue };
-            result.mismatch += mismatch.sum;
-            weight += mismatch.weight;
             let limbs = result.mismatch_by_limb.iter_mut().zip(mismatch.by_limb);
             limbs.for_each(|(total, part)| *total += part);
         }
-        result.rms = (weight > 0.0).then(|| (result.mismatch / weight).sqrt());
         result.seconds = start.elapsed().as_secs_f64();
         result
     }
@@ -250,6 +248,27 @@ impl CameraPrediction {
     }
 }
 
+/// How far a pose is from the data: one measure for fits, tracks, searches and what is on the screen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measured {
+    /// Σ w (D − Λ)² over the cameras that count, squared grey levels.
+    pub(crate) mismatch: f64,
+    /// Root of its mean, grey levels.
+    pub(crate) rms: Option<f64>,
+}
+
+impl Measured {
+    /// Sums of cameras, in their order.
+    fn of<'a>(cameras: impl Iterator<Item = &'a Mismatch>) -> Self {
+        let (mut mismatch, mut weight) = (0.0, 0.0);
+        for camera in cameras {
+            mismatch += camera.sum;
+            weight += camera.weight;
+        }
+        Self { mismatch, rms: (weight > 0.0).then(|| (mismatch / weight).sqrt()) }
+    }
+}
+
 /// Σ w (D − Λ)² of a camera.
 struct Mismatch {
     sum: f64,
@@ -276,6 +295,21 @@ impl Mismatch {
 }
 
 impl FitInputs {
+    /// How far a pose is from the data, as [`Predicted`] has it, without all else that a picture needs.
+    pub(crate) fn measure(&self, pose: &Pose) -> Measured {
+        let kinematics = Kinematics::new(&self.model, pose);
+        let look = |index: usize| {
+            let used = self.uses.get(index).filter(|used| used.used)?;
+            let (camera, data) = (&self.cameras[index], self.data(index)?);
+            let view = View::new(&self.model, &kinematics, camera, self.fit.renderer, self.fit.final_ramp());
+            let prediction = draw(&view, Wanted { gradient: false, motion: None }).prediction;
+            Some(Mismatch::between(&prediction, &data, used.weight, self.model.limbs().len()))
+        };
+        let cameras: Vec<Option<Mismatch>> =
+            (0..self.cameras.len()).into_par_iter().map(look).collect();
+        Measured::of(cameras.iter().flatten())
+    }
+
     /// D of a camera, as the last stage looks at it.
     pub(crate) fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
         let frame = self.frame.as_ref()?.cameras.get(camera)?;

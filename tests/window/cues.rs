@@ -15,7 +15,7 @@ use crate::support::app_window::{open_sized, settle};
 
 fn legends(window: &Harness<'_, App>) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
-    nodes.map(|node| node.accesskit_node().label().unwrap_or_default()).collect()
+    nodes.map(|node| node.accesskit_node().value().unwrap_or_default()).collect()
 }
 
 #[test]

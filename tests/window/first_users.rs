@@ -59,7 +59,8 @@ fn a_tracked_frame_a_refit_and_a_search_have_one_measure() {
     let tracked = rms(&window);
     press(&mut window, Modifiers::NONE, Key::Enter);
     let fitted = rms(&window);
-    assert!((fitted / tracked - 1.0).abs() < 0.1, "tracked {tracked}, fitted {fitted}");
+    // A fit goes on from where the tracker ended, and finds little more.
+    assert!((0.7..1.01).contains(&(fitted / tracked)), "tracked {tracked}, fitted {fitted}");
     press(&mut window, Modifiers::COMMAND, Key::F);
     click(&mut window, "Refit");
     let best = window.get_by_label_contains("Pose 1: ");
@@ -77,7 +78,7 @@ fn runs_from_one_start_are_measured_alike() {
         command(&mut window, &format!("Run again with each {over}"));
     }
     let runs = window.state().runs();
-    assert!(runs.len() >= 8, "{} runs", runs.len());
+    assert!(runs.len() >= 6, "{} runs", runs.len());
     let start = runs[0].steps[0].mismatch;
     for run in runs.iter().filter(|run| run.choices.fit.renderer == runs[0].choices.fit.renderer) {
         assert_eq!(run.steps[0].mismatch, start, "{}", run.name);
@@ -90,14 +91,23 @@ fn runs_from_one_start_are_measured_alike() {
     assert_eq!(window.state().runs().last().unwrap().steps[0].mismatch, start);
 }
 
+/// Opens a menu; a narrow window has one button for all of them.
+fn open_menu(window: &mut Harness<'_, App>, menu: &str) {
+    if window.query_by_role_and_label(Role::Button, menu).is_none() {
+        window.get_by_role_and_label(Role::Button, "Menu").click();
+        window.run_steps(3);
+    }
+    window.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
+    window.run_steps(3);
+}
+
 #[test]
 fn menus_stay_within_the_window() {
     for size in SMALL {
         for menu in MENUS {
             let opening = Some(Opening::Ready(Box::new(take::take())));
             let mut window = open(opening, Layout::Pose, size);
-            window.get_by_role_and_label(Role::Button, menu).click();
-            window.run_steps(3);
+            open_menu(&mut window, menu);
             let inside = window.ctx.content_rect();
             let areas: Vec<egui::Rect> = window.ctx.memory(|memory| {
                 let layers = memory.layer_ids().filter(|layer| layer.order == Order::Foreground);
@@ -156,8 +166,9 @@ fn a_dragged_wrist_leaves_the_other_arm_alone() {
 fn stages_are_edited_and_the_next_run_obeys() {
     let mut window = open_arm();
     let stages = window.state().document().fit.stages.len();
+    click(&mut window, "Edit stages");
     for stage in 1..=stages {
-        let field = format!("Stage {stage}, steps");
+        let field = format!("Stage {stage}, steps value");
         window.get_by_label(&field).click();
         window.run_steps(2);
         window.key_press_modifiers(Modifiers::COMMAND, Key::A);

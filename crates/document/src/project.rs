@@ -194,6 +194,7 @@ mod tests {
             },
             detail: "capsule".to_owned(),
             frame: 3,
+            measured_by: document.fit.stages.first().copied(),
             colour: 1,
             steps: vec![step, wild],
             stages: vec!["wide".to_owned(), "narrow".to_owned()],

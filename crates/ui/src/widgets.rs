@@ -30,7 +30,7 @@ pub use calibration_marks::paint_calibration;
 pub use card::{Card, button_row, card, search_card};
 pub use checkbox::checkbox;
 pub use choice::choice;
-pub use fitting_label::fitting_label;
+pub use fitting_label::{first_that_fits, fitting_label};
 pub use handles::{Grip, JointLook, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;
 pub use image_canvas::{Framing, ViewTransform};

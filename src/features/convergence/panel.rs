@@ -29,7 +29,7 @@ const REACH: f32 = 40.0;
 /// Width of the box of quantities.
 const QUANTITY: f32 = 124.0;
 /// Below this width of the header what is done with all runs is in a menu.
-const FOLDED_BELOW: f32 = 640.0;
+const FOLDED_BELOW: f32 = 680.0;
 
 impl Convergence {
     /// The panel, in all of the space that is left.

@@ -94,7 +94,7 @@ impl Running {
     /// Sends a step that ends at what was predicted last, measured as the other runs of its frame are.
     fn send(&self, mut step: RunStep, out: &Outbox<Fitted>) {
         if let Some(measure) = &self.measure {
-            let measured = Predicted::new(measure, &self.last.pose, None);
+            let measured = measure.measure(&self.last.pose);
             (step.mismatch, step.rms) = (measured.mismatch, measured.rms.unwrap_or_default());
         }
         out.send(Fitted::Step(Box::new(step), self.last.clone()));

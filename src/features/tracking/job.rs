@@ -235,7 +235,10 @@ impl TrackJob {
                         Ok(tracker.track_frame(*frame, fit.views(), out.cancel())?)
                     });
                     match again {
-                        Ok(again) if !again.is_lost() => Some(revised(&again)),
+                        Ok(mut again) if !again.is_lost() => {
+                            again.rms = fit.measure(&again.pose).rms;
+                            Some(revised(&again))
+                        }
                         _ => best().map(revised),
                     }
                 }
@@ -278,7 +281,11 @@ impl Job<Found> for TrackJob {
         match self.track(frame, out) {
             // What a cancelled fit leaves is half a fit.
             Ok(_) if out.cancel().is_cancelled() => {}
-            Ok(found) => {
+            Ok(mut found) => {
+                // As fits and views measure it, whatever scale the tracker's ramps have.
+                if found.cost.is_some() {
+                    found.rms = self.inputs.fit.measure(&found.pose).rms;
+                }
                 self.tell_beside(std::slice::from_ref(&found), out);
                 out.send(Found::Tracked(frame, estimate(&found)));
                 if !found.hypotheses.is_empty() {

@@ -5,7 +5,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::search::{self, Hypothesis, Origin, SearchOptions};
 
 use super::Found;
-use crate::session::prediction::{FitInputs, Predicted};
+use crate::session::prediction::FitInputs;
 
 /// A pose that a search has found.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub(super) struct OtherPose {
 /// Poses that were found, in their order, each measured as the views measure the pose on the screen.
 pub(super) fn measured(inputs: &FitInputs, found: &[Hypothesis]) -> Vec<OtherPose> {
     let measured = |found: &Hypothesis| OtherPose {
-        rms: Predicted::new(inputs, &found.pose, None).rms,
+        rms: inputs.measure(&found.pose).rms,
         pose: found.pose.clone(),
         origin: found.origin.clone(),
     };

@@ -10,12 +10,18 @@ pub fn fitting_label(
     style: TextStyle,
     colour: egui::Color32,
 ) -> Option<Response> {
+    let text = first_that_fits(ui, texts, &style, ui.available_width())?;
+    let label = ui.add(Label::new(RichText::new(text).text_style(style).color(colour)).extend());
+    Some(if text == texts[0] { label } else { label.on_hover_text(texts[0]) })
+}
+
+/// The first of the texts that is no wider than the room.
+pub fn first_that_fits<'a>(ui: &Ui, texts: &[&'a str], style: &TextStyle, room: f32) -> Option<&'a str> {
     let font = style.resolve(ui.style());
-    let room = ui.available_width();
-    let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), colour).size().x;
-    let text = texts.iter().find(|text| width(text) <= room)?;
-    let label = ui.add(Label::new(RichText::new(*text).text_style(style).color(colour)).extend());
-    Some(if *text == texts[0] { label } else { label.on_hover_text(texts[0]) })
+    let lay_out = |text: &str| {
+        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER)
+    };
+    texts.iter().copied().find(|text| lay_out(text).size().x <= room)
 }
 
 #[cfg(test)]

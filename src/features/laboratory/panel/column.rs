@@ -3,9 +3,10 @@
 use backlit_document::run::RunEnding;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::{Palette, run_style, size, space};
+use backlit_ui::style::theme::{Palette, run_style, size};
+use backlit_ui::widgets::fitting_label;
 use egui::{
-    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, pos2,
+    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo,
     vec2,
 };
 
@@ -99,14 +100,14 @@ fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width:
     });
 }
 
-/// A name on the left, a value on the right that stays in its place.
-fn line(ui: &mut Ui, name: &str, value: RichText) -> egui::Response {
+/// A name on the left, the longest of these that there is room for, and a value on the right that stays in its place.
+fn line(ui: &mut Ui, names: &[&str], value: RichText) -> egui::Response {
     let palette = theme::palette(ui);
     let size = vec2(ui.available_width(), ROW);
     ui.allocate_ui_with_layout(size, Direction::right_to_left(Align::Center), |ui| {
         ui.label(value.monospace());
         ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(name).color(palette.text2)).truncate());
+            fitting_label(ui, names, TextStyle::Body, palette.text2);
         });
     })
     .response
@@ -123,7 +124,7 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
     );
     let colour = if is_fresh { palette.text } else { palette.text3 };
     let name = bench.axis.pixels();
-    let response = line(ui, name, RichText::new(&text).color(colour));
+    let response = line(ui, &[name, "Pushing pixels", "Pushing"], RichText::new(&text).color(colour));
     response.widget_info(|| {
         WidgetInfo::labeled(Role::Label, true, format!("{}, {name}: {text}", fit.entrant.name))
     });
@@ -167,7 +168,9 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, wish
     let fails = progress.is_some_and(|progress| !progress.passes());
     let colour = verdict(palette, is_whole, fails);
     let text = if fails { format!("fails  {value}") } else { value.clone() };
-    let row = line(ui, &name, RichText::new(text).color(colour));
+    let (_, state) = name.split_once(", ").unwrap_or_default();
+    let short = format!("Gradient, {}", state.trim_start_matches("worst in "));
+    let row = line(ui, &[&name, &short, "Gradient"], RichText::new(text).color(colour));
     let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
     let is_marked = bench.laboratory.marked == Some(index);
     let label = format!("Gradient check of {}: {value}", fit.entrant.subject);
@@ -261,15 +264,19 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
     let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))
         == bench.laboratory.marked;
     let worst = checked(bench, fit).and_then(|checked| checked.progress.worst.as_ref()).filter(|_| is_marked);
-    let (text, colour) = match worst {
-        Some(worst) => (pixel_words(worst), palette.accent_text),
-        None => (text, palette.text3),
+    let (text, short, colour) = match worst {
+        Some(worst) => {
+            let [x, y] = worst.pixel;
+            (pixel_words(worst), format!("Camera {}, pixel ({x}, {y})", worst.camera + 1), palette.accent_text)
+        }
+        None => {
+            // Without what made it stop.
+            let first = text.splitn(3, ": ").take(2).collect::<Vec<_>>().join(": ");
+            (text, first, palette.text3)
+        }
     };
-    let rect = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
-    let rect = Rect::from_min_max(pos2(rect.left(), rect.top()), rect.max);
-    ui.allocate_ui_with_layout(rect.size(), Direction::left_to_right(Align::Center), |ui| {
-        ui.spacing_mut().item_spacing.x = space::ROW;
-        let label = egui::Label::new(RichText::new(&text).small().color(colour)).truncate();
-        ui.add(label).on_hover_text(&text);
+    let room = vec2(ui.available_width(), ROW);
+    ui.allocate_ui_with_layout(room, Direction::left_to_right(Align::Center), |ui| {
+        fitting_label(ui, &[&text, &short], TextStyle::Small, colour);
     });
 }

@@ -5,7 +5,7 @@ use std::hash::Hash;
 use backlit_ui::drawing::{PictureInput, ViewMode, compose};
 use backlit_ui::style::theme::Theme;
 use backlit_ui::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROUND, SELECTED};
-use backlit_ui::widgets::ViewTransform;
+use backlit_ui::widgets::{ViewTransform, first_that_fits};
 use backlit_ui::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
 use egui::{Align2, Color32, Rect, Role, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 use glam::DVec2;
@@ -82,9 +82,8 @@ pub(crate) fn overlay(
     if let Some(worst) = mark {
         paint_mark(ui, &view, worst);
     }
-    let words = "Data black, model white, both grey";
-    let words = if fits(ui, rect, words) { words } else { "Data black, model white" };
-    label(ui, rect, words, Color32::from_gray(0x20));
+    let words = ["Data black, model white, both grey", "Data black, model white", "Data and model"];
+    label(ui, rect, &words, Color32::from_gray(0x20));
 }
 
 /// What pushes at the start; pixels of the ramp that do not are hatched.
@@ -107,8 +106,7 @@ pub(crate) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &C
         }
     }
     let colour = Theme::Dark.palette().text2;
-    let words = if fits(ui, rect, &words) { words.as_str() } else { "What pushes at the start" };
-    label(ui, rect, words, colour);
+    label(ui, rect, &[&words, "What pushes at the start", "What pushes"], colour);
 }
 
 fn paint(
@@ -124,20 +122,14 @@ fn paint(
     paint_picture(&ui.painter_at(view.rect), view, input.size, &texture);
 }
 
-fn fits(ui: &Ui, rect: Rect, text: &str) -> bool {
-    let font = TextStyle::Small.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);
-    galley.size().x <= rect.width() - 24.0
-}
-
-/// One line in the upper left corner.
-fn label(ui: &Ui, rect: Rect, text: &str, colour: Color32) {
+/// One line in the upper left corner: the first of these texts that there is room for.
+fn label(ui: &Ui, rect: Rect, texts: &[&str], colour: Color32) {
     let font = TextStyle::Small.resolve(ui.style());
     let at = rect.left_top() + vec2(12.0, 7.0);
-    let mut job = egui::text::LayoutJob::simple_singleline(text.to_owned(), font, colour);
-    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 24.0);
-    let galley = ui.painter().layout_job(job);
-    ui.painter().galley(at, galley, colour);
+    let room = rect.width() - 24.0;
+    if let Some(text) = first_that_fits(ui, texts, &TextStyle::Small, room) {
+        ui.painter().text(at, Align2::LEFT_TOP, text, font, colour);
+    }
 }
 
 /// A ring around the pixel, and its numbers.
