@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_take::footage::Footage;
+use backlit_tracking::body::Kinematics;
+use backlit_tracking::render::{Ramp, RendererKind, View, Wanted, draw};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
@@ -13,6 +15,8 @@ use crate::session::Extent;
 const FRAMES: usize = 6;
 /// This share of the subject's pixels may lie outside on each side: specks are not the subject.
 const OUTSIDE: f64 = 0.004;
+/// The body at its start belongs to what is seen where it stands beyond the subject by this share of its size.
+const BEYOND: f32 = 0.1;
 
 /// A look at a few frames of the take.
 #[derive(Debug)]
@@ -51,9 +55,40 @@ impl Job<Vec<Option<Extent>>> for SurveyJob {
             };
             return Step::Again;
         }
-        out.send(std::mem::take(&mut self.extents));
+        let mut extents = std::mem::take(&mut self.extents);
+        for (camera, extent) in extents.iter_mut().enumerate() {
+            *extent = extent.map(|subject| with_start(&self.footage, camera, subject));
+        }
+        out.send(extents);
         Step::Done
     }
+}
+
+/// The subject together with the body at the take's start, where that stands beside it.
+fn with_start(footage: &Footage, camera: usize, subject: Extent) -> Extent {
+    let (Some(start), model) = (footage.take().start(), footage.model()) else { return subject };
+    let kinematics = Kinematics::new(model, start);
+    let view = View::new(model, &kinematics, &footage.cameras[camera], RendererKind::Capsule, Ramp::Half);
+    let drawn = draw(&view, Wanted { gradient: false, motion: None }).prediction;
+    let is_body = |lambda: &f32| if *lambda < 128.0 { Label::Subject } else { Label::Background };
+    let labels = drawn.lambda.iter().map(is_body).collect();
+    let body = Mask::new(drawn.width, drawn.height, labels).ok().as_ref().and_then(extent);
+    body.map_or(subject, |body| grown(subject, body))
+}
+
+/// Both, if the second touches the first and stands beyond it by more than a little.
+fn grown(subject: Extent, body: Extent) -> Extent {
+    let touches = (0..2).all(|axis| subject[axis] <= body[axis + 2] && body[axis] <= subject[axis + 2]);
+    let beyond = (0..4).any(|side| {
+        let size = subject[side % 2 + 2] - subject[side % 2];
+        let out = if side < 2 { subject[side] - body[side] } else { body[side] - subject[side] };
+        out > BEYOND * size
+    });
+    if !(touches && beyond) {
+        return subject;
+    }
+    let [left, top, right, bottom] = subject;
+    [left.min(body[0]), top.min(body[1]), right.max(body[2]), bottom.max(body[3])]
 }
 
 /// Where nearly all of the subject's pixels are.
@@ -91,6 +126,14 @@ fn middle(counts: &[usize]) -> Option<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_body_that_stands_beside_the_subject_is_seen_too() {
+        let subject = [20.0, 10.0, 60.0, 90.0];
+        assert_eq!(grown(subject, [18.0, 12.0, 62.0, 92.0]), subject, "it hardly differs");
+        assert_eq!(grown(subject, [40.0, 12.0, 80.0, 92.0]), [20.0, 10.0, 80.0, 92.0]);
+        assert_eq!(grown(subject, [70.0, 12.0, 110.0, 92.0]), subject, "it is somewhere else");
+    }
 
     #[test]
     fn specks_do_not_count() {

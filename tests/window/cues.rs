@@ -11,7 +11,7 @@ use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::app_window::{open_sized, settle};
+use crate::support::app_window::{click, open_sized, settle};
 
 fn legends(window: &Harness<'_, App>) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
@@ -20,7 +20,7 @@ fn legends(window: &Harness<'_, App>) -> Vec<String> {
 
 #[test]
 fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
-    let settings = Settings { layout: Layout::Debug, ..Settings::default() };
+    let settings = Settings { layout: Layout::Pose, ..Settings::default() };
     let opening = Some(Opening::Take(TakeSource::Demonstration(Demonstration::Cues)));
     // Opening it tracks it.
     let mut window =
@@ -31,6 +31,7 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     let said = legends(&window);
     assert!(!said.is_empty() && said.iter().all(|legend| legend.contains("2-D keypoint")), "{said:?}");
     assert!(window.query_by_label_contains("Unsure limbs: ").is_some());
+    click(&mut window, "Solver");
     window.get_by_role_and_label(Role::ComboBox, "Cues").click();
     window.run_steps(3);
     window.get_by_label("None").click();

@@ -53,6 +53,14 @@ fn look(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
     wrong.extend(found.into_iter().map(|found| format!("{place}: {found}")));
 }
 
+/// The same while a menu lies over the window, or the panel is scrolled: both may cover what is beneath or cut what has
+/// scrolled away.
+fn look_over(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
+    let found = unreadable(&window.output().shapes, window.ctx.content_rect(), |_| true);
+    let is_cut = |found: &String| !found.contains("is covered by");
+    wrong.extend(found.into_iter().filter(is_cut).map(|found| format!("{place}: {found}")));
+}
+
 #[test]
 fn every_word_can_be_read_in_every_layout_at_every_size() {
     let mut wrong = Vec::new();
@@ -122,7 +130,7 @@ fn every_word_of_every_section_and_menu_can_be_read() {
             }
             window.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
             window.run_steps(3);
-            look(&window, &place(menu), &mut wrong);
+            look_over(&window, &place(menu), &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Escape);
         }
         // Sections are open one at a time.
@@ -131,7 +139,10 @@ fn every_word_of_every_section_and_menu_can_be_read() {
         }
         for section in SECTIONS {
             click(&mut window, section);
-            look(&window, &place(section), &mut wrong);
+            if section == "Solver" {
+                click(&mut window, "Edit stages");
+            }
+            look_over(&window, &place(section), &mut wrong);
             click(&mut window, section);
         }
     }

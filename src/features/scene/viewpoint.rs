@@ -46,7 +46,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// From where all `eyes` are seen about the middle, in a picture of so much width for its height: out of the
+    /// From where all `eyes` and the target are seen about the middle, in a picture of so much width for its height: out of the
     /// widest gap between them, from above.
     pub(crate) fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
         let mut azimuths: Vec<f64> = eyes.iter().map(|eye| upright.angles(*eye - target)[0]).collect();
@@ -55,14 +55,17 @@ impl Orbit {
         let next = |index: usize| azimuths.get(index + 1).copied().unwrap_or_else(|| azimuths[0] + turn);
         let gaps = (0..azimuths.len()).map(|index| (azimuths[index], next(index) - azimuths[index]));
         let widest = gaps.reduce(|best, gap| if gap.1 > best.1 + 1e-9 { gap } else { best });
-        let azimuth = widest.map_or(0.0, |(from, gap)| from + 0.5 * gap);
+        // A single camera is looked at from its side, so that it hides nothing.
+        let share = if eyes.len() == 1 { 0.25 } else { 0.5 };
+        let azimuth = widest.map_or(0.0, |(from, gap)| from + share * gap);
+        let seen: Vec<DVec3> = eyes.iter().copied().chain(target.is_finite().then_some(target)).collect();
         let middle = eyes.iter().sum::<DVec3>() / eyes.len().max(1) as f64;
         let target = if eyes.is_empty() { target } else { target.lerp(middle, FIRST_LEAN) };
         let from = |distance| Self { target, azimuth, elevation: FIRST_ELEVATION, distance }.held();
         let [mut near, mut far] = [1.5, DISTANCES[1]];
         for _ in 0..FIRST_STEPS {
             let middle = 0.5 * (near + far);
-            if from(middle).holds(upright, eyes, aspect) { far = middle } else { near = middle }
+            if from(middle).holds(upright, &seen, aspect) { far = middle } else { near = middle }
         }
         from(far)
     }
@@ -183,6 +186,13 @@ mod tests {
         for eye in eyes {
             let (at, _) = camera.project(eye, [400, 400]).unwrap();
             assert!(at.cmpgt(DVec2::ZERO).all() && at.cmplt(DVec2::splat(400.0)).all(), "{at}");
+        }
+        // The body and its only camera are both in the picture.
+        let (body, alone) = (DVec3::new(0.0, 0.0, 1.0), [DVec3::new(1.3, 0.0, 1.0)]);
+        let camera = Orbit::around(&UPRIGHT, body, &alone, 1.0).camera(&UPRIGHT);
+        for point in [body, alone[0]] {
+            let (at, _) = camera.project(point, [400, 400]).unwrap();
+            assert!(at.cmpgt(DVec2::splat(20.0)).all() && at.cmplt(DVec2::splat(380.0)).all(), "{at}");
         }
         let nowhere = Orbit::around(&UPRIGHT, DVec3::splat(f64::NAN), &[], 1.0);
         assert!(nowhere.camera(&UPRIGHT).position.is_finite());
