@@ -181,11 +181,6 @@ fn stages_are_edited_and_the_next_run_obeys() {
     assert!(fit.stages.iter().all(|stage| stage.iterations == 1), "{:?}", fit.stages);
     press(&mut window, Modifiers::NONE, Key::Enter);
     let run = window.state().runs().last().unwrap();
-    for run in window.state().runs() {
-        let counts: Vec<_> = run.choices.fit.stages.iter().map(|s| s.iterations).collect();
-        let steps: Vec<_> = run.steps.iter().map(|s| (s.stage, s.accepted)).collect();
-        println!("{counts:?} {steps:?}");
-    }
     // Rejected steps do not count.
     let accepted = run.accepted_until(run.last_step());
     assert!((1..=stages).contains(&accepted), "{accepted} steps");

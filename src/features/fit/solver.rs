@@ -66,6 +66,8 @@ pub(crate) fn ui(
         });
         if *edits_stages {
             stages::ui(ui, &mut options);
+            // What somebody has written down is what is run.
+            options.to_scale &= options.stages == fit.stages;
         }
         row(ui, "Pull back", |ui| {
             number_field(ui, "Proximal prior", &mut options.proximal_weight, 0, "", 1.0, FIELD)

@@ -19,6 +19,10 @@ const LARGEST_TOLERANCE: f64 = 50.0;
 /// So many stages are enough for anybody.
 const MOST_STAGES: usize = 12;
 
+/// Whether stages follow the person's size, in words.
+const TO_SCALE: &str = "A fit suits these to the person’s size in the picture. Once edited, they are run as they stand.";
+const AS_THEY_ARE: &str = "Run as they stand, whatever the person’s size. The preset brings the others back.";
+
 /// The columns, with what each does and what happens at both ends.
 const COLUMNS: [(&str, &str); 4] = [
     (
@@ -68,6 +72,8 @@ pub(super) fn ui(ui: &mut Ui, options: &mut FitOptions) {
     if let Some(index) = gone {
         options.stages.remove(index);
     }
+    let says = if options.to_scale { TO_SCALE } else { AS_THEY_ARE };
+    ui.add(egui::Label::new(RichText::new(says).small().color(theme::palette(ui).text3)).wrap());
     let may_add = options.stages.len() < MOST_STAGES;
     let add = ui.add_enabled(may_add, Button::new("Add stage").small());
     let add = add.on_hover_text("One more like the last, half as wide");
