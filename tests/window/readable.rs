@@ -95,6 +95,7 @@ fn every_word_of_every_pane_can_be_read() {
             let opening = Opening::Ready(Box::new(take::take()));
             let mut window = open(opening, layout, size);
             press(&mut window, Modifiers::NONE, Key::Enter);
+            command(&mut window, "Run again with each preset");
             window.state_mut().close_notices();
             for pane in PANES {
                 let place = format!("{pane} in {layout:?} at {} × {}", size.x.round(), size.y.round());

@@ -13,7 +13,7 @@ mod header;
 pub(crate) mod keys;
 mod marks;
 
-use backlit_tracking::body::Kinematics;
+use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::visual_hull::VisualHull;
 use backlit_ui::drawing::JointId;
 use backlit_ui::style::theme::size;
@@ -79,6 +79,16 @@ struct Stage {
     ray: Option<(usize, DVec3)>,
 }
 
+/// How large a body is in a pose: twice the greatest distance of its limbs' ends from their middle, metres.
+fn height_of(model: &Model, pose: &Pose) -> f64 {
+    let kinematics = Kinematics::new(model, pose);
+    let ends = kinematics.ends();
+    let middle = ends.iter().sum::<DVec3>() / ends.len().max(1) as f64;
+    let thickest = model.limbs().iter().map(|limb| limb.radius).fold(0.0, f64::max);
+    let farthest = ends.iter().chain([&pose.root]).map(|end| end.distance(middle)).fold(0.0, f64::max);
+    2.0 * (farthest + thickest)
+}
+
 impl Stage {
     fn new(context: &Context<'_>, viewpoint: Option<Viewpoint>, picture: Rect) -> Option<Self> {
         let take = context.session.take.as_ref()?;
@@ -88,7 +98,8 @@ impl Stage {
         let aspect = f64::from(picture.width() / picture.height().max(1.0));
         let viewpoint = viewpoint.unwrap_or_else(|| {
             let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
-            Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
+            let size = height_of(&document.model, &document.start);
+            Viewpoint::Orbit(Orbit::around(&upright, (middle, size), &eyes, aspect))
         });
         // A body that sways is shown on its way.
         let swayed = context.observability.swayed_pose.as_ref();

@@ -20,6 +20,10 @@ const FIRST_ELEVATION: f64 = 0.36;
 const FIRST_FIT: f64 = 0.86;
 /// The first view looks at the middle of all cameras by so much, and at the body by the rest.
 const FIRST_LEAN: f64 = 0.45;
+/// Least share of the picture’s height that a body has in it.
+const LEAST_BODY: f64 = 0.1;
+/// Where it would have less, the eye goes to this share of the distance at which it has that much.
+const SPECK_FROM: f64 = 0.3;
 /// Steps of the search for its distance.
 const FIRST_STEPS: usize = 32;
 
@@ -48,7 +52,13 @@ pub struct Orbit {
 impl Orbit {
     /// From where all `eyes` and the target are seen about the middle, in a picture of so much width for its height: out of the
     /// widest gap between them, from above.
-    pub(crate) fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
+    /// Where cameras are so far away that a body of this size would be a speck, the body alone.
+    pub(crate) fn around(
+        upright: &Upright,
+        (target, size): (DVec3, f64),
+        eyes: &[DVec3],
+        aspect: f64,
+    ) -> Self {
         let mut azimuths: Vec<f64> = eyes.iter().map(|eye| upright.angles(*eye - target)[0]).collect();
         azimuths.sort_by(f64::total_cmp);
         let turn = std::f64::consts::TAU;
@@ -56,16 +66,21 @@ impl Orbit {
         let gaps = (0..azimuths.len()).map(|index| (azimuths[index], next(index) - azimuths[index]));
         let widest = gaps.reduce(|best, gap| if gap.1 > best.1 + 1e-9 { gap } else { best });
         // A single camera is looked at from its side, so that it hides nothing.
-        let share = if eyes.len() == 1 { 0.25 } else { 0.5 };
+        let share = if eyes.len() == 1 { 0.125 } else { 0.5 };
         let azimuth = widest.map_or(0.0, |(from, gap)| from + share * gap);
         let seen: Vec<DVec3> = eyes.iter().copied().chain(target.is_finite().then_some(target)).collect();
         let middle = eyes.iter().sum::<DVec3>() / eyes.len().max(1) as f64;
+        let body = target;
         let target = if eyes.is_empty() { target } else { target.lerp(middle, FIRST_LEAN) };
         let from = |distance| Self { target, azimuth, elevation: FIRST_ELEVATION, distance }.held();
         let [mut near, mut far] = [1.5, DISTANCES[1]];
         for _ in 0..FIRST_STEPS {
             let middle = 0.5 * (near + far);
             if from(middle).holds(upright, &seen, aspect) { far = middle } else { near = middle }
+        }
+        let farthest = size / (2.0 * LEAST_BODY * (0.5 * ANGLE_OF_VIEW).tan());
+        if size > 0.0 && far > farthest {
+            return Self { target: body, distance: SPECK_FROM * farthest, ..from(far) }.held();
         }
         from(far)
     }
@@ -147,7 +162,7 @@ impl Viewpoint {
             Self::Orbit(orbit) => orbit.camera(upright),
             Self::Camera(index) => match cameras.get(index) {
                 Some(camera) => own_place(camera, aspect),
-                None => Orbit::around(upright, DVec3::ZERO, &[], aspect).camera(upright),
+                None => Orbit::around(upright, (DVec3::ZERO, 0.0), &[], aspect).camera(upright),
             },
         }
     }
@@ -179,7 +194,7 @@ mod tests {
     #[test]
     fn the_first_view_looks_out_of_the_widest_gap_and_holds_all_cameras() {
         let eyes = [0.0_f64, 0.9, 1.8].map(|angle| DVec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 1.2));
-        let orbit = Orbit::around(&UPRIGHT, DVec3::new(0.0, 0.0, 1.0), &eyes, 1.0);
+        let orbit = Orbit::around(&UPRIGHT, (DVec3::new(0.0, 0.0, 1.0), 1.8), &eyes, 1.0);
         let away = (orbit.azimuth - (0.9 + std::f64::consts::PI)).rem_euclid(std::f64::consts::TAU);
         assert!(away.min(std::f64::consts::TAU - away) < 0.05, "{orbit:?}");
         let camera = orbit.camera(&UPRIGHT);
@@ -189,12 +204,15 @@ mod tests {
         }
         // The body and its only camera are both in the picture.
         let (body, alone) = (DVec3::new(0.0, 0.0, 1.0), [DVec3::new(1.3, 0.0, 1.0)]);
-        let camera = Orbit::around(&UPRIGHT, body, &alone, 1.0).camera(&UPRIGHT);
+        let camera = Orbit::around(&UPRIGHT, (body, 1.8), &alone, 1.0).camera(&UPRIGHT);
         for point in [body, alone[0]] {
             let (at, _) = camera.project(point, [400, 400]).unwrap();
             assert!(at.cmpgt(DVec2::splat(20.0)).all() && at.cmplt(DVec2::splat(380.0)).all(), "{at}");
         }
-        let nowhere = Orbit::around(&UPRIGHT, DVec3::splat(f64::NAN), &[], 1.0);
+        // A limb of half a metre is no speck, however far away its camera is.
+        let far = Orbit::around(&UPRIGHT, (body, 0.5), &[DVec3::new(40.0, 0.0, 1.0)], 1.0);
+        assert!(far.distance < 3.0 && far.target == body, "{far:?}");
+        let nowhere = Orbit::around(&UPRIGHT, (DVec3::splat(f64::NAN), 1.8), &[], 1.0);
         assert!(nowhere.camera(&UPRIGHT).position.is_finite());
     }
 
