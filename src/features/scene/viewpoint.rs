@@ -21,7 +21,7 @@ const FIRST_FIT: f64 = 0.86;
 /// The first view looks at the middle of all cameras by so much, and at the body by the rest.
 const FIRST_LEAN: f64 = 0.45;
 /// Least share of the picture’s height that a body has in it.
-const LEAST_BODY: f64 = 0.1;
+const LEAST_BODY: f64 = 0.18;
 /// Where it would have less, the eye goes to this share of the distance at which it has that much.
 const SPECK_FROM: f64 = 0.3;
 /// Steps of the search for its distance.
