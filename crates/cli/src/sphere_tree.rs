@@ -1,11 +1,11 @@
 //! `backlit sphere-tree`: nested spheres of a closed triangle mesh.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use backlit_formats::{mesh, model_file, sphere_tree_file};
 use backlit_sphere_tree::{MAX_LEVELS, MAX_SPHERES, SphereTree, TreeOptions};
-use backlit_tracking::body_spheres::body_of_tree;
+use backlit_tracking::body_spheres::{SkinOptions, body_of_skin, body_of_tree};
 use clap::Args;
 
 use super::output;
@@ -21,7 +21,8 @@ has about N^(k/L).
 Examples:
   backlit sphere-tree bunny.ply --out bunny.json
   backlit sphere-tree hand.stl --spheres 64 --levels 2 --out hand.json --json
-  backlit sphere-tree statue.glb --spheres 200 --levels 2 --out statue.toml";
+  backlit sphere-tree statue.glb --spheres 200 --levels 2 --out statue.toml
+  backlit sphere-tree person.glb --skinned --spheres 800 --levels 2 --out person.toml";
 
 /// What `backlit sphere-tree` is told.
 #[derive(Debug, Args)]
@@ -29,6 +30,10 @@ Examples:
 pub struct SphereTreeArguments {
     /// Mesh: .obj, .ply, .stl, .gltf or .glb
     mesh: PathBuf,
+    /// The mesh is skinned (.gltf, .glb): a body with a limb for every bone of its skeleton, each with a tree of its own. --spheres
+    /// counts those of all limbs
+    #[arg(long)]
+    skinned: bool,
     /// Most spheres of the last level
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=MAX_SPHERES as i64))]
     spheres: u32,
@@ -55,12 +60,14 @@ pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
         Some("toml") => true,
         _ => bail!("{}: the ending says no format; expected .json or .toml", arguments.out.display()),
     };
+    if arguments.skinned {
+        return skinned(arguments, is_body);
+    }
     let mesh = mesh::read(&arguments.mesh)?;
     let options = TreeOptions { spheres: arguments.spheres as usize, levels: arguments.levels as usize };
     let tree = SphereTree::build(&mesh, &options)?;
     if is_body {
-        let name = arguments.mesh.file_stem().map_or("mesh".into(), |stem| stem.to_string_lossy());
-        model_file::write(&arguments.out, &body_of_tree(&tree, &name)?)?;
+        model_file::write(&arguments.out, &body_of_tree(&tree, &name_of(&arguments.mesh))?)?;
     } else {
         sphere_tree_file::write(&arguments.out, &tree)?;
     }
@@ -77,6 +84,38 @@ pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
         table.row([(index + 1).to_string(), level.spheres.len().to_string(), a, b, c, d, covered]);
     }
     output::print(&format!("{}wrote {}\n", table.to_text(), arguments.out.display()))
+}
+
+/// A body of a skinned mesh.
+fn skinned(arguments: &SphereTreeArguments, is_body: bool) -> anyhow::Result<()> {
+    let path = &arguments.mesh;
+    if !is_body {
+        bail!("{}: a skinned mesh becomes a body; expected --out BODY.toml", arguments.out.display());
+    }
+    let skin = mesh::read_skin(path)?;
+    let options = SkinOptions {
+        spheres: arguments.spheres as usize,
+        levels: arguments.levels as usize,
+        ..SkinOptions::default()
+    };
+    let body = body_of_skin(&skin, &name_of(path), &options).with_context(|| path.display().to_string())?;
+    model_file::write(&arguments.out, &body)?;
+    let spheres = body.spheres_by_level();
+    if arguments.json {
+        let limbs: Vec<&str> = body.limbs().iter().map(|limb| limb.name.as_str()).collect();
+        return output::print_json(&serde_json::json!({"limbs": limbs, "spheres": spheres}));
+    }
+    let counts: Vec<String> = spheres.iter().map(usize::to_string).collect();
+    output::print(&format!(
+        "{} limbs, {} spheres\nwrote {}\n",
+        body.limbs().len(),
+        counts.join(" and "),
+        arguments.out.display()
+    ))
+}
+
+fn name_of(mesh: &Path) -> String {
+    mesh.file_stem().map_or_else(|| "mesh".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn to_json(tree: &SphereTree) -> serde_json::Value {

@@ -11,6 +11,7 @@ mod stl;
 use std::path::{Path, PathBuf};
 
 use backlit_sphere_tree::{ClosedMesh, MeshError};
+use backlit_tracking::body_spheres::Skin;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -96,8 +97,28 @@ pub fn read(path: &Path) -> Result<ClosedMesh, FileError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<ClosedMesh, FileError> {
-    let nothing = |name: &str| Err(FileError::new(&PathBuf::from(name), FileProblem::Missing));
-    parse_with(path, bytes, &nothing)
+    parse_with(path, bytes, &nothing_beside)
+}
+
+/// Reads the first skinned mesh of a .gltf or .glb file, with its skeleton, in the pose in which the file has it.
+///
+/// # Errors
+/// No such file, not such a file, or no skinned mesh in it.
+pub fn read_skin(path: &Path) -> Result<Skin, FileError> {
+    let beside = |name: &str| DiskFiles.read(&path.with_file_name(name), MAX_BYTES);
+    gltf::parse_skin(path, &DiskFiles.read(path, MAX_BYTES)?, &beside)
+}
+
+/// The same from bytes; files beside it are not read.
+///
+/// # Errors
+/// As [`read_skin`].
+pub fn parse_skin(path: &Path, bytes: &[u8]) -> Result<Skin, FileError> {
+    gltf::parse_skin(path, bytes, &nothing_beside)
+}
+
+fn nothing_beside(name: &str) -> Result<Vec<u8>, FileError> {
+    Err(FileError::new(&PathBuf::from(name), FileProblem::Missing))
 }
 
 fn parse_with(
@@ -108,11 +129,11 @@ fn parse_with(
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let soup = if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         ply::parse(path, bytes)?
-    } else if bytes.starts_with(b"glTF") {
-        gltf::parse_glb(path, bytes, beside)?
+    } else if bytes.starts_with(gltf::MAGIC) {
+        gltf::parse(path, bytes, beside)?
     } else {
         match ending.as_str() {
-            "gltf" => gltf::parse_json(path, bytes, beside)?,
+            "gltf" => gltf::parse(path, bytes, beside)?,
             "obj" => obj::parse(path, bytes)?,
             "stl" => stl::parse(path, bytes)?,
             _ => return Err(wrong(path, MeshProblem::Unknown)),

@@ -127,6 +127,13 @@ impl ClosedMesh {
     /// The connected part with the largest area, the first of equals.
     #[must_use]
     pub fn largest_part(self) -> Self {
+        let larger = |best: Self, part: Self| if part.area() > best.area() { part } else { best };
+        self.parts().into_iter().reduce(larger).unwrap_or(self)
+    }
+
+    /// The connected parts, each turned outwards, in the order of their first triangles. A part of a closed surface is closed.
+    #[must_use]
+    pub fn parts(&self) -> Vec<Self> {
         // The lowest vertex that each vertex hangs together with, by chains of lower ones.
         let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
         let lowest = |lower: &mut [u32], mut vertex: u32| {
@@ -141,19 +148,16 @@ impl ClosedMesh {
             let least = roots[0].min(roots[1]).min(roots[2]);
             roots.iter().for_each(|&root| lower[root as usize] = least);
         }
-        let mut areas = vec![0.0; self.vertices.len()];
-        let roots: Vec<usize> =
-            self.triangles.iter().map(|triangle| lowest(&mut lower, triangle[0]) as usize).collect();
-        for (index, &root) in roots.iter().enumerate() {
-            let [a, b, c] = self.corners(index);
-            areas[root] += (b - a).cross(c - a).length();
+        let mut places: HashMap<u32, usize> = HashMap::new();
+        let mut parts: Vec<Vec<[u32; 3]>> = Vec::new();
+        for triangle in &self.triangles {
+            let place = *places.entry(lowest(&mut lower, triangle[0])).or_insert_with(|| {
+                parts.push(Vec::new());
+                parts.len() - 1
+            });
+            parts[place].push(*triangle);
         }
-        let largest =
-            (0..areas.len()).reduce(|best, part| if areas[part] > areas[best] { part } else { best });
-        let kept = self.triangles.iter().zip(&roots).filter(|(_, root)| Some(**root) == largest);
-        let kept: Vec<[u32; 3]> = kept.map(|(triangle, _)| *triangle).collect();
-        // A part of a closed surface is closed; only one turned inside out as a cavity of another has no volume of its own.
-        Self::new(&self.vertices, &kept).unwrap_or(self)
+        parts.iter().filter_map(|triangles| Self::new(&self.vertices, triangles).ok()).collect()
     }
 
     /// The same with every vertex at another place; the map must not turn the surface inside out.

@@ -17,6 +17,8 @@ const LEAF: usize = 4;
 pub struct Nearest {
     /// Closest point of the surface.
     pub point: DVec3,
+    /// The triangle that it lies on.
+    pub triangle: usize,
     /// Distance to it, negative inside.
     pub signed: f64,
 }
@@ -157,7 +159,7 @@ impl<'a> Surface<'a> {
             Feature::Vertex(corner) => self.vertex_normals[self.mesh.triangles()[triangle][corner] as usize],
         };
         let sign = if (point - closest).dot(normal) < 0.0 { -1.0 } else { 1.0 };
-        Nearest { point: closest, signed: sign * best.sqrt() }
+        Nearest { point: closest, triangle, signed: sign * best.sqrt() }
     }
 
     /// Distance to the surface, negative inside.

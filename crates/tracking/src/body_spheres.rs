@@ -10,10 +10,12 @@
 //! | `carve` | what silhouettes leave of a limb, in its rest frame |
 //! | `trees` | sphere trees of carved limbs |
 //! | `refine` | centres and radii by silhouettes |
+//! | `skin` | a body from a skinned mesh |
 
 mod carve;
 mod options;
 mod refine;
+mod skin;
 mod trees;
 
 use std::sync::Arc;
@@ -32,6 +34,7 @@ use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::silhouette::Overlap;
 
 pub use options::{SphereBodyOptions, SphereOptionsError};
+pub use skin::{Skin, SkinError, SkinJoint, SkinOptions, body_of_skin};
 
 /// One frame: its silhouettes and the pose that the body has in it.
 #[derive(Debug, Clone)]

@@ -1,15 +1,23 @@
-//! glTF 2.0: all triangles of the scene's meshes, moved as their nodes say. Skins, morphs, sparse accessors and compressed meshes are
-//! not read; triangle strips and fans, lines and points are told or passed over.
+//! glTF 2.0: all triangles of the scene's meshes, moved as their nodes say; or the first skinned mesh with its skeleton ([`skin`]).
+//! Morphs, sparse accessors and compressed meshes are not read; triangle strips and fans, lines and points are told or passed over.
+
+mod skin;
 
 use std::borrow::Cow;
 use std::path::Path;
 
+use backlit_tracking::body_spheres::Skin;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use serde::Deserialize;
+
+use skin::SkinJson;
 
 use super::{Cursor, MeshProblem, Soup, room, wrong};
 use crate::json_text::parse_bytes;
 use crate::{FileError, base64};
+
+/// What a GLB begins with.
+pub(super) const MAGIC: &[u8] = b"glTF";
 
 /// How deep nodes may lie.
 const MAX_DEPTH: usize = 64;
@@ -24,6 +32,7 @@ struct Document {
     scenes: Vec<Scene>,
     nodes: Vec<Node>,
     meshes: Vec<MeshJson>,
+    skins: Vec<SkinJson>,
     accessors: Vec<Accessor>,
     buffer_views: Vec<View>,
     buffers: Vec<Buffer>,
@@ -39,7 +48,9 @@ struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Node {
+    name: Option<String>,
     mesh: Option<usize>,
+    skin: Option<usize>,
     children: Vec<usize>,
     matrix: Option<[f64; 16]>,
     translation: Option<[f64; 3]>,
@@ -63,6 +74,10 @@ struct Primitive {
 struct Attributes {
     #[serde(rename = "POSITION")]
     position: Option<usize>,
+    #[serde(rename = "JOINTS_0")]
+    joints: Option<usize>,
+    #[serde(rename = "WEIGHTS_0")]
+    weights: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -95,13 +110,33 @@ struct Buffer {
 
 type Beside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, FileError>;
 
-/// The chunks of a GLB.
-pub(super) fn parse_glb(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+/// All triangles of a document or a GLB.
+pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+    read(path, bytes, beside, |reader| {
+        reader.scene()?;
+        Ok(std::mem::take(&mut reader.soup))
+    })
+}
+
+/// The first skinned mesh of a document or a GLB.
+pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Skin, FileError> {
+    read(path, bytes, beside, Reader::skin)
+}
+
+fn read<T>(
+    path: &Path,
+    bytes: &[u8],
+    beside: Beside<'_>,
+    what: impl FnOnce(&mut Reader<'_>) -> Result<T, MeshProblem>,
+) -> Result<T, FileError> {
+    if !bytes.starts_with(MAGIC) {
+        return read_document(path, bytes, &[], beside, what);
+    }
     let chunks = chunks(bytes).map_err(|error| wrong(path, error))?;
     let [Some(json), binary] = chunks else {
         return Err(wrong(path, MeshProblem::Lacks { what: "JSON chunk" }));
     };
-    parse_document(path, json, binary.unwrap_or_default(), beside)
+    read_document(path, json, binary.unwrap_or_default(), beside, what)
 }
 
 fn chunks(bytes: &[u8]) -> Result<[Option<&[u8]>; 2], MeshProblem> {
@@ -126,12 +161,13 @@ fn chunks(bytes: &[u8]) -> Result<[Option<&[u8]>; 2], MeshProblem> {
     Ok(found)
 }
 
-/// A document by itself.
-pub(super) fn parse_json(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
-    parse_document(path, bytes, &[], beside)
-}
-
-fn parse_document(path: &Path, json: &[u8], binary: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+fn read_document<T>(
+    path: &Path,
+    json: &[u8],
+    binary: &[u8],
+    beside: Beside<'_>,
+    what: impl FnOnce(&mut Reader<'_>) -> Result<T, MeshProblem>,
+) -> Result<T, FileError> {
     let document: Document = parse_bytes(path, json)?;
     if let Some(first) = document.extensions_required.first() {
         let error = MeshProblem::Unsupported { what: "a required extension", found: first.clone() };
@@ -156,8 +192,7 @@ fn parse_document(path: &Path, json: &[u8], binary: &[u8], beside: Beside<'_>) -
         });
     }
     let mut reader = Reader { document: &document, buffers, soup: Soup::default(), visits: 0 };
-    reader.scene().map_err(|error| wrong(path, error))?;
-    Ok(reader.soup)
+    what(&mut reader).map_err(|error| wrong(path, error))
 }
 
 /// The bytes of a data URI.

@@ -1,6 +1,6 @@
 //! From carved limbs to sphere trees of the model.
 
-use backlit_sphere_tree::{ClosedMesh, SphereTree, TreeOptions, TreeSphere, isosurface};
+use backlit_sphere_tree::{ClosedMesh, OptionsError, SphereTree, TreeOptions, TreeSphere, isosurface};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -31,19 +31,35 @@ pub(super) fn carved(
             mesh.map_err(|error| SphereBodyError::Limb { limb: limb.name.clone(), error })?.largest_part(),
         );
     }
-    let areas: Vec<f64> = meshes.iter().map(ClosedMesh::area).collect();
+    let meshes: Vec<_> = meshes.into_iter().map(Some).collect();
+    Ok(model.with_trees(of_meshes(model, &meshes, options.spheres, options.levels)?)?)
+}
+
+/// A tree for each limb's surface, with its share of the spheres by area; a thin row of spheres where it has none.
+///
+/// # Errors
+/// Levels that cannot be.
+pub(super) fn of_meshes(
+    model: &Model,
+    meshes: &[Option<ClosedMesh>],
+    spheres: usize,
+    levels: usize,
+) -> Result<Vec<Vec<SphereLevel>>, OptionsError> {
+    let areas: Vec<f64> = meshes.iter().map(|mesh| mesh.as_ref().map_or(0.0, ClosedMesh::area)).collect();
     let total: f64 = areas.iter().sum();
-    let trees: Vec<Vec<SphereLevel>> = meshes
-        .par_iter()
-        .zip(&areas)
-        .zip(model.limbs())
-        .map(|((mesh, area), limb)| {
-            let count = (options.spheres as f64 * area / total).round().max(FEWEST as f64) as usize;
-            let tree = SphereTree::build(mesh, &TreeOptions { spheres: count, levels: options.levels });
-            tree.map(|tree| levels_of(&tree, limb))
-        })
-        .collect::<Result<_, _>>()?;
-    Ok(model.with_trees(trees)?)
+    let of_limb = |((mesh, area), limb): ((&Option<ClosedMesh>, &f64), &Limb)| {
+        let Some(mesh) = mesh else { return Ok(vec![thin(limb)]) };
+        let count = (spheres as f64 * area / total).round().max(FEWEST as f64) as usize;
+        let tree = SphereTree::build(mesh, &TreeOptions { spheres: count, levels })?;
+        Ok(levels_of(&tree, limb))
+    };
+    meshes.par_iter().zip(&areas).zip(model.limbs()).map(of_limb).collect()
+}
+
+/// A limb without a shape of its own: small spheres at its ends.
+fn thin(limb: &Limb) -> SphereLevel {
+    let end = |at| LimbSphere { at, radius: 0.5 * limb.radius, offset: DVec3::ZERO, parent: None };
+    SphereLevel { error: 0.0, spheres: vec![end(0.0), end(1.0)], reaches: Vec::new() }
 }
 
 /// A tree's levels as a limb's: children stand beside those of the same parent.
