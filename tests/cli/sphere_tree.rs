@@ -2,8 +2,16 @@
 
 use std::fmt::Write;
 
+use std::collections::BTreeMap;
+
+use backlit_formats::motion::{Axes, Motion, MotionFormat, MotionOptions};
+use backlit_formats::{model_file, motion};
 use backlit_sphere_tree::isosurface;
-use glam::DVec3;
+use backlit_tracking::body::{Kinematics, Pose, builtin};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use backlit_tracking::silhouette::{Label, Mask, Overlap};
+use glam::{DQuat, DVec3};
 use serde_json::Value;
 
 use crate::scene::Scene;
@@ -46,4 +54,56 @@ fn a_mesh_becomes_levels_of_spheres() {
     scene.fails("sphere-tree no.obj --out a.json", 1, &["no.obj", "no such file"]);
     scene.fails("sphere-tree egg.obj --out a.txt", 1, &["a.txt", "expected .json or .toml"]);
     scene.fails("sphere-tree egg.obj --spheres 0 --out a.json", 2, &["--spheres", "1..=4096"]);
+}
+
+/// The body that Backlit writes as a skinned mesh comes back as spheres, and looks the same at rest and with an arm bent.
+#[test]
+fn a_skinned_mesh_becomes_a_body_of_spheres() {
+    let scene = Scene::new();
+    let model = builtin::full_body();
+    let written = Motion {
+        name: "person".to_owned(),
+        poses: BTreeMap::from([(0, Pose::rest(&model))]),
+        frame_rate: 30.0,
+        model: model.clone(),
+    };
+    let options = MotionOptions { axes: Some(Axes::World), ..MotionOptions::default() };
+    motion::write(&scene.path("person.glb"), MotionFormat::Glb, &written, &options).unwrap();
+    let said = scene.ok("sphere-tree person.glb --skinned --spheres 800 --levels 2 --out person.toml");
+    assert!(said.contains("limbs") && said.contains("person.toml"), "{said}");
+    let body = model_file::read(&scene.path("person.toml")).unwrap();
+    assert!(body.spheres_by_level()[1] > 500, "{:?}", body.spheres_by_level());
+
+    let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 160.0, cy: 160.0 };
+    let place = CameraFromWorld::looking_at(DVec3::new(1.2, -3.0, 1.0), DVec3::ZERO, DVec3::Z);
+    let camera = Camera::new("c", [320, 320], intrinsics, Distortion::None, place).unwrap();
+    let covered = |body: &backlit_tracking::body::Model, pose: &Pose, renderer| {
+        let kinematics = Kinematics::new(body, pose);
+        prediction::covered(&View::new(body, &kinematics, &camera, renderer, Ramp::Half))
+    };
+    for bend in [0.0, 0.8] {
+        let turn = DQuat::from_rotation_y(bend);
+        let bent = |body: &backlit_tracking::body::Model, elbow: DVec3| {
+            let mut pose = Pose::rest(body);
+            let kinematics = Kinematics::new(body, &pose);
+            let near = |limb: &usize| kinematics.starts()[*limb].distance(elbow);
+            let limbs = 0..body.limbs().len();
+            let fore = limbs.min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
+            assert!(near(&fore) < 0.005, "{} m from the elbow", near(&fore));
+            pose.rotations[body.limbs()[fore].rotation] = turn;
+            pose
+        };
+        let rest = Kinematics::new(&model, &Pose::rest(&model));
+        let elbow = rest.starts()[model.limb_index("right forearm").unwrap()];
+        let capsules = covered(&model, &bent(&model, elbow), RendererKind::Capsule);
+        let own = RendererKind::SphereTree { spheres: None };
+        let spheres = covered(&body, &bent(&body, elbow), own);
+        let label = |is_body: &bool| if *is_body { Label::Subject } else { Label::Background };
+        let mask = Mask::new(320, 320, capsules.iter().map(label).collect()).unwrap();
+        let iou = Overlap::of_covered(&mask, &spheres).unwrap().iou().unwrap();
+        assert!(iou > 0.95, "bent by {bend} rad: IoU {iou}");
+    }
+    scene.fails("sphere-tree person.glb --skinned --out a.json", 1, &["a.json", "expected --out BODY.toml"]);
+    scene.write("plain.gltf", r#"{"asset": {"version": "2.0"}}"#);
+    scene.fails("sphere-tree plain.gltf --skinned --out a.toml", 1, &["plain.gltf", "has no skinned mesh"]);
 }

@@ -1,8 +1,11 @@
 //! Closed meshes: OBJ, STL, PLY and glTF of a tetrahedron.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use backlit_formats::mesh;
+use backlit_formats::motion::{Motion, MotionFormat, MotionOptions};
+use backlit_formats::{mesh, motion};
+use backlit_tracking::body::{Pose, builtin};
 
 use crate::engine::{Answer, Target};
 use crate::mutate::Syntax;
@@ -101,6 +104,14 @@ fn gltfs() -> Vec<Vec<u8>> {
     vec![document(&format!(r#"{{"uri": "data:application/octet-stream;base64,{text}"}}"#)).into_bytes()]
 }
 
+/// A body of one limb as Backlit writes it, skinned.
+fn skins() -> Vec<Vec<u8>> {
+    let model = builtin::single_limb();
+    let poses = BTreeMap::from([(0, Pose::rest(&model))]);
+    let motion = Motion { name: "limb".to_owned(), model, frame_rate: 30.0, poses };
+    motion::to_bytes(MotionFormat::Glb, &motion, &MotionOptions::default()).into_iter().collect()
+}
+
 fn read(name: &str, bytes: &[u8]) -> Answer {
     mesh::parse(Path::new(name), bytes).into()
 }
@@ -127,5 +138,8 @@ pub(super) fn targets() -> Vec<Target> {
         target("mesh_ply", Syntax::Binary, plys, PLY, |b| read("a.ply", b)),
         target("mesh_glb", Syntax::Binary, glbs, GLTF, |b| read("a.glb", b)),
         target("mesh_gltf", Syntax::Text, gltfs, GLTF, |b| read("a.gltf", b)),
+        target("mesh_skin", Syntax::Binary, skins, GLTF, |b| {
+            mesh::parse_skin(Path::new("a.glb"), b).into()
+        }),
     ]
 }
