@@ -44,6 +44,17 @@ const ONE_LANE_BELOW: f32 = 800.0;
 /// How much a point of the wheel zooms.
 const ZOOM_PER_POINT: f32 = 0.004;
 
+/// What the menu over the lanes offers.
+const MENU: [Command; 7] = [
+    Command::Timeline(TimelineCommand::SetKeyPose),
+    Command::Tracking(TrackingCommand::Forward),
+    Command::Tracking(TrackingCommand::Back),
+    Command::Tracking(TrackingCommand::Between),
+    Command::Timeline(TimelineCommand::ClearRange),
+    Command::Tracking(TrackingCommand::Clear),
+    Command::Timeline(TimelineCommand::WholeTake),
+];
+
 /// The feature.
 #[derive(Debug)]
 pub(crate) struct Timeline {
@@ -144,15 +155,15 @@ impl Timeline {
             name.widget_info(|| WidgetInfo::labeled(Role::Label, true, said()));
             name.on_hover_text(lane.explanation(document));
         }
+        let low = |above: f32, height: f32| {
+            let top = rect.bottom() - above - height;
+            Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=top + height - 1.0)
+        };
         if unsure > 0.0 {
-            let top = rect.bottom() - named - unsure;
-            let lane = Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=top + unsure - 1.0);
-            unsure::ui(ui, context, names, lane, &scale);
+            unsure::ui(ui, context, names, low(named, unsure), &scale);
         }
         if named > 0.0 {
-            let top = rect.bottom() - named;
-            let lane = Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=rect.bottom() - 1.0);
-            motions::ui(ui, context, names, lane, &scale);
+            motions::ui(ui, context, names, low(0.0, named), &scale);
         }
         if document.estimates.is_empty() && context.busy.track.is_none() {
             let below = plot.with_min_y(plot.top() + RULER);
@@ -172,17 +183,7 @@ impl Timeline {
             requests.request(Request::Frame(area.frame_at(pointer)));
         }
         response.context_menu(|ui| {
-            for command in [
-                Command::Timeline(TimelineCommand::SetKeyPose),
-                Command::Tracking(TrackingCommand::Forward),
-                Command::Tracking(TrackingCommand::Back),
-                Command::Tracking(TrackingCommand::Between),
-                Command::Timeline(TimelineCommand::ClearRange),
-                Command::Tracking(TrackingCommand::Clear),
-                Command::Timeline(TimelineCommand::WholeTake),
-            ] {
-                menu_row(ui, context, requests, command, command.text());
-            }
+            MENU.iter().for_each(|&command| menu_row(ui, context, requests, command, command.text()));
         });
     }
 

@@ -305,8 +305,7 @@ impl FitInputs {
             let prediction = draw(&view, Wanted { gradient: false, motion: None }).prediction;
             Some(Mismatch::between(&prediction, &data, used.weight, self.model.limbs().len()))
         };
-        let cameras: Vec<Option<Mismatch>> =
-            (0..self.cameras.len()).into_par_iter().map(look).collect();
+        let cameras: Vec<Option<Mismatch>> = (0..self.cameras.len()).into_par_iter().map(look).collect();
         Measured::of(cameras.iter().flatten())
     }
 

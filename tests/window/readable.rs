@@ -154,9 +154,7 @@ fn every_word_of_every_section_and_menu_can_be_read() {
 fn every_word_of_the_demonstrations_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
-        for demonstration in Demonstration::ALL
-            .into_iter()
-            .filter(|which| which.is_available()) {
+        for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
             let opening = Opening::Take(TakeSource::Demonstration(demonstration));
             let mut window = open(opening, Layout::Debug, size);
             let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());

@@ -20,7 +20,8 @@ const LARGEST_TOLERANCE: f64 = 50.0;
 const MOST_STAGES: usize = 12;
 
 /// Whether stages follow the person's size, in words.
-const TO_SCALE: &str = "A fit suits these to the person’s size in the picture. Once edited, they are run as they stand.";
+const TO_SCALE: &str =
+    "A fit suits these to the person’s size in the picture. Once edited, they are run as they stand.";
 const AS_THEY_ARE: &str = "Run as they stand, whatever the person’s size. The preset brings the others back.";
 
 /// The columns, with what each does and what happens at both ends.

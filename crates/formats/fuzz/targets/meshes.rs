@@ -138,8 +138,6 @@ pub(super) fn targets() -> Vec<Target> {
         target("mesh_ply", Syntax::Binary, plys, PLY, |b| read("a.ply", b)),
         target("mesh_glb", Syntax::Binary, glbs, GLTF, |b| read("a.glb", b)),
         target("mesh_gltf", Syntax::Text, gltfs, GLTF, |b| read("a.gltf", b)),
-        target("mesh_skin", Syntax::Binary, skins, GLTF, |b| {
-            mesh::parse_skin(Path::new("a.glb"), b).into()
-        }),
+        target("mesh_skin", Syntax::Binary, skins, GLTF, |b| mesh::parse_skin(Path::new("a.glb"), b).into()),
     ]
 }

@@ -120,7 +120,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Sou
 
 /// The first skinned mesh of a document or a GLB.
 pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Skin, FileError> {
-    read(path, bytes, beside, Reader::skin)
+    read(path, bytes, beside, |reader| reader.skin())
 }
 
 fn read<T>(

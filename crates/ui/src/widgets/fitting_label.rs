@@ -18,9 +18,8 @@ pub fn fitting_label(
 /// The first of the texts that is no wider than the room.
 pub fn first_that_fits<'a>(ui: &Ui, texts: &[&'a str], style: &TextStyle, room: f32) -> Option<&'a str> {
     let font = style.resolve(ui.style());
-    let lay_out = |text: &str| {
-        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER)
-    };
+    let lay_out =
+        |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
     texts.iter().copied().find(|text| lay_out(text).size().x <= room)
 }
 

@@ -6,8 +6,8 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{Palette, run_style, size};
 use backlit_ui::widgets::fitting_label;
 use egui::{
-    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo,
-    vec2,
+    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder,
+    WidgetInfo, vec2,
 };
 
 use super::{Bench, Wish, picture};
@@ -267,7 +267,11 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
     let (text, short, colour) = match worst {
         Some(worst) => {
             let [x, y] = worst.pixel;
-            (pixel_words(worst), format!("Camera {}, pixel ({x}, {y})", worst.camera + 1), palette.accent_text)
+            (
+                pixel_words(worst),
+                format!("Camera {}, pixel ({x}, {y})", worst.camera + 1),
+                palette.accent_text,
+            )
         }
         None => {
             // Without what made it stop.

@@ -5,8 +5,8 @@ use std::hash::Hash;
 use backlit_ui::drawing::{PictureInput, ViewMode, compose};
 use backlit_ui::style::theme::Theme;
 use backlit_ui::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROUND, SELECTED};
-use backlit_ui::widgets::{ViewTransform, first_that_fits};
 use backlit_ui::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
+use backlit_ui::widgets::{ViewTransform, first_that_fits};
 use egui::{Align2, Color32, Rect, Role, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 use glam::DVec2;
 

@@ -65,7 +65,8 @@ impl Reader<'_> {
         let mut skeleton = Skeleton { joints: Vec::new(), world_from_mesh: Vec::new() };
         for (&node, bind) in skin.joints.iter().zip(&binds) {
             let joint = &document.nodes[node];
-            let (mut world_from_joint, mut parent, mut above) = (joint.parent_from_node(), None, parents[node]);
+            let (mut world_from_joint, mut parent, mut above) =
+                (joint.parent_from_node(), None, parents[node]);
             for _ in 0..=MAX_DEPTH {
                 let Some(at) = above else { break };
                 world_from_joint = document.nodes[at].parent_from_node() * world_from_joint;
@@ -161,7 +162,12 @@ impl Reader<'_> {
 
 impl Skeleton {
     /// Where a vertex is, and the joint that moves it most.
-    fn moved(&self, place: DVec3, joints: [f64; 4], weights: [f64; 4]) -> Result<(DVec3, usize), MeshProblem> {
+    fn moved(
+        &self,
+        place: DVec3,
+        joints: [f64; 4],
+        weights: [f64; 4],
+    ) -> Result<(DVec3, usize), MeshProblem> {
         let (mut at, mut total, mut most) = (DVec3::ZERO, 0.0, (0.0, 0));
         for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
             let joint = joint as usize;
