@@ -18,6 +18,9 @@ use crate::features::demonstrations::Demonstrations;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
 
+/// Notes of a take that are shown; a broken recording may have one for every camera.
+const MOST_NOTES: usize = 3;
+
 impl Inspector {
     pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
         self.state.session.predicted = Some(predicted);
@@ -49,6 +52,7 @@ impl Inspector {
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);
         }
+        self.remark_on(footage);
         let (history, path) = match project {
             Some(project) => {
                 // What was left unsaved is in no file as it is.
@@ -86,6 +90,31 @@ impl Inspector {
             );
         }
     }
+}
+
+impl Inspector {
+    /// Says what a take of the disk reads outside its own folder, and what is missing in its footage.
+    fn remark_on(&mut self, footage: &Footage) {
+        let Some(TakeSource::Path(_)) = footage.source else { return };
+        let take = footage.take();
+        let notes = take.notes();
+        let left_out = notes.len().saturating_sub(MOST_NOTES);
+        let shown = notes.into_iter().take(MOST_NOTES);
+        for remark in take.outside().map(ToString::to_string).into_iter().chain(shown) {
+            self.state.notices.info(self.state.now, sentence(&remark), None);
+        }
+        if left_out > 0 {
+            let more = format!("The take has {left_out} more such notes: backlit track says them all.");
+            self.state.notices.info(self.state.now, more, None);
+        }
+    }
+}
+
+/// With a capital letter and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
 }
 
 /// A new document about a take.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_jobs::{Failure, News, Priority, Task, once};
 use backlit_take::footage::{Footage, MadeWith};
-use backlit_take::replacement::Calibration;
+use backlit_take::replacement::{Calibration, PlateFiles};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
@@ -13,13 +13,16 @@ use super::survey_job::SurveyJob;
 use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData, load_frame};
 
+/// What the footage is made again for.
+type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>);
+
 /// The tasks whose results the session holds.
 #[derive(Debug)]
 pub(crate) struct Refresh {
     frame: Task<(usize, MadeWith), Arc<FrameData>>,
     prediction: Task<PosedInputs, Arc<Predicted>>,
     survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>>,
-    calibration: Task<Option<Arc<Calibration>>, Arc<Footage>>,
+    replaced: Task<Replacements, Arc<Footage>>,
 }
 
 impl Default for Refresh {
@@ -28,7 +31,7 @@ impl Default for Refresh {
             frame: Task::new(Priority::FRAME),
             prediction: Task::new(Priority::PREDICTION),
             survey: Task::new(Priority::SURVEY),
-            calibration: Task::new(Priority::CALIBRATION),
+            replaced: Task::new(Priority::CALIBRATION),
         }
     }
 }
@@ -88,11 +91,13 @@ impl Inspector {
                 News::Failed(failure) => self.failed("Looking through the whole take", &failure),
             }
         }
-        for news in self.refresh.calibration.poll() {
+        for news in self.refresh.replaced.poll() {
             match news {
-                News::Output(footage) => self.recalibrated(footage),
+                News::Output(footage) => self.replaced(footage),
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Reading the footage with the new cameras", &failure),
+                News::Failed(failure) => {
+                    self.failed("Reading the footage with the new cameras or plates", &failure);
+                }
             }
         }
     }
@@ -141,15 +146,18 @@ impl Inspector {
         self.refresh.frame.need(&self.state.pool, inputs, read);
     }
 
-    /// The footage follows the document's calibration and silhouettes, also where they are undone. Frames that were made
+    /// The footage follows the document's calibration, plates and silhouettes, also where they are undone. Frames that were made
     /// with others, or with other settings of the measurement, are made again.
     fn follow_replacements(&mut self) {
         let Some(take) = self.state.session.take.clone() else { return };
-        let (calibration, masks) = (self.document().calibration.clone(), self.document().masks.clone());
-        if take.calibration != calibration {
-            self.refresh.calibration.need(&self.state.pool, calibration, |calibration| CalibrateJob {
+        let document = self.document();
+        let (wanted, masks) =
+            ((document.calibration.clone(), document.plates.clone()), document.masks.clone());
+        if take.calibration != wanted.0 || take.plates != wanted.1 {
+            self.refresh.replaced.need(&self.state.pool, wanted, |(calibration, plates)| CalibrateJob {
                 footage: take.clone(),
                 calibration: calibration.clone(),
+                plates: plates.clone(),
             });
         } else if take.masks != masks {
             self.state.session.take = Some(Arc::new(take.with_masks(masks)));
@@ -163,9 +171,10 @@ impl Inspector {
         }
     }
 
-    /// The cameras are others now.
-    fn recalibrated(&mut self, footage: Arc<Footage>) {
-        let is_wanted = footage.calibration == self.document().calibration;
+    /// The cameras or the plates are others now.
+    fn replaced(&mut self, footage: Arc<Footage>) {
+        let document = self.document();
+        let is_wanted = footage.calibration == document.calibration && footage.plates == document.plates;
         let is_open = self.state.session.take.as_ref().is_some_and(|take| take.source == footage.source);
         if is_wanted && is_open {
             self.interrupt_fit();

@@ -129,6 +129,17 @@ mod tests {
         }
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_in_the_place_of_the_settings_is_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = path_in(folder.path());
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let (read_back, said) = read(folder.path());
+        assert_eq!(read_back, Settings::default());
+        assert!(said.unwrap().contains("settings.json: "));
+    }
+
     #[test]
     fn settings_that_cannot_be_written_are_an_error_that_names_the_file() {
         let folder = tempfile::tempdir().unwrap();

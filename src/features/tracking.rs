@@ -6,6 +6,7 @@
 //! | `update` | begun, stopped, what was found taken in |
 //! | `job`, [`read_ahead`] | the fit of frame after frame |
 //! | `poses_job`, `body_job`, `person_job` | the search, a body from several frames, and both where nothing is known |
+//! | `background_job` | plates learnt again without the tracked body |
 //! | `spheres` | a body of spheres, in the place of the sizes |
 //! | `body` | which frames say something of the sizes, and what is said of them |
 //! | `survey` | whether the silhouettes can be a person's at all |
@@ -13,6 +14,7 @@
 //! | `choices` | how it tracks, in the Solver section |
 //! | `other_poses` | what a search has found, in the Refit section |
 
+mod background_job;
 mod body;
 mod body_job;
 pub(crate) mod choices;
@@ -82,6 +84,8 @@ enum Work {
     Spheres,
     /// A person is found: where they stand, their own sizes.
     Person,
+    /// Plates are learnt without the body.
+    Background,
 }
 
 /// What the jobs say.
@@ -107,6 +111,8 @@ enum Found {
     Spheres(Box<SphereBody>),
     /// Where the person stands in a frame, and the body; what is said of it.
     Person { frame: usize, person: Box<Person>, said: String },
+    /// Plates learnt without the body.
+    Plates(background_job::Plates),
     /// How far it is, in words.
     At(String),
     /// It cannot go on; why.
@@ -188,6 +194,10 @@ impl Tracking {
                 let at = self.at.as_deref().unwrap_or("Looking for the person");
                 return Some(format!("{at}. Esc stops it; nothing is changed then."));
             }
+            Work::Background => {
+                let at = self.at.as_deref().unwrap_or("Learning the background without the body");
+                return Some(format!("{at}. Esc stops it; nothing is changed then."));
+            }
             Work::Track(progress) => progress,
         };
         let way = match tracking.between {
@@ -225,6 +235,9 @@ impl Tracking {
             }),
             TrackingCommand::FindStart => no_track(),
             TrackingCommand::TurnRound => no_track().or(not_tracked(context)),
+            TrackingCommand::LearnBackground => {
+                background_job::unavailable(context).or(because(self.is_busy(), "The tracker is running"))
+            }
             TrackingCommand::Clear => not_tracked(context),
         }
     }

@@ -57,7 +57,12 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && said.lines().count() == 4, "{said}");
+    let learnt = said.lines().filter(|line| line.contains("was learnt again without the body")).count();
+    assert!(output.status.success() && learnt == 4, "{said}");
+    assert!(
+        said.contains("note: the take reads outside its own folder: "),
+        "the footage stays where it is: {said}"
+    );
     assert!(plates.join("cam03.png").is_file());
 }
 

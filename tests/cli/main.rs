@@ -20,5 +20,6 @@ mod render;
 mod scene;
 mod screenshot;
 mod sphere_tree;
+mod take_remarks;
 mod track;
 mod words;

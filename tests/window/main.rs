@@ -4,6 +4,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
+mod background;
 mod basin;
 mod camera_tile;
 mod cues;

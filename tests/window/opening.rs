@@ -145,3 +145,16 @@ fn what_is_no_project_is_refused_in_words() {
         assert!(harness.state().session().take.is_none());
     }
 }
+
+#[test]
+fn a_take_that_reads_outside_its_folder_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let take = folder.path().join("arm");
+    take::write_to(&take);
+    std::fs::rename(take.join("front"), folder.path().join("front")).unwrap();
+    change(&take.join("take.toml"), "\"front/", "\"../front/");
+    let harness = open(&take);
+    let said = last_said(&harness);
+    assert!(said.starts_with("The take reads outside its own folder: "), "{said}");
+    assert!(said.ends_with("front/0.png, and 1 more path that it names."), "{said}");
+}

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use backlit_formats::Take;
 use backlit_formats::motion::Motion;
 use backlit_formats::plate::{self, plate_without_body};
+use backlit_tracking::cancel::CancelToken;
 use clap::Args;
 
-use crate::{output, track_files};
+use crate::{output, take_options, track_files};
 
 const NOTES: &str = "\
 A background that was learnt from the footage has gaps where the subject was always near. Once a body is \
@@ -42,11 +43,17 @@ pub struct BackgroundArguments {
 /// A take or track that cannot be read, or a folder that cannot be written.
 pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
     let motion = Motion::of_written(track_files::read(&arguments.without, arguments.model.as_deref())?);
-    let take = Take::open(&arguments.take)?;
+    let take = take_options::told(Take::open(&arguments.take)?);
     output::make_folder(&arguments.out)?;
     for (index, camera) in take.rig().cameras().iter().enumerate() {
         let name = camera.name();
-        let learnt = plate_without_body(&take, index, &motion.model, &motion.poses)?;
+        if take.footage()[index].has_masks() {
+            output::complain(&format!(
+                "{name}: its silhouettes were made elsewhere; no background is learnt"
+            ));
+            continue;
+        }
+        let learnt = plate_without_body(&take, index, &motion.model, &motion.poses, &CancelToken::new())?;
         learnt.write(&arguments.out.join(plate::file_name(name)))?;
         let unknown = 100.0 * (1.0 - learnt.known_share());
         output::complain(&format!(

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use backlit_formats::Take;
 use backlit_formats::import::{
     self, Background, Found, FoundCamera, ImportOptions, ImportStep, MatchedBy, PictureSize, Pictures,
     WriteOptions,
@@ -126,6 +127,11 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
                 known.insert(camera, share.into());
             }
         })?;
+        if let Ok(take) = Take::open(&file)
+            && let Some(outside) = take.outside()
+        {
+            output::complain(&format!("note: {outside}"));
+        }
         written = Some(file);
     }
     if arguments.json {

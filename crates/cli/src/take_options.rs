@@ -14,7 +14,7 @@ use clap::Args;
 
 use clap::error::ErrorKind;
 
-use super::own_body;
+use super::{output, own_body};
 
 /// Which part of a take.
 #[derive(Debug, Clone, Args)]
@@ -198,7 +198,7 @@ pub(crate) fn open(path: &Path) -> anyhow::Result<Footage> {
     if path.is_dir() && !path.join("take.toml").exists() {
         bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
     }
-    Ok(Footage::new(Take::open(path)?))
+    Ok(Footage::new(told(Take::open(path)?)))
 }
 
 /// The same with another body in place of the take's, if one is named: a file, or a built-in one.
@@ -207,7 +207,23 @@ pub(crate) fn open(path: &Path) -> anyhow::Result<Footage> {
 /// As [`open`]; or the body cannot be read, or has not the limbs that the take's start and reference name.
 pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Footage> {
     let Some(model) = model else { return open(path) };
-    Ok(Footage::new(Take::open_with_model(path, model_file::resolve(model)?)?))
+    Ok(Footage::new(told(Take::open_with_model(path, model_file::resolve(model)?)?)))
+}
+
+/// Says what a take that was opened reads outside its own folder, and what is missing in its footage.
+pub(crate) fn told(take: Take) -> Take {
+    let outside = take.outside().map(ToString::to_string);
+    outside.into_iter().chain(take.notes()).for_each(|remark| note(&remark));
+    take
+}
+
+/// Says what was found to be missing since a take was opened: damage in a video is known once its frames were read.
+pub(crate) fn tell_news(take: &Take, known: &[String]) {
+    take.notes().iter().filter(|remark| !known.contains(remark)).for_each(|remark| note(remark));
+}
+
+fn note(remark: &str) {
+    output::complain(&format!("note: {remark}"));
 }
 
 /// How far a start is moved away.

@@ -227,10 +227,8 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
     let mut earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
-    let mut footage = match &earlier {
-        Some(earlier) => Footage::new(Take::open_with_model(&arguments.take, earlier.written.model.clone())?),
-        None => take_options::open_with_model(&arguments.take, arguments.model.as_deref())?,
-    };
+    let mut footage = open(arguments, earlier.as_ref())?;
+    let known_notes = footage.take().notes();
     let all_frames = arguments.part.frames(footage.take())?;
     let cameras = arguments.part.cameras(footage.take())?;
     let frames = match &earlier {
@@ -282,6 +280,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             })
         });
     }
+    take_options::tell_news(take, &known_notes);
     report.finish(take);
     report.is_partial = tracked.is_err();
     report.begun = begun;
@@ -300,6 +299,18 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     }
     smoothed.context("what was tracked is written")?;
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
+}
+
+/// The take, with the body of an earlier track if that is gone on with.
+///
+/// # Errors
+/// A take or a body that cannot be read.
+fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Footage> {
+    let Some(earlier) = earlier else {
+        return take_options::open_with_model(&arguments.take, arguments.model.as_deref());
+    };
+    let take = Take::open_with_model(&arguments.take, earlier.written.model.clone())?;
+    Ok(Footage::new(take_options::told(take)))
 }
 
 /// The tracker that these frames are followed with. Noise that is `known` from an earlier track is not estimated again.

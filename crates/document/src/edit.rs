@@ -103,6 +103,8 @@ pub enum Edit {
     SetMeasurement(Box<SegmentOptions>),
     /// Cameras in the place of the take's, or the take's own again.
     SetCalibration(Option<Arc<Calibration>>),
+    /// Plates in the place of the take's, by camera; without any they are the take's own again.
+    SetPlates(BTreeMap<usize, PathBuf>),
     /// Silhouettes of a frame, by camera, in the place of those that are measured.
     SetMasks {
         /// The frame.
@@ -171,6 +173,7 @@ impl Edit {
             Self::SetTracking(_) => "Change tracking".to_owned(),
             Self::SetMeasurement(_) => "Change measurement".to_owned(),
             Self::SetCalibration(_) => "Replace calibration".to_owned(),
+            Self::SetPlates(_) => "Learn background again".to_owned(),
             Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
@@ -242,10 +245,12 @@ impl Document {
                 }
             }
             Edit::SetCalibration(calibration) => self.set_calibration(calibration)?,
+            Edit::SetPlates(plates) => {
+                self.check_cameras(&plates)?;
+                self.plates = Arc::new(plates);
+            }
             Edit::SetMasks { frame, masks } => {
-                if let Some(&camera) = masks.keys().find(|camera| **camera >= self.cameras.len()) {
-                    return Err(EditError::NoCamera { camera, count: self.cameras.len() });
-                }
+                self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
             }
             Edit::Pin { limb, pinned } => {
@@ -327,6 +332,15 @@ impl Document {
         }
         self.calibration = calibration;
         Ok(())
+    }
+
+    /// Files by camera are of cameras that there are.
+    fn check_cameras(&self, files: &BTreeMap<usize, PathBuf>) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        match files.keys().find(|camera| **camera >= count) {
+            Some(&camera) => Err(EditError::NoCamera { camera, count }),
+            None => Ok(()),
+        }
     }
 
     fn check_limb(&self, limb: usize) -> Result<(), EditError> {

@@ -17,7 +17,7 @@ pub mod tracking_choices;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use backlit_take::replacement::{Calibration, MaskFiles};
+use backlit_take::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
@@ -93,6 +93,8 @@ pub struct Document {
     pub pins: Arc<BTreeSet<usize>>,
     /// Cameras in the place of the take's.
     pub calibration: Option<Arc<Calibration>>,
+    /// Plates in the place of the take's.
+    pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
 }
@@ -113,6 +115,7 @@ impl Document {
             measurement: Arc::default(),
             pins: Arc::default(),
             calibration: None,
+            plates: Arc::default(),
             masks: Arc::default(),
         }
     }

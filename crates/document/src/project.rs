@@ -155,6 +155,7 @@ mod tests {
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
             Edit::SetCalibration(Some(calibration())),
+            Edit::SetPlates(BTreeMap::from([(0, PathBuf::from("/plates/cam01.png"))])),
             Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
         ] {
             document.apply(edit).unwrap();
@@ -270,6 +271,7 @@ mod tests {
             ("\"iou\": ", "\"iou\": -", "`estimates.4.iou` is -"),
             ("\"cost\": ", "\"cost\": -", "`estimates.4.cost` is -"),
             ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
+            ("\"plates\": {", "\"plates\": {\"cam9\": \"a.png\",", "`plates` names the camera \"cam9\""),
             ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
             ("\"number\":5", "\"number\":2", "`runs[1].number` is 2"),
             ("\"mismatch\":8.0", "\"mismatch\":-8.0", "`runs[0].steps[0].mismatch` is -8"),

@@ -50,10 +50,11 @@ pub fn match_take(
     };
     document.measurement = Arc::new(places.iter().enumerate().map(settings).collect());
     if !places.is_sorted() {
-        let moved = |masks: &BTreeMap<usize, std::path::PathBuf>| {
-            let at = |(camera, place)| Some((camera, masks.get(place)?.clone()));
+        let moved = |files: &BTreeMap<usize, std::path::PathBuf>| {
+            let at = |(camera, place)| Some((camera, files.get(place)?.clone()));
             places.iter().enumerate().filter_map(at).collect()
         };
+        document.plates = Arc::new(moved(&document.plates));
         document.masks =
             Arc::new(document.masks.iter().map(|(frame, masks)| (*frame, moved(masks))).collect());
         document.cameras = Arc::new(places.iter().map(|&place| document.cameras[place].clone()).collect());
@@ -87,6 +88,7 @@ mod tests {
         let settings = |index| SegmentOptions { opening_px: index, ..SegmentOptions::default() };
         document.measurement = Arc::new((0..names.len()).map(settings).collect());
         document.masks = Arc::new(BTreeMap::from([(3, BTreeMap::from([(0, PathBuf::from("a.png"))]))]));
+        document.plates = Arc::new(BTreeMap::from([(2, PathBuf::from("empty.png"))]));
         document
     }
 
@@ -100,6 +102,7 @@ mod tests {
         let settings: Vec<usize> = shuffled.measurement.iter().map(|options| options.opening_px).collect();
         assert_eq!(settings, [2, 0, 1]);
         assert_eq!(shuffled.masks[&3], BTreeMap::from([(1, PathBuf::from("a.png"))]));
+        assert_eq!(*shuffled.plates, BTreeMap::from([(0, PathBuf::from("empty.png"))]));
         let mut same = document(&["a", "b", "c"]);
         match_take(&mut same, &["a", "b", "c"], &[], 9).unwrap();
         assert_eq!(same, document(&["a", "b", "c"]));

@@ -58,7 +58,8 @@ impl FileError {
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", shown(&cut_path(&self.path.to_string_lossy(), [80, 160])))?;
+        // Letters that are written out are longer than they were.
+        f.write_str(&cut_path(&shown(&self.path.to_string_lossy()).to_string(), [80, 160]))?;
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
         }
@@ -208,5 +209,20 @@ struct InField<'a>(Option<&'a str>);
 impl fmt::Display for InField<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.map_or(Ok(()), |field| write!(f, "in `{}`: ", in_short(field)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_of_letters_that_are_written_out_is_cut_all_the_same() {
+        let said = FileError::new(Path::new(&"\u{202e}".repeat(2000)), FileProblem::Missing).to_string();
+        assert!(
+            said.starts_with("\\u{202e}\\u{202e}") && said.ends_with(": there is no such file"),
+            "{said}"
+        );
+        assert!(said.chars().count() < 300, "{said}");
     }
 }

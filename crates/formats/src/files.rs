@@ -23,6 +23,11 @@ pub trait TakeFiles: Debug + Send + Sync {
     /// Whether there is a file (not a folder) at `path`.
     fn exists(&self, path: &Path) -> bool;
 
+    /// Where a file or folder really lies, behind links; `None` where there is none, or no links.
+    fn behind_links(&self, _path: &Path) -> Option<PathBuf> {
+        None
+    }
+
     /// A file to be read in parts, as videos are. Files that lie on the disk should not be read as a whole for it.
     ///
     /// # Errors
@@ -134,6 +139,10 @@ impl TakeFiles for DiskFiles {
     fn exists(&self, path: &Path) -> bool {
         path.is_file()
     }
+
+    fn behind_links(&self, path: &Path) -> Option<PathBuf> {
+        path.canonicalize().ok()
+    }
 }
 
 /// Files held in memory, by path.
@@ -173,7 +182,7 @@ fn within_limit(path: &Path, bytes: usize, limit: u64) -> Result<(), FileError> 
 }
 
 /// The path without `.` and `..`.
-fn plain(path: &Path) -> PathBuf {
+pub(crate) fn plain(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in path.components() {
         match component {

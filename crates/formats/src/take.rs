@@ -9,6 +9,7 @@
 //! | `masks` | one camera's masks that were made elsewhere |
 //! | `keypoints` | one camera's two-dimensional keypoints |
 //! | `films` | videos: offsets, the frames that all cameras have |
+//! | `outside` | what lies outside the take's folder |
 //! | `offsets` | offsets written into a take file |
 //! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
@@ -23,6 +24,7 @@ mod known;
 mod masks;
 mod measurement;
 mod offsets;
+mod outside;
 mod pictures;
 mod reader;
 pub mod reference;
@@ -37,6 +39,7 @@ pub(crate) use frame_pattern::split_number;
 pub use frame_pattern::{FramePattern, PatternError};
 pub use known::Known;
 pub use offsets::{OffsetShift, shift_offsets};
+pub use outside::Outside;
 pub use reference::{Joint, Reference};
 pub use spec::{BodySizes, FORMAT};
 pub use take::{FILE_NAME, Take};

@@ -20,7 +20,7 @@ use backlit_tracking::synchronise::SynchroniseOptions;
 use image::{DynamicImage, RgbImage};
 
 use crate::demonstration::{Demonstration, UNKNOWN_GREY};
-use crate::replacement::{Calibration, MaskFiles, read_mask};
+use crate::replacement::{Calibration, MaskFiles, PlateFiles, read_mask};
 use crate::source::TakeSource;
 
 /// Grey levels below this are the subject's.
@@ -39,6 +39,8 @@ pub struct Footage {
     pub cameras: Arc<Vec<Arc<Camera>>>,
     /// Cameras in the place of the take's, if there are any.
     pub calibration: Option<Arc<Calibration>>,
+    /// Plates in the place of the take's.
+    pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
     inner: Arc<backlit_formats::Footage>,
@@ -51,6 +53,7 @@ pub struct Footage {
 pub struct MadeWith {
     measurement: Arc<Vec<SegmentOptions>>,
     calibration: Option<Arc<Calibration>>,
+    plates: Arc<PlateFiles>,
     masks: BTreeMap<usize, PathBuf>,
 }
 
@@ -125,6 +128,7 @@ impl Footage {
             frame_rate,
             cameras: Arc::new(inner.cameras().to_vec()),
             calibration: None,
+            plates: Arc::default(),
             masks: Arc::default(),
             original: inner.clone(),
             inner,
@@ -174,21 +178,26 @@ impl Footage {
             frame_rate: self.frame_rate,
             cameras: self.cameras.clone(),
             calibration: self.calibration.clone(),
+            plates: self.plates.clone(),
             masks,
             inner: self.inner.clone(),
             original: self.original.clone(),
         }
     }
 
-    /// The same seen by the cameras of a calibration, or by the take's own again. A calibration of other cameras than
-    /// the take's changes nothing but what is said of it.
-    pub fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
+    /// The same seen by the cameras of a calibration, or by the take's own again, and with these plates in the place of the
+    /// take's. A calibration of other cameras than the take's changes nothing but what is said of it.
+    pub fn with_replacements(&self, calibration: Option<Arc<Calibration>>, plates: Arc<PlateFiles>) -> Self {
+        let own = self.original.take();
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
-        let take = rig.and_then(|rig| self.original.take().with_rig(rig));
-        let inner =
-            take.map_or_else(|| self.original.clone(), |take| Arc::new(backlit_formats::Footage::new(take)));
+        let seen_anew = rig.and_then(|rig| own.with_rig(rig));
+        let inner = match (seen_anew, plates.is_empty()) {
+            (None, true) => self.original.clone(),
+            (None, false) => Arc::new(backlit_formats::Footage::new(own.with_plates(&plates))),
+            (Some(take), _) => Arc::new(backlit_formats::Footage::new(take.with_plates(&plates))),
+        };
         let cameras = Arc::new(inner.cameras().to_vec());
-        Self { calibration, cameras, inner, ..self.with_masks(self.masks.clone()) }
+        Self { calibration, plates, cameras, inner, ..self.with_masks(self.masks.clone()) }
     }
 
     /// What a frame's pictures and silhouettes depend on, besides the take.
@@ -196,6 +205,7 @@ impl Footage {
         MadeWith {
             measurement: measurement.clone(),
             calibration: self.calibration.clone(),
+            plates: self.plates.clone(),
             masks: self.masks.get(&frame).cloned().unwrap_or_default(),
         }
     }

@@ -1,4 +1,4 @@
-//! What a user puts in the place of a take's own: the cameras of another calibration, and silhouettes of single frames.
+//! What a user puts in the place of a take's own: the cameras of another calibration, plates, and silhouettes of single frames.
 //! The take's files stay as they are.
 
 use std::collections::BTreeMap;
@@ -21,6 +21,9 @@ pub struct Calibration {
 
 /// Pictures of silhouettes, white is the subject: by frame, then by camera.
 pub type MaskFiles = BTreeMap<usize, BTreeMap<usize, PathBuf>>;
+
+/// Pictures of what cameras see without the subject, by camera.
+pub type PlateFiles = BTreeMap<usize, PathBuf>;
 
 /// Why something cannot stand in the place of the take's own.
 #[derive(Debug, Error)]

@@ -179,7 +179,7 @@ group! {
 
 group! {
     /// The tracker.
-    TrackingCommand { FindStart, Forward, Back, Between, TurnRound, Clear }
+    TrackingCommand { FindStart, Forward, Back, Between, TurnRound, LearnBackground, Clear }
 }
 
 group! {

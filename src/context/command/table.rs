@@ -172,6 +172,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the previous key pose", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),
     row(Menu::Track, Tracking(TrackingCommand::TurnRound), "Turn track round", "Turn the body to face the other way in every frame that has a pose, and fit each again from there; key poses are turned too", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::LearnBackground), "Learn background again", "Learn every camera’s plate from the footage once more, without the pixels of the tracked body, and make the silhouettes again with it", &[]),
     row(Menu::Track, Tracking(TrackingCommand::Clear), "Clear track", "Remove all tracked poses; key poses stay", &[]),
     row(Menu::Track, Timeline(TimelineCommand::ClearRange), "Clear marked frames", "Remove the tracked poses of the frames marked in the timeline; key poses stay", &[]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousFrame), "Previous frame", "Go to the previous frame", &[key(Key::ArrowLeft)]),

@@ -275,6 +275,26 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn pipes_in_the_place_of_copies_and_locks_are_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut copies = Copies::new(folder.path().into());
+        let [copy, locked] = ["unsaved-4.backlit", "unsaved-7.backlit"].map(|name| folder.path().join(name));
+        write(&locked);
+        for pipe in [copy, lock_path(&locked), lock_path(&folder.path().join("unsaved.backlit"))] {
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        }
+        let (left, wrong) = copies.left();
+        assert!(left.is_empty(), "nobody knows whether its window is alive");
+        assert_eq!(wrong.len(), 1);
+        assert!(wrong[0].to_string().contains("unsaved-4.backlit: "), "{}", wrong[0]);
+        // The first free copy cannot be locked: that is an error, or another one is taken.
+        if let Ok(own) = copies.own() {
+            assert_ne!(own.file_name().unwrap(), "unsaved.backlit");
+        }
+    }
+
     #[test]
     fn what_is_left_is_put_aside_and_what_is_broken_is_said() {
         let folder = tempfile::tempdir().unwrap();

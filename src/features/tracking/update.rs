@@ -12,6 +12,7 @@ use backlit_tracking::body_fit::Person;
 use backlit_tracking::posing;
 use backlit_ui::style::format;
 
+use super::background_job::{self, BackgroundJob};
 use super::body_job::{self, BodyJob};
 use super::job::{Leg, TrackInputs, TrackJob};
 use super::keys::keys_around;
@@ -51,6 +52,7 @@ impl Tracking {
             TrackingCommand::Back => self.track(true, context, requests),
             TrackingCommand::Between => self.track_between_keys(context, requests),
             TrackingCommand::TurnRound => self.turn_round(context, requests),
+            TrackingCommand::LearnBackground => self.learn_background(context),
             TrackingCommand::Clear => clear(context, requests),
         }
     }
@@ -169,6 +171,13 @@ impl Tracking {
         requests.request(Request::LeaveStep);
     }
 
+    /// Learns the plates again without the body where it was tracked.
+    fn learn_background(&mut self, context: &Context<'_>) {
+        let Some(job) = BackgroundJob::new(context) else { return };
+        self.at = None;
+        self.begin(Work::Background, context, job);
+    }
+
     /// Tracks from the frame on the screen to the end. What is lacking is found first: a start, the person's own sizes.
     fn track_forward(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let sizes = context.document().tracking.body == TrackedBody::Own && context.lacks_sizes();
@@ -251,6 +260,7 @@ impl Tracking {
                 News::Output(Found::Person { frame, person, said }) => {
                     self.person_found(frame, &person, said, context, requests);
                 }
+                News::Output(Found::Plates(plates)) => background_job::take_in(plates, requests),
                 News::Output(Found::At(text)) => self.at = Some(text),
                 News::Output(Found::Refused(why)) => requests.complain(why),
                 News::Ended => has_ended = true,

@@ -84,7 +84,12 @@ fn files_of(frames: usize, empty: &[usize]) -> Vec<(PathBuf, Vec<u8>)> {
 
 /// Writes the take to a folder.
 pub(crate) fn write_to(folder: &Path) {
-    for (path, bytes) in files() {
+    write_frames_to(folder, FRAMES);
+}
+
+/// The same with so many frames.
+pub(crate) fn write_frames_to(folder: &Path, frames: usize) {
+    for (path, bytes) in files_of(frames, &[]) {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();

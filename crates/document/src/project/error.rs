@@ -42,6 +42,8 @@ pub enum ProjectError {
     Number { path: PathBuf, field: String, value: f64, expected: &'static str },
     #[error("{}: `measurement` has {count} entries; expected one for each of the {cameras} cameras", path.display())]
     Measurements { path: PathBuf, count: usize, cameras: usize },
+    #[error("{}: `plates` names the camera \"{camera}\", which the take does not have", path.display())]
+    PlateCamera { path: PathBuf, camera: String },
     #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
     MaskCamera { path: PathBuf, frame: usize, camera: String },
     #[error("{}: `fit`: {error}", path.display())]

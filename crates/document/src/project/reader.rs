@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::calibration::{CalibrationOptions, backlit};
-use backlit_take::replacement::{Calibration, MaskFiles};
+use backlit_take::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use glam::{DQuat, DVec3};
@@ -58,6 +58,7 @@ impl Reader<'_> {
                 cameras: cameras.len(),
             });
         }
+        let plates = self.plates(&cameras, file.plates)?;
         let masks = self.masks(&cameras, file.masks)?;
         let calibration = file.calibration.map(|record| self.calibration(record)).transpose()?;
         let runs = self.runs(&model, file.runs)?;
@@ -77,6 +78,7 @@ impl Reader<'_> {
             measurement: Arc::new(file.measurement),
             pins: Arc::new(pins),
             calibration,
+            plates: Arc::new(plates),
             masks: Arc::new(masks),
         };
         Ok(Project { document, runs })
@@ -108,19 +110,36 @@ impl Reader<'_> {
     ) -> Result<MaskFiles, ProjectError> {
         let mut masks = MaskFiles::new();
         for (frame, record) in records {
-            for (name, path) in record {
-                let camera = cameras.iter().position(|camera| camera.name == name);
-                let camera = camera.ok_or_else(|| ProjectError::MaskCamera {
-                    path: self.path.to_owned(),
-                    frame,
-                    camera: name.clone(),
-                })?;
-                // Beside the project, where the path is not whole.
-                let path = self.path.parent().map_or_else(|| path.clone(), |folder| folder.join(&path));
-                masks.entry(frame).or_default().insert(camera, path);
-            }
+            let wrong = |camera| ProjectError::MaskCamera { path: self.path.to_owned(), frame, camera };
+            masks.insert(frame, self.files(cameras, record).map_err(wrong)?);
         }
         Ok(masks)
+    }
+
+    fn plates(
+        &self,
+        cameras: &[CameraUse],
+        record: BTreeMap<String, PathBuf>,
+    ) -> Result<PlateFiles, ProjectError> {
+        let wrong = |camera| ProjectError::PlateCamera { path: self.path.to_owned(), camera };
+        self.files(cameras, record).map_err(wrong)
+    }
+
+    /// Files by camera; those whose path is not whole lie beside the project.
+    ///
+    /// # Errors
+    /// A name that no camera has.
+    fn files(
+        &self,
+        cameras: &[CameraUse],
+        record: BTreeMap<String, PathBuf>,
+    ) -> Result<BTreeMap<usize, PathBuf>, String> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = |(name, path): (String, PathBuf)| {
+            let camera = cameras.iter().position(|camera| camera.name == name).ok_or(name)?;
+            Ok((camera, folder.join(path)))
+        };
+        record.into_iter().map(file).collect()
     }
 
     pub(super) fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {

@@ -46,6 +46,9 @@ pub(crate) struct ProjectFile {
     pub(crate) pins: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) calibration: Option<CalibrationRecord>,
+    /// By camera's name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
+    pub(crate) plates: BTreeMap<String, PathBuf>,
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
@@ -138,7 +141,8 @@ pub(crate) fn to_file(document: &Document, runs: &[Run]) -> ProjectFile {
             file: calibration.path.clone(),
             cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
         }),
-        masks: document.masks.iter().map(|(frame, masks)| (*frame, mask_records(document, masks))).collect(),
+        plates: file_records(document, &document.plates),
+        masks: document.masks.iter().map(|(frame, masks)| (*frame, file_records(document, masks))).collect(),
         runs: runs.iter().filter_map(|run| run_record(model, run)).collect(),
     }
 }
@@ -147,11 +151,12 @@ pub(super) fn camera_record(camera: &CameraUse) -> CameraRecord {
     CameraRecord { name: camera.name.clone(), used: camera.used, weight: camera.weight }
 }
 
-fn mask_records(document: &Document, masks: &BTreeMap<usize, PathBuf>) -> BTreeMap<String, PathBuf> {
+/// Files by the names of their cameras.
+fn file_records(document: &Document, files: &BTreeMap<usize, PathBuf>) -> BTreeMap<String, PathBuf> {
     let named = |(camera, path): (&usize, &PathBuf)| {
         document.cameras.get(*camera).map(|camera| (camera.name.clone(), path.clone()))
     };
-    masks.iter().filter_map(named).collect()
+    files.iter().filter_map(named).collect()
 }
 
 pub(super) fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {

@@ -1,6 +1,7 @@
 //! A take's pictures: frames, backgrounds and masks made elsewhere, reduced and not rectified.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_tracking::camera::Camera;
@@ -170,6 +171,19 @@ impl Take {
             Some(pictures) => pictures.paths().into_iter().map(|path| self.plate(camera, path)).collect(),
         };
         pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+    }
+
+    /// The same take with these plates in the place of its own, by camera; the other cameras keep theirs. A plate that is not there,
+    /// or is of another size, is told when it is read.
+    #[must_use]
+    pub fn with_plates(&self, plates: &BTreeMap<usize, PathBuf>) -> Self {
+        let mut take = self.clone();
+        for (camera, footage) in take.footage.iter_mut().enumerate() {
+            if let Some(path) = plates.get(&camera) {
+                footage.background = Some(BackgroundSource::Plate(path.clone()));
+            }
+        }
+        take
     }
 
     /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.

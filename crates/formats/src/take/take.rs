@@ -11,7 +11,7 @@ use backlit_tracking::segment::SegmentOptions;
 use super::reader::Reader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
-use super::{CameraFootage, Reference, TakeError};
+use super::{CameraFootage, Outside, Reference, TakeError};
 use crate::keypoints::joints::KeypointOrder;
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
@@ -50,6 +50,7 @@ pub struct Take {
     pub(super) measurement: Vec<SegmentOptions>,
     pub(super) seconds: Arc<[f64]>,
     pub(super) notes: Arc<[String]>,
+    outside: Option<Outside>,
     cache: Arc<FrameCache>,
     /// Found once keypoints are first needed.
     pub(super) keypoint_order: Arc<OnceLock<Option<KeypointOrder>>>,
@@ -123,6 +124,7 @@ impl Take {
             None => None,
         };
         let measurement = reader.measurement(&spec)?;
+        let outside = reader.outside(&spec)?;
         let (name, sizes, model) = (spec.name.into_inner(), spec.sizes, Arc::new(model));
         let path = path.to_owned();
         let take = Self {
@@ -137,6 +139,7 @@ impl Take {
             reduction,
             seconds: films.seconds(frame_rate).into(),
             notes: films.notes.into(),
+            outside,
             footage: films.cameras,
             frame_count: films.frame_count,
             start,
@@ -244,6 +247,12 @@ impl Take {
             notes.into_iter().map(|note| format!("camera \"{}\": {note}", footage.camera))
         });
         of_videos.chain(self.notes.iter().cloned()).collect()
+    }
+
+    /// What the take reads outside its own folder, if it does.
+    #[must_use]
+    pub fn outside(&self) -> Option<&Outside> {
+        self.outside.as_ref()
     }
 
     /// What keeps the videos' decoded frames, for all of them together; its limit may be set at any time.

@@ -17,6 +17,7 @@ mod motion_files;
 mod real_take;
 mod small_videos;
 mod take_files;
+mod take_outside;
 mod take_videos;
 mod video_files;
 mod video_makings;

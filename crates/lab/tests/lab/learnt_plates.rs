@@ -5,12 +5,13 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backlit_formats::plate::plate_without_body;
+use backlit_formats::plate::{PlateError, plate_without_body};
 use backlit_formats::take::Known;
 use backlit_formats::{Footage, MemoryFiles, Take, calibration};
 use backlit_lab::synthetic::{motion, studio};
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::render::prediction::covered;
 use backlit_tracking::render::{Ramp, RendererKind, View};
 use backlit_tracking::silhouette::Label;
@@ -70,7 +71,7 @@ fn a_plate_is_learnt_without_the_body_that_is_tracked() {
     let poses: BTreeMap<usize, Pose> = (0..FRAMES).map(|frame| (frame, pose(frame))).collect();
     let body = builtin::full_body();
     for camera in 0..2 {
-        let plate = plate_without_body(&take, camera, &body, &poses).unwrap();
+        let plate = plate_without_body(&take, camera, &body, &poses, &CancelToken::new()).unwrap();
         assert!(plate.known_share() > 0.85, "camera {camera}: {}", plate.known_share());
         for ((x, y, pixel), known) in plate.picture.enumerate_pixels().zip(&plate.known) {
             assert!(*known != Known::Scene || *pixel == wall(x, y), "camera {camera}: {x}, {y}");
@@ -78,14 +79,18 @@ fn a_plate_is_learnt_without_the_body_that_is_tracked() {
     }
     // A body that is somewhere else leaves the subject in the plate, or finds it in no level that is the wall's.
     let elsewhere: BTreeMap<usize, Pose> = (0..3).map(|frame| (frame, pose(FRAMES - 1))).collect();
-    let plate = plate_without_body(&take, 0, &body, &elsewhere).unwrap();
+    let plate = plate_without_body(&take, 0, &body, &elsewhere, &CancelToken::new()).unwrap();
     let wrong = |((x, y, pixel), known): ((u32, u32, &Rgb<u8>), &Known)| {
         *known == Known::Scene && *pixel != wall(x, y)
     };
     assert!(plate.picture.enumerate_pixels().zip(&plate.known).any(wrong));
-    let error = plate_without_body(&take, 7, &body, &poses).unwrap_err().to_string();
+    let error = plate_without_body(&take, 7, &body, &poses, &CancelToken::new()).unwrap_err().to_string();
     assert!(error.contains('7'), "{error}");
-    assert!(plate_without_body(&take, 0, &body, &BTreeMap::new()).is_err());
+    assert!(plate_without_body(&take, 0, &body, &BTreeMap::new(), &CancelToken::new()).is_err());
+    let stopped = CancelToken::new();
+    stopped.cancel();
+    let error = plate_without_body(&take, 0, &body, &poses, &stopped).unwrap_err();
+    assert!(matches!(error, PlateError::Cancelled), "{error}");
 }
 
 #[test]

@@ -1,0 +1,173 @@
+//! Plates learnt again from the footage without the tracked body: one camera a step.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backlit_document::edit::Edit;
+use backlit_formats::plate::{self, PlateError, plate_without_body};
+use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
+use backlit_take::source::TakeSource;
+use backlit_tracking::body::{Model, Pose};
+use backlit_ui::style::format;
+
+use super::Found;
+use crate::context::command::{Command, HistoryCommand};
+use crate::context::unavailable::{Why, because};
+use crate::context::{Context, Requests};
+
+/// The folder of the plates, in the take's; of each further time it has a number.
+const FOLDER: &str = "background without body";
+/// So many times a background can be learnt again before somebody has to tidy up.
+const MOST_FOLDERS: usize = 1000;
+/// Of fewer frames a pixel is not free often enough.
+const FEWEST_POSES: usize = 2;
+
+/// Plates that were learnt.
+#[derive(Debug, Default)]
+pub(super) struct Plates {
+    /// By camera.
+    files: BTreeMap<usize, PathBuf>,
+    /// What is still unknown: cameras' names, and the share of their pixels.
+    unknown: Vec<(String, f64)>,
+}
+
+/// The background of some cameras.
+#[derive(Debug)]
+pub(super) struct BackgroundJob {
+    footage: Arc<Footage>,
+    model: Arc<Model>,
+    poses: BTreeMap<usize, Pose>,
+    /// Cameras that are still to be learnt.
+    waiting: VecDeque<usize>,
+    /// The folder of the take, in which a new one is made for the plates.
+    take_folder: PathBuf,
+    /// That folder, once it is there.
+    folder: Option<PathBuf>,
+    plates: Plates,
+}
+
+impl BackgroundJob {
+    /// All cameras whose silhouettes are segmented, by the poses that were found or set; `None` where [`unavailable`] says why.
+    pub(super) fn new(context: &Context<'_>) -> Option<Self> {
+        let footage = context.session.take.clone()?;
+        let Some(TakeSource::Path(_)) = footage.source else { return None };
+        let take_folder = footage.take().path().parent().unwrap_or(Path::new("")).to_owned();
+        let (model, poses) = (context.document().model.clone(), poses(context));
+        let waiting = segmented(&footage).collect();
+        Some(Self { footage, model, poses, waiting, take_folder, folder: None, plates: Plates::default() })
+    }
+
+    /// Learns a camera's plate and writes it.
+    fn learn(&mut self, camera: usize, out: &Outbox<Found>) -> Result<(), PlateError> {
+        let name = self.footage.cameras[camera].name().to_owned();
+        let all = self.plates.files.len() + 1 + self.waiting.len();
+        let number = self.plates.files.len() + 1;
+        out.send(Found::At(format!("Learning the background without the body: {name}, {number} of {all}")));
+        let learnt = plate_without_body(self.footage.take(), camera, &self.model, &self.poses, out.cancel())?;
+        let folder = match &self.folder {
+            Some(folder) => folder.clone(),
+            None => self.folder.insert(new_folder(&self.take_folder)?).clone(),
+        };
+        let mut path = folder.join(plate::file_name(&name));
+        if self.plates.files.values().any(|other| *other == path) {
+            // Names that differ in letters that files cannot have.
+            path = folder.join(format!("{number} {}", plate::file_name(&name)));
+        }
+        learnt.write(&path)?;
+        self.plates.files.insert(camera, path);
+        self.plates.unknown.push((name, 1.0 - learnt.known_share()));
+        Ok(())
+    }
+}
+
+impl Job<Found> for BackgroundJob {
+    fn step(&mut self, out: &Outbox<Found>) -> Step {
+        let Some(camera) = self.waiting.pop_front() else {
+            out.send(Found::Plates(std::mem::take(&mut self.plates)));
+            return Step::Done;
+        };
+        match self.learn(camera, out) {
+            Ok(()) => Step::Again,
+            Err(PlateError::Cancelled) => Step::Done,
+            Err(error) => {
+                out.send(Found::Refused(format!("The background cannot be learnt: {error}.")));
+                Step::Done
+            }
+        }
+    }
+}
+
+/// Why the background cannot be learnt again.
+pub(super) fn unavailable(context: &Context<'_>) -> Why {
+    let Some(take) = &context.session.take else { return Some("Open a take first") };
+    let has_folder = matches!(take.source, Some(TakeSource::Path(_)));
+    because(
+        !has_folder,
+        "Plates are kept in the take’s folder, and this take has none: it comes with Backlit",
+    )
+    .or(because(
+        segmented(take).next().is_none(),
+        "No camera has a background: all silhouettes were made elsewhere",
+    ))
+    .or(because(
+        poses(context).len() < FEWEST_POSES,
+        "There is no track yet: where the body is must be known, so track first",
+    ))
+}
+
+/// Cameras whose silhouettes come from a background, or would if they had one.
+fn segmented(footage: &Footage) -> impl Iterator<Item = usize> + '_ {
+    let cameras = footage.take().footage().iter().enumerate();
+    cameras.filter(|(_, camera)| !camera.has_masks()).map(|(index, _)| index)
+}
+
+/// The poses of frames that have one of their own and are not lost.
+fn poses(context: &Context<'_>) -> BTreeMap<usize, Pose> {
+    let document = context.document();
+    let mut poses = document.own_poses();
+    let is_lost = |frame: &usize| document.estimates.get(frame).is_some_and(|found| found.lost);
+    poses.retain(|frame, _| *frame < context.session.frame_count() && !is_lost(frame));
+    poses
+}
+
+/// The plates take the place of the take's: one act.
+pub(super) fn take_in(plates: Plates, requests: &mut Requests) {
+    let Plates { files, unknown } = plates;
+    let folder = files.values().next().and_then(|path| path.parent()).map(Path::to_owned);
+    requests.edit(Edit::SetPlates(files));
+    requests.inform(said_of(&unknown, folder.as_deref()), Some(Command::History(HistoryCommand::Undo)));
+}
+
+/// "Learnt the background of 4 cameras without the body. Unknown is 1.2 % of cam01, nothing of the others. The plates …"
+fn said_of(unknown: &[(String, f64)], folder: Option<&Path>) -> String {
+    let cameras = match unknown.len() {
+        1 => "1 camera".to_owned(),
+        count => format!("{count} cameras"),
+    };
+    let parts: Vec<String> = unknown
+        .iter()
+        .filter(|(_, share)| *share > 0.0)
+        .map(|(name, share)| format!("{} % of {name}", format::number(100.0 * share, 1)))
+        .collect();
+    let left =
+        if parts.is_empty() { String::new() } else { format!(" Still unknown: {}.", parts.join(", ")) };
+    let place = folder.map_or_else(String::new, |folder| format!(" The plates are in {}.", folder.display()));
+    format!("Learnt the background of {cameras} without the body.{left}{place} Track again with it.")
+}
+
+/// Makes a folder for plates that is not there yet: those of an earlier time stay, so that they can be gone back to.
+fn new_folder(take: &Path) -> Result<PathBuf, PlateError> {
+    let mut path = take.join(FOLDER);
+    for number in 2..=MOST_FOLDERS {
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+                path = take.join(format!("{FOLDER} {number}"));
+            }
+            Err(error) => return Err(PlateError::Folder { path, error }),
+        }
+    }
+    Err(PlateError::Folder { path, error: std::io::ErrorKind::AlreadyExists.into() })
+}

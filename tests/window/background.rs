@@ -1,0 +1,127 @@
+//! The background learnt again without the tracked body, through the real window, and taken back.
+
+use std::path::Path;
+
+use backlit::app::{App, AppOptions, Opening};
+use backlit_document::project::read_project;
+use backlit_take::source::TakeSource;
+use backlit_tracking::silhouette::Label;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use image::{Rgba, RgbaImage};
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::take;
+
+/// Frames of the take: enough for the forearm to leave every pixel.
+const FRAMES: usize = 24;
+const NAME: &str = "Learn background again";
+
+/// The arm's take on the disk; what lies behind the forearm at first is not known of the front camera's plate.
+fn write_take(folder: &Path) {
+    take::write_frames_to(folder, FRAMES);
+    let path = folder.join("front/empty.png");
+    let plate = image::open(&path).unwrap().to_rgba8();
+    let hole = |x: u32, y: u32| (30..60).contains(&x) && (8..24).contains(&y);
+    let cut = RgbaImage::from_fn(plate.width(), plate.height(), |x, y| {
+        if hole(x, y) { Rgba([0, 0, 0, 0]) } else { *plate.get_pixel(x, y) }
+    });
+    cut.save(&path).unwrap();
+}
+
+fn open(source: TakeSource) -> Harness<'static, App> {
+    let opening = Some(Opening::Take(source));
+    open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
+}
+
+/// Types into the palette, which stays open.
+fn type_into_palette(harness: &mut Harness<'_, App>, text: &str) {
+    press(harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text(text);
+    settle(harness);
+}
+
+/// How many pixels of the front camera's silhouette are unknown.
+fn unknown(harness: &Harness<'_, App>) -> usize {
+    let session = harness.state().session();
+    let frame = session.frames.get(harness.state().selection().frame).unwrap();
+    let mask = frame.cameras[0].mask.as_ref().unwrap();
+    mask.labels().iter().filter(|label| **label == Label::Unknown).count()
+}
+
+/// What the palette says beside the command, which it does not do.
+fn why_not(harness: &mut Harness<'_, App>) -> String {
+    type_into_palette(harness, NAME);
+    let row = harness.get_by_label_contains(NAME);
+    assert!(row.accesskit_node().is_disabled());
+    let why = row.accesskit_node().label().unwrap_or_default();
+    press(harness, Modifiers::NONE, Key::Escape);
+    why
+}
+
+#[test]
+fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
+    let folder = tempfile::tempdir().unwrap();
+    write_take(folder.path());
+    let mut harness = open(TakeSource::Path(folder.path().to_owned()));
+    let before = unknown(&harness);
+    assert!(before > 300, "the hole is unknown: {before} pixels");
+    let why = why_not(&mut harness);
+    assert!(why.contains("There is no track yet"), "{why}");
+
+    click(&mut harness, "Track forward");
+    let tracked = harness.state().document().estimates.len();
+    assert_eq!(tracked, FRAMES);
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    type_into_palette(&mut harness, NAME);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+
+    harness.get_by_label_contains("Learnt the background of 2 cameras without the body.");
+    let plates = harness.state().document().plates.clone();
+    let place = folder.path().join("background without body");
+    assert_eq!(plates.values().collect::<Vec<_>>(), [&place.join("front.png"), &place.join("above.png")]);
+    assert!(plates.values().all(|path| path.is_file()));
+    let after = unknown(&harness);
+    assert!(after * 4 < before, "{after} of {before} pixels are still unknown");
+    assert_eq!(harness.state().document().estimates.len(), tracked, "the track stays");
+
+    // The project keeps them, and a further time does not write over them.
+    let project = folder.path().join("arm.backlit");
+    harness.state_mut().save_to(&project);
+    settle(&mut harness);
+    assert_eq!(read_project(&project).unwrap().document.plates, plates);
+    type_into_palette(&mut harness, NAME);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let again = harness.state().document().plates.clone();
+    assert_eq!(again[&0], folder.path().join("background without body 2/front.png"));
+
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().document().plates, plates);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert!(harness.state().document().plates.is_empty());
+    assert_eq!(unknown(&harness), before, "undone, the silhouettes are as they were");
+}
+
+#[test]
+fn a_take_without_a_folder_says_why_its_background_cannot_be_learnt() {
+    let mut harness = open(TakeSource::BuiltIn);
+    let why = why_not(&mut harness);
+    assert!(why.contains("this take has none: it comes with Backlit"), "{why}");
+}
+
+#[test]
+fn where_a_camera_cannot_be_learnt_nothing_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    write_take(folder.path());
+    let mut harness = open(TakeSource::Path(folder.path().to_owned()));
+    click(&mut harness, "Track forward");
+    // The footage is gone.
+    std::fs::rename(folder.path().join("above"), folder.path().join("elsewhere")).unwrap();
+    let document = harness.state().document().clone();
+    type_into_palette(&mut harness, NAME);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    harness.get_by_label_contains("The background cannot be learnt: ");
+    assert_eq!(*harness.state().document(), document);
+}
