@@ -54,9 +54,12 @@ fn unknown(harness: &Harness<'_, App>) -> usize {
 /// What the palette says beside the command, which it does not do.
 fn why_not(harness: &mut Harness<'_, App>) -> String {
     type_into_palette(harness, NAME);
-    let row = harness.get_by_label_contains(NAME);
-    assert!(row.accesskit_node().is_disabled());
-    let why = row.accesskit_node().label().unwrap_or_default();
+    let why = {
+        let row = harness.get_by_label_contains(NAME);
+        let node = row.accesskit_node();
+        assert!(node.is_disabled());
+        node.label().unwrap_or_default()
+    };
     press(harness, Modifiers::NONE, Key::Escape);
     why
 }

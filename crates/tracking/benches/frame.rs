@@ -5,14 +5,13 @@
 //!
 //! The real footage, four cameras of 272 × 480, full body; without `BACKLIT_DATA` the built-in take. The pictures are
 //! decoded and rectified beforehand. Frames are followed in their order, as a tracker does, and each is timed once a
-//! round: the figures are of all frames of all rounds.
+//! round: the figures are of all frames of all rounds, in the thread's processor time, so that other programs count little.
 
 #![expect(clippy::unwrap_used, reason = "a measurement without its input is none")]
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 use backlit_formats::export::track_read;
 use backlit_formats::{Footage, Take, model_file};
@@ -22,6 +21,7 @@ use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::search::start;
 use backlit_tracking::silhouette::{Mask, SignedDistance};
 use backlit_tracking::track::{Motion, Tracker};
+use cpu_time::ThreadTime;
 use image::RgbImage;
 
 /// Passes over all frames.
@@ -77,7 +77,7 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
         let tracker = Tracker::new(Arc::clone(take.model()), options, begin.clone().unwrap()).unwrap();
         let mut tracker = tracker.with_motion(Motion::Velocity, take.frame_rate()).unwrap();
         for (frame, pictures) in pictures.iter().enumerate() {
-            let began = Instant::now();
+            let began = ThreadTime::now();
             let masks: Vec<Arc<Mask>> = pictures
                 .iter()
                 .enumerate()
@@ -93,7 +93,7 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
             });
             let found = tracker.track_frame(frame, views.collect(), &CancelToken::new()).unwrap();
             let whole = began.elapsed().as_secs_f64();
-            let again = Instant::now();
+            let again = ThreadTime::now();
             masks.iter().for_each(|mask| {
                 drop(std::hint::black_box(SignedDistance::from_mask_within(mask, REACH_PX)));
             });
