@@ -31,7 +31,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "acquisition" => [&fit[..], &["fit", "search", "templates"]].concat(),
         "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
-        "body_spheres" => [&fit[..], &["fit"]].concat(),
+        "body_spheres" => [&fit[..], &["fit", "names"]].concat(),
         _ => return None,
     })
 }
