@@ -13,6 +13,7 @@
 //! | [`builtin`] | the models that come with the program |
 
 pub mod anthropometry;
+mod branches;
 pub mod builtin;
 mod kinematics;
 mod limb;
@@ -23,6 +24,7 @@ mod pose;
 mod sides;
 pub(crate) mod sizes;
 
+pub(crate) use branches::Branches;
 pub use kinematics::{Kinematics, MovingColumn};
 pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range, SphereLevel};
 pub use model::{FORMAT, LimbSpec, MAX_ANGLE, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec, ROOT};

@@ -16,6 +16,7 @@
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
 pub(crate) mod body_size;
+mod composite;
 pub mod cue;
 pub mod interpenetration;
 pub mod joint_limit;

@@ -11,7 +11,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::{Model, Parameters, Pose};
+use super::{Branches, Model, Parameters, Pose};
 use crate::geometry::rotation::{raw_matrix, raw_rates};
 
 /// Joint positions and world rotations of one pose. Reused without allocation by [`update`](Self::update).
@@ -27,6 +27,7 @@ pub struct Kinematics {
     raw: Vec<[(DVec3, f64); 4]>,
     /// For each limb, the rotations on its path and the lever c of its first joint.
     levers: Vec<Vec<Lever>>,
+    branches: Option<Branches>,
 }
 
 /// One column of a limb's kinematic map: what a unit of a state's column does to the limb.
@@ -61,6 +62,7 @@ impl Kinematics {
             frames: vec![DMat3::IDENTITY; rotations],
             raw: vec![[(DVec3::ZERO, 0.0); 4]; rotations],
             levers: vec![Vec::new(); limbs],
+            branches: None,
         };
         for (index, limb) in model.limbs().iter().enumerate() {
             for rotation in 0..rotations {
@@ -79,6 +81,8 @@ impl Kinematics {
                 }
             }
         }
+        this.branches =
+            Branches::of(model, |limb| this.levers[limb].iter().map(|lever| (lever.rotation, lever.turns)));
         this.update(model, pose);
         this
     }
@@ -143,6 +147,23 @@ impl Kinematics {
         self.starts.len()
     }
 
+    /// What each rotation carries, where that is a branch of the body.
+    pub(crate) fn branches(&self) -> Option<&Branches> {
+        self.branches.as_ref()
+    }
+
+    /// What a column of a rotation's block does to what the rotation carries: rate of turn, world axes, and rate of scaling.
+    pub(crate) fn rate(&self, rotation: usize, column: usize, parameters: Parameters) -> (DVec3, f64) {
+        let frame = self.frames[rotation];
+        match parameters {
+            Parameters::Tangent => (frame.col(column), 0.0),
+            Parameters::Raw => {
+                let (turn, scaling) = self.raw[rotation][column];
+                (frame * turn, scaling)
+            }
+        }
+    }
+
     /// The columns of the limb's kinematic map K that are not zero, with their index: v, ω, σ in world axes.
     pub fn moving_columns_into(&self, limb: usize, parameters: Parameters, columns: &mut Vec<MovingColumn>) {
         columns.clear();
@@ -151,15 +172,8 @@ impl Kinematics {
         }
         for lever in &self.levers[limb] {
             let first = parameters.first_column(lever.rotation);
-            let frame = self.frames[lever.rotation];
             for column in 0..parameters.per_rotation() {
-                let (turn, scaling) = match parameters {
-                    Parameters::Tangent => (frame.col(column), 0.0),
-                    Parameters::Raw => {
-                        let (turn, scaling) = self.raw[lever.rotation][column];
-                        (frame * turn, scaling)
-                    }
-                };
+                let (turn, scaling) = self.rate(lever.rotation, column, parameters);
                 let v = turn.cross(lever.arm) + scaling * lever.arm;
                 let (w, s) = if lever.turns { (turn, scaling) } else { (DVec3::ZERO, 0.0) };
                 columns

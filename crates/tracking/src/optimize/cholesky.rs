@@ -1,8 +1,9 @@
 //! A = L D Lᵀ for small symmetric positive matrices, in f64 lanes, without allocation once its memory has grown.
 //!
 //! A pose has some tens of columns: what costs elsewhere is the start and end of many short loops, and waiting for one
-//! root or quotient after the other; L of unit diagonal needs no root. Panels of four columns, left-looking: a
-//! panel first takes off what the columns before it say, four columns at a time, then its own four are factored.
+//! root or quotient after the other; L of unit diagonal needs no root. The matrix is cut into blocks of four columns and
+//! four rows, a panel being the blocks of four columns: right-looking, a panel is factored and then taken off what is after
+//! it, block by block, in loops of fixed length.
 //!
 //! Columns are taken from the last to the first. A body is a tree whose root comes first, so that limbs of different
 //! branches have no product; eliminated from the leaves on they get none, and blocks of zeros are passed over.
@@ -15,20 +16,28 @@ use crate::processor::run_in_four_f64s;
 /// Columns of a panel, and rows of a group: lanes are never wider.
 const PANEL: usize = 4;
 
+/// Rows of a column, or columns of a row.
+type Row = [f64; PANEL];
+/// Four columns of four rows.
+type Block = [Row; PANEL];
+
 /// L and D of A = L D Lᵀ, with memory that is used again.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Cholesky {
-    /// L, column-major, `pitch` × `pitch`, its rows and columns from the last to the first; above the diagonal
-    /// anything.
-    factor: Vec<f64>,
-    /// D and 1/D.
-    diagonal: Vec<f64>,
-    inverse: Vec<f64>,
-    /// By group of rows, the panels in which it is not all zero.
-    filled: Vec<Vec<bool>>,
-    pitch: usize,
+    /// L, panel by panel, its rows and columns from the last to the first; above the diagonal anything.
+    factor: Vec<Block>,
+    /// 1/D.
+    inverse: Vec<Row>,
+    panels: usize,
+    /// By panel and group of rows, whether the block is not all zero.
+    filled: Vec<bool>,
+    /// Panel by panel, its groups of rows below the diagonal that are not all zero, and where in it each panel ends.
+    below: Vec<u32>,
+    ends: Vec<usize>,
+    /// Scratch: L D of the groups below a panel.
+    scaled: Vec<Block>,
     /// Right-hand side and solution, padded.
-    solution: Vec<f64>,
+    solution: Vec<Row>,
 }
 
 impl Cholesky {
@@ -36,25 +45,30 @@ impl Cholesky {
     /// there is no factor then.
     pub(crate) fn factor(&mut self, matrix: &DMatrix<f64>, added: impl Fn(usize) -> f64) -> bool {
         let n = matrix.nrows();
-        let pitch = n.next_multiple_of(PANEL);
-        if self.pitch != pitch {
-            self.pitch = pitch;
-            self.factor = vec![0.0; pitch * pitch];
-            self.diagonal = vec![0.0; pitch];
-            self.inverse = vec![0.0; pitch];
-            self.filled = vec![vec![false; pitch / PANEL]; pitch / PANEL];
-            self.solution = vec![0.0; pitch];
+        let panels = n.div_ceil(PANEL);
+        if self.panels != panels {
+            self.panels = panels;
+            self.factor = vec![Block::default(); panels * panels];
+            self.inverse = vec![Row::default(); panels];
+            self.filled = vec![false; panels * panels];
+            self.scaled = vec![Block::default(); panels];
+            self.solution = vec![Row::default(); panels];
         }
+        self.below.clear();
+        self.below.reserve(panels * panels);
+        self.ends.clear();
         run_in_four_f64s(Factor { cholesky: self, matrix: matrix.as_slice(), n, added })
     }
 
     /// Solves A x = `right` with the last factor.
     pub(crate) fn solve(&mut self, right: &DVector<f64>, solution: &mut DVector<f64>) {
         let n = right.len();
-        self.solution[..n].iter_mut().zip(right.iter().rev()).for_each(|(x, right)| *x = *right);
-        self.solution[n..].fill(0.0);
+        let values = self.solution.as_flattened_mut();
+        values[..n].iter_mut().zip(right.iter().rev()).for_each(|(x, right)| *x = *right);
+        values[n..].fill(0.0);
         run_in_four_f64s(Solve { cholesky: self });
-        solution.iter_mut().zip(self.solution[..n].iter().rev()).for_each(|(target, x)| *target = *x);
+        let values = self.solution.as_flattened();
+        solution.iter_mut().zip(values[..n].iter().rev()).for_each(|(target, x)| *target = *x);
     }
 }
 
@@ -70,124 +84,141 @@ impl<F: Fn(usize) -> f64> WithSimd for Factor<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { cholesky: Cholesky { factor, diagonal, inverse, filled, pitch, .. }, matrix, n, added } =
-            self;
-        let pitch = *pitch;
-        for (column, target) in factor.chunks_exact_mut(pitch).enumerate() {
-            if column < n {
-                let last = n - 1 - column;
-                let entries = matrix[last * n..last * n + last + 1].iter().rev();
-                target[column..n].iter_mut().zip(entries).for_each(|(target, entry)| *target = *entry);
-                target[n..].fill(0.0);
-                target[column] += added(last);
-            } else {
-                target[column..].fill(0.0);
-                target[column] = 1.0;
+        let Self { cholesky, matrix, n, added } = self;
+        let Cholesky { factor, inverse, panels, filled, below, ends, scaled, .. } = cholesky;
+        let panels = *panels;
+        for panel in 0..panels {
+            for group in panel..panels {
+                let block = block_of(matrix, n, [group, panel]);
+                filled[panel * panels + group] = !is_zero(&block);
+                factor[panel * panels + group] = block;
+            }
+            let diagonal = &mut factor[panel * panels + panel];
+            for column in 0..PANEL {
+                let index = panel * PANEL + column;
+                diagonal[column][column] += if index < n { added(n - 1 - index) } else { 1.0 };
             }
         }
-        for first in (0..pitch).step_by(PANEL) {
-            let (before, rest) = factor.split_at_mut(first * pitch);
-            let panel = &mut rest[..PANEL * pitch];
-            take_off(simd, (before, diagonal), filled, panel, first, pitch);
-            if !factor_panel(simd, panel, [diagonal, inverse], first, pitch) {
-                return false;
+        for panel in 0..panels {
+            let (own, after) = factor[panel * panels..].split_at_mut(panels);
+            let Some((diagonal, reciprocals)) = factor_diagonal(own[panel]) else { return false };
+            (own[panel], inverse[panel]) = (diagonal, reciprocals);
+            let first = below.len();
+            below.extend(
+                (panel + 1..panels).filter(|group| filled[panel * panels + group]).map(|group| group as u32),
+            );
+            ends.push(below.len());
+            let below = &below[first..];
+            for (&group, scaled) in below.iter().zip(&mut *scaled) {
+                let block = &mut own[group as usize];
+                factor_group(simd, block, scaled, &diagonal, &reciprocals);
             }
-            for (group, filled) in filled.iter_mut().enumerate().skip(first / PANEL) {
-                let rows = group * PANEL..(group + 1) * PANEL;
-                let mut any = 0;
-                for column in panel.chunks_exact(pitch) {
-                    for entry in &column[rows.clone()] {
-                        any |= entry.to_bits() << 1;
-                    }
+            for (place, (&column, scaled)) in below.iter().zip(&*scaled).enumerate() {
+                let column = column as usize;
+                for &group in &below[place..] {
+                    let group = group as usize;
+                    filled[column * panels + group] = true;
+                    let target = &mut after[(column - panel - 1) * panels + group];
+                    take_off(simd, target, &own[group], scaled);
                 }
-                filled[first / PANEL] = any != 0;
             }
         }
         true
     }
 }
 
-/// Panel −= L[.., before] D L[panel, before]ᵀ, from the panel's own rows on.
+/// A block of the matrix with its rows and columns from the last to the first; zeros beyond.
 #[inline(always)]
-fn take_off<S: Simd>(
-    simd: S,
-    (before, diagonal): (&[f64], &[f64]),
-    filled: &[Vec<bool>],
-    panel: &mut [f64],
-    first: usize,
-    pitch: usize,
-) {
-    let lanes = S::F64_LANES;
-    for other in (0..first).step_by(PANEL) {
-        if !filled[first / PANEL][other / PANEL] {
+fn block_of(matrix: &[f64], n: usize, [group, panel]: [usize; 2]) -> Block {
+    let mut block = Block::default();
+    let (rows, columns) = (group * PANEL, panel * PANEL);
+    for (offset, column) in block.iter_mut().enumerate() {
+        if columns + offset >= n {
             continue;
         }
-        let columns = &before[other * pitch..(other + PANEL) * pitch];
-        // L D of the panel's own rows.
-        let mut factors = [[simd.splat_f64s(0.0); PANEL]; PANEL];
-        for (k, factors) in factors.iter_mut().enumerate() {
-            for (column, factor) in factors.iter_mut().enumerate() {
-                *factor = simd.splat_f64s(-columns[k * pitch + first + column] * diagonal[other + k]);
+        let entries = &matrix[(n - 1 - columns - offset) * n..][..n - rows];
+        if let Some(&[d, c, b, a]) = entries.last_chunk::<PANEL>() {
+            *column = [a, b, c, d];
+        } else {
+            column.iter_mut().zip(entries.iter().rev()).for_each(|(target, entry)| *target = *entry);
+        }
+    }
+    block
+}
+
+/// Whether a block is all zeros, of either sign.
+#[inline(always)]
+fn is_zero(block: &Block) -> bool {
+    let mut bits = [0; PANEL];
+    for column in block {
+        for row in 0..PANEL {
+            bits[row] |= column[row].to_bits();
+        }
+    }
+    (bits[0] | bits[1] | bits[2] | bits[3]) << 1 == 0
+}
+
+/// L of a block on the diagonal, and 1/D; none if it is not positive.
+#[inline(always)]
+fn factor_diagonal(mut block: Block) -> Option<(Block, Row)> {
+    let mut reciprocals = Row::default();
+    for k in 0..PANEL {
+        let pivot = block[k][k];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return None;
+        }
+        reciprocals[k] = 1.0 / pivot;
+        for column in k + 1..PANEL {
+            let factor = block[k][column] * reciprocals[k];
+            for row in column..PANEL {
+                block[column][row] -= factor * block[k][row];
             }
         }
-        for (group, filled) in filled.iter().enumerate().skip(first / PANEL) {
-            if !filled[other / PANEL] {
-                continue;
-            }
-            for row in (group * PANEL..(group + 1) * PANEL).step_by(lanes) {
-                let mut entries = [simd.splat_f64s(0.0); PANEL];
-                for (k, entry) in entries.iter_mut().enumerate() {
-                    *entry = S::as_simd_f64s(&columns[k * pitch + row..][..lanes]).0[0];
-                }
-                for column in 0..PANEL {
-                    let target = &mut S::as_mut_simd_f64s(&mut panel[column * pitch + row..][..lanes]).0[0];
-                    let mut sum = *target;
-                    for (factors, &entry) in factors.iter().zip(&entries) {
-                        sum = simd.mul_add_e_f64s(factors[column], entry, sum);
-                    }
-                    *target = sum;
-                }
-            }
+        for row in k + 1..PANEL {
+            block[k][row] *= reciprocals[k];
+        }
+    }
+    Some((block, reciprocals))
+}
+
+/// Makes a block below the diagonal L, and `scaled` L D.
+#[inline(always)]
+fn factor_group<S: Simd>(simd: S, block: &mut Block, scaled: &mut Block, diagonal: &Block, inverse: &Row) {
+    let mut columns = *block;
+    for k in 0..PANEL {
+        let (before, rest) = columns.split_at_mut(k);
+        for (m, before) in before.iter().enumerate() {
+            subtract(simd, &mut rest[0], diagonal[m][k], before);
+        }
+    }
+    *scaled = columns;
+    for k in 0..PANEL {
+        let factor = simd.splat_f64s(inverse[k]);
+        let (target, column) = (S::as_mut_simd_f64s(&mut block[k]).0, S::as_simd_f64s(&columns[k]).0);
+        for (target, &column) in target.iter_mut().zip(column) {
+            *target = simd.mul_f64s(column, factor);
         }
     }
 }
 
-/// Factors a panel's columns, which know of all columns before them.
+/// Takes L D Lᵀ of two groups of a panel off the block where they meet.
 #[inline(always)]
-fn factor_panel<S: Simd>(
-    simd: S,
-    panel: &mut [f64],
-    [diagonal, inverse]: [&mut [f64]; 2],
-    first: usize,
-    pitch: usize,
-) -> bool {
-    let lanes = S::F64_LANES;
+fn take_off<S: Simd>(simd: S, target: &mut Block, rows: &Block, scaled: &Block) {
     for column in 0..PANEL {
-        let (_, rest) = panel.split_at_mut(column * pitch);
-        let pivot = rest[first + column];
-        if !(pivot > 0.0 && pivot.is_finite()) {
-            return false;
-        }
-        let reciprocal = 1.0 / pivot;
-        (diagonal[first + column], inverse[first + column]) = (pivot, reciprocal);
-        // The panel's later columns take this one off; then it is divided.
-        let (current, after) = rest.split_at_mut(pitch);
-        for (offset, later) in after.chunks_exact_mut(pitch).take(PANEL - 1 - column).enumerate() {
-            let factor = simd.splat_f64s(-current[first + column + 1 + offset] * reciprocal);
-            let start = first / lanes * lanes;
-            let (current, _) = S::as_simd_f64s(&current[start..]);
-            let (later, _) = S::as_mut_simd_f64s(&mut later[start..]);
-            for (entry, &other) in later.iter_mut().zip(current) {
-                *entry = simd.mul_add_e_f64s(factor, other, *entry);
-            }
-        }
-        let start = first / lanes * lanes;
-        let (entries, _) = S::as_mut_simd_f64s(&mut current[start..]);
-        for entry in entries {
-            *entry = simd.mul_f64s(*entry, simd.splat_f64s(reciprocal));
+        for k in 0..PANEL {
+            subtract(simd, &mut target[column], scaled[k][column], &rows[k]);
         }
     }
-    true
+}
+
+/// target −= factor · row.
+#[inline(always)]
+fn subtract<S: Simd>(simd: S, target: &mut Row, factor: f64, row: &Row) {
+    let factor = simd.splat_f64s(factor);
+    let (target, row) = (S::as_mut_simd_f64s(target).0, S::as_simd_f64s(row).0);
+    for (target, &row) in target.iter_mut().zip(row) {
+        *target = simd.negate_mul_add_e_f64s(factor, row, *target);
+    }
 }
 
 struct Solve<'a> {
@@ -199,62 +230,51 @@ impl WithSimd for Solve<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Cholesky { factor, inverse, filled, pitch, solution, .. } = self.cholesky;
-        let (lanes, pitch) = (S::F64_LANES, *pitch);
-        let x = &mut solution[..pitch];
-        for first in (0..pitch).step_by(PANEL) {
-            let panel = &factor[first * pitch..(first + PANEL) * pitch];
-            let mut own = [0.0; PANEL];
-            own.copy_from_slice(&x[first..first + PANEL]);
+        let Cholesky { factor, inverse, panels, below, ends, solution: x, .. } = self.cholesky;
+        let panels = *panels;
+        let of_panel = |panel: usize| {
+            let below = &below[if panel == 0 { 0 } else { ends[panel - 1] }..ends[panel]];
+            (&factor[panel * panels..(panel + 1) * panels], below)
+        };
+        for panel in 0..panels {
+            let (blocks, below) = of_panel(panel);
+            let (mut own, diagonal) = (x[panel], &blocks[panel]);
             for k in 0..PANEL {
-                for below in k + 1..PANEL {
-                    own[below] -= own[k] * panel[k * pitch + first + below];
+                for row in k + 1..PANEL {
+                    own[row] -= own[k] * diagonal[k][row];
                 }
             }
-            let mut values = [simd.splat_f64s(0.0); PANEL];
-            for (value, own) in values.iter_mut().zip(own) {
-                *value = simd.splat_f64s(-own);
-            }
-            let group = first / PANEL;
-            x[first..first + PANEL].copy_from_slice(&own);
-            for (group, filled) in filled.iter().enumerate().skip(group + 1) {
-                if filled[first / PANEL] {
-                    for row in (group * PANEL..(group + 1) * PANEL).step_by(lanes) {
-                        let target = &mut S::as_mut_simd_f64s(&mut x[row..row + lanes]).0[0];
-                        for (k, &value) in values.iter().enumerate() {
-                            let entry = S::as_simd_f64s(&panel[k * pitch + row..][..lanes]).0[0];
-                            *target = simd.mul_add_e_f64s(value, entry, *target);
-                        }
-                    }
+            x[panel] = own;
+            for &group in below {
+                let (target, block) = (&mut x[group as usize], &blocks[group as usize]);
+                for k in 0..PANEL {
+                    subtract(simd, target, own[k], &block[k]);
                 }
             }
         }
-        x.iter_mut().zip(&*inverse).for_each(|(x, inverse)| *x *= inverse);
-        for first in (0..pitch).step_by(PANEL).rev() {
-            let panel = &factor[first * pitch..(first + PANEL) * pitch];
-            let group = first / PANEL;
-            let mut sums = [simd.splat_f64s(0.0); PANEL];
-            for (group, filled) in filled.iter().enumerate().skip(group + 1) {
-                if filled[first / PANEL] {
-                    for row in (group * PANEL..(group + 1) * PANEL).step_by(lanes) {
-                        let value = S::as_simd_f64s(&x[row..row + lanes]).0[0];
-                        for (k, sum) in sums.iter_mut().enumerate() {
-                            let entry = S::as_simd_f64s(&panel[k * pitch + row..][..lanes]).0[0];
-                            *sum = simd.mul_add_e_f64s(entry, value, *sum);
-                        }
+        for panel in (0..panels).rev() {
+            let (blocks, below) = of_panel(panel);
+            let mut sums = Block::default();
+            for &group in below {
+                let (values, block) = (S::as_simd_f64s(&x[group as usize]).0, &blocks[group as usize]);
+                for k in 0..PANEL {
+                    let sums = S::as_mut_simd_f64s(&mut sums[k]).0;
+                    for ((sum, &value), &entry) in
+                        sums.iter_mut().zip(values).zip(S::as_simd_f64s(&block[k]).0)
+                    {
+                        *sum = simd.mul_add_e_f64s(entry, value, *sum);
                     }
                 }
             }
-            let mut own = [0.0; PANEL];
-            for (k, own) in own.iter_mut().enumerate() {
-                *own = x[first + k] - simd.reduce_sum_f64s(sums[k]);
-            }
+            let (mut own, diagonal) = (Row::default(), &blocks[panel]);
             for k in (0..PANEL).rev() {
-                for below in k + 1..PANEL {
-                    own[k] -= own[below] * panel[k * pitch + first + below];
+                let [a, b, c, d] = sums[k];
+                own[k] = x[panel][k] * inverse[panel][k] - ((a + b) + (c + d));
+                for row in k + 1..PANEL {
+                    own[k] -= own[row] * diagonal[k][row];
                 }
             }
-            x[first..first + PANEL].copy_from_slice(&own);
+            x[panel] = own;
         }
     }
 }

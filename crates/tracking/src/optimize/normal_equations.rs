@@ -3,8 +3,10 @@
 use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
+use pulp::{Simd, WithSimd};
 
 use super::cholesky::Cholesky;
+use crate::processor::run_in_four_f64s;
 
 /// Eigenvalues below this fraction of the largest count as null in an undamped solution.
 const NULL_EIGENVALUE: f64 = 1e-6;
@@ -116,9 +118,35 @@ impl NormalEquations {
     /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.
     #[must_use]
     pub fn predicted_decrease(&self, step: &DVector<f64>) -> f64 {
-        let curved: f64 =
-            step.iter().zip(self.jtj.column_iter()).map(|(x, column)| x * column.dot(step)).sum();
-        2.0 * step.dot(&self.jtr) - curved
+        2.0 * step.dot(&self.jtr) - run_in_four_f64s(Curvature { jtj: &self.jtj, step: step.as_slice() })
+    }
+}
+
+/// δᵀJᵀJ δ.
+struct Curvature<'a> {
+    jtj: &'a DMatrix<f64>,
+    step: &'a [f64],
+}
+
+impl WithSimd for Curvature<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Self { jtj, step } = self;
+        let (vectors, rest) = S::as_simd_f64s(step);
+        let (mut lanes, mut sum) = (simd.splat_f64s(0.0), 0.0);
+        for (&x, column) in step.iter().zip(jtj.as_slice().chunks_exact(step.len().max(1))) {
+            let (entries, last) = S::as_simd_f64s(column);
+            let factor = simd.splat_f64s(x);
+            for (&entry, &vector) in entries.iter().zip(vectors) {
+                lanes = simd.mul_add_e_f64s(simd.mul_f64s(factor, entry), vector, lanes);
+            }
+            for (&entry, &other) in last.iter().zip(rest) {
+                sum += x * entry * other;
+            }
+        }
+        sum + simd.reduce_sum_f64s(lanes)
     }
 }
 

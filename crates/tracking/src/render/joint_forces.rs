@@ -7,7 +7,6 @@
 
 use std::ops::AddAssign;
 
-use glam::DMat3;
 use nalgebra::{Matrix3, Vector3};
 
 /// Σ w h hᵀ and Σ w h ρ of h = [f, g₁] over the pixels of one limb.
@@ -49,21 +48,6 @@ impl JointBlock {
         self.gg += (cg * z.transpose() + z * cg.transpose()) * 0.5 + zz * 0.25;
         self.f += z * c_residual;
         self.g += z * (0.5 * c_residual);
-    }
-
-    /// The same in world axes, weighted.
-    #[must_use]
-    pub(crate) fn in_world(&self, camera_from_world: DMat3, weight: f64) -> Self {
-        let world_from_camera = Matrix3::from_row_slice(&camera_from_world.to_cols_array());
-        let camera_from_world = world_from_camera.transpose();
-        let turned = |matrix: &Matrix3<f64>| world_from_camera * (matrix * weight) * camera_from_world;
-        Self {
-            ff: turned(&self.ff),
-            fg: turned(&self.fg),
-            gg: turned(&self.gg),
-            f: world_from_camera * (self.f * weight),
-            g: world_from_camera * (self.g * weight),
-        }
     }
 }
 

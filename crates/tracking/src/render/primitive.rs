@@ -231,9 +231,14 @@ impl Footprint {
             low = low.min(pinhole.pixel_from_plane(DVec2::new(x.0, y.0)));
             high = high.max(pinhole.pixel_from_plane(DVec2::new(x.1, y.1)));
         }
-        let first = |value: f64, limit: usize| (value - 1e-6).ceil().clamp(0.0, limit as f64) as usize;
-        let past =
-            |value: f64, limit: usize| ((value + 1e-6).floor() + 1.0).clamp(0.0, limit as f64) as usize;
+        // Within the picture's whole numbers, where a conversion rounds down.
+        let within = |value: f64, limit: usize| value.clamp(0.0, limit as f64);
+        let first = |value: f64, limit: usize| {
+            let value = within(value - 1e-6, limit);
+            let below = value as usize;
+            below + usize::from(value > below as f64)
+        };
+        let past = |value: f64, limit: usize| within(value + (1.0 + 1e-6), limit) as usize;
         Self {
             x0: first(low.x, width),
             x1: past(high.x, width),

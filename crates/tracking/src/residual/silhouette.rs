@@ -3,16 +3,19 @@
 //! Pixels that no limb comes near have Λ = 255 and no gradient: their cost is a constant of the data,
 //! corrected over the spans that limbs touch. The work grows with the area of the limbs, not with the picture.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{SMatrix, SVector};
+use pulp::{Simd, WithSimd};
 
+use super::composite::{Composite, JointSums};
 use super::loss::Loss;
 pub use super::state_map::StateMap;
-use crate::body::{Kinematics, MovingColumn, Parameters};
+use crate::body::{Kinematics, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
+use crate::processor::run_in_four_f64s;
 use crate::render::wrench::{Wrench, WrenchBlock};
-use crate::render::{BACKGROUND, JointBlock, Lanes, PixelGrid, Primitive, RowWinners, View, prediction};
+use crate::render::{BACKGROUND, Lanes, PixelGrid, Primitive, RowWinners, View, prediction};
 use crate::silhouette::Measurement;
 
 /// One camera's data on a grid of every `stride`-th pixel.
@@ -162,7 +165,7 @@ pub struct KernelMemory {
 /// Sums of all limbs over all cameras, in world axes.
 #[derive(Debug, Clone)]
 pub struct WorldBlocks {
-    joints: Vec<JointBlock>,
+    joints: Vec<JointSums>,
     /// Of limbs whose pull is not all at their joints.
     wrenches: Vec<Option<(SMatrix<f64, 7, 7>, SVector<f64, 7>)>>,
 }
@@ -171,12 +174,12 @@ impl WorldBlocks {
     /// Nothing yet.
     #[must_use]
     pub fn new(limbs: usize) -> Self {
-        Self { joints: vec![JointBlock::default(); limbs], wrenches: vec![None; limbs] }
+        Self { joints: vec![JointSums::default(); limbs], wrenches: vec![None; limbs] }
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
-        self.joints.fill(JointBlock::default());
+        self.joints.fill(JointSums::default());
         self.wrenches.fill(None);
     }
 
@@ -186,16 +189,14 @@ impl WorldBlocks {
         let no_wrench = |sums: &Option<(SMatrix<f64, 7, 7>, _)>| {
             sums.as_ref().is_none_or(|(products, _)| products.trace() == 0.0)
         };
-        self.joints.iter().all(JointBlock::is_empty) && self.wrenches.iter().all(no_wrench)
+        self.joints.iter().all(JointSums::is_empty) && self.wrenches.iter().all(no_wrench)
     }
 
     /// Adds one camera's blocks with the camera's weight.
     pub fn add(&mut self, camera: &Camera, blocks: &[WrenchBlock], weight: f64) {
         let camera_from_world = camera.camera_from_world().rotation;
+        run_in_four_f64s(AddJoints { sums: &mut self.joints, blocks, camera_from_world, weight });
         for (limb, block) in blocks.iter().enumerate() {
-            if !block.joints().is_empty() {
-                self.joints[limb] += block.joints().in_world(camera_from_world, weight);
-            }
             if !block.has_no_wrench() {
                 let (products, forces) = block.in_world(camera_from_world);
                 let sums = self.wrenches[limb].get_or_insert_with(Default::default);
@@ -221,36 +222,42 @@ impl WorldBlocks {
         map: &mut StateMap,
         equations: &mut NormalEquations,
     ) {
-        for (limb, (joints, wrenches)) in self.joints.iter().zip(&self.wrenches).enumerate() {
-            if joints.is_empty() && wrenches.is_none() {
-                continue;
-            }
-            kinematics.moving_columns_into(limb, parameters, &mut map.columns);
-            if !joints.is_empty() {
-                map.add(joints, kinematics.ends()[limb] - kinematics.starts()[limb], equations);
-            }
-            if let Some((products, forces)) = wrenches {
-                add_wrenches(products, forces, &map.columns, equations);
-            }
+        map.add(self, kinematics, parameters, equations);
+    }
+
+    /// All that pulls at a limb, about its first joint.
+    #[inline(always)]
+    pub(super) fn of_limb<S: Simd>(
+        &self,
+        simd: S,
+        limb: usize,
+        kinematics: &Kinematics,
+        composite: &mut Composite,
+    ) {
+        let axis = kinematics.ends()[limb] - kinematics.starts()[limb];
+        *composite = self.joints[limb].composite(simd, axis);
+        if let Some((products, forces)) = &self.wrenches[limb] {
+            composite.add(simd, &Composite::of_wrenches(products, forces));
         }
     }
 }
 
-fn add_wrenches(
-    products: &SMatrix<f64, 7, 7>,
-    forces: &SVector<f64, 7>,
-    columns: &[MovingColumn],
-    equations: &mut NormalEquations,
-) {
-    for (first, a) in columns.iter().enumerate() {
-        let motion = SVector::from(a.motion);
-        let pushed = products * motion;
-        equations.jtr[a.index] += motion.dot(forces);
-        for b in &columns[first..] {
-            let sum = pushed.dot(&SVector::from(b.motion));
-            equations.jtj[(a.index, b.index)] += sum;
-            if a.index != b.index {
-                equations.jtj[(b.index, a.index)] += sum;
+/// Adds one camera's forces at joints.
+struct AddJoints<'a> {
+    sums: &'a mut [JointSums],
+    blocks: &'a [WrenchBlock],
+    camera_from_world: DMat3,
+    weight: f64,
+}
+
+impl WithSimd for AddJoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for (sums, block) in self.sums.iter_mut().zip(self.blocks) {
+            if !block.joints().is_empty() {
+                sums.add(simd, block.joints(), self.camera_from_world, self.weight);
             }
         }
     }

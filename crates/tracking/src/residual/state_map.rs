@@ -1,45 +1,63 @@
-//! From forces at a limb's two joints to the state: JᵀJ += KᵀMK and Jᵀρ += Kᵀm, with K the limb's kinematic map.
+//! From sums over limbs to the state: JᵀJ += KᵀMK and Jᵀρ += Kᵀm, with K the limbs' kinematic maps.
 //!
-//! A column of the state moves the limb's first joint by v and its axis a by u = ω × a + σ a: six numbers, of which a
-//! limb's columns keep one after the other for lanes. Where a limb has n columns and M is 6 × 6, M K costs 36 n products
-//! and Kᵀ(MK) 3 n²; both are done for as many columns at once as there are lanes.
+//! A pixel pulls at its limb by a force F on the limb's first joint and by τ = [moment, stretch] about it. What the
+//! rotation k carries is a branch of the body that turns and scales about a pivot pₖ, so all that matters of the branch is
+//! its [`Composite`], Σ w [F, τ][F, τ]ᵀ about pₖ: its limbs' sums and those of the branches that it carries, moved there
+//! (R. Featherstone, "Rigid body dynamics algorithms", 2008, chapter 6: the composite-rigid-body algorithm). A rotation j
+//! that carries k turns the branch about another point, τ about pⱼ = τ about pₖ + L(pₖ − pⱼ) F with L(d) F = [d × F, d·F].
+//! With Rₖ the rates of turn and scaling of k's columns, 4 × columns,
+//!
+//! | block of JᵀJ | |
+//! |---|---|
+//! | root, k | A = ⟨F τᵀ⟩ Rₖ |
+//! | j, k | Rⱼᵀ (⟨τ τᵀ⟩ Rₖ + L(pₖ − pⱼ) A) |
+//!
+//! and what neither carries the other has no product. The work is some twenty products of four numbers for each pair of a
+//! rotation and one that carries it, however many limbs there are. Where rotations do not carry whole branches (see
+//! [`Branches`]) every limb meets its own columns.
 
 use glam::DVec3;
-use nalgebra::Matrix3;
+use nalgebra::{SMatrix, SVector};
 use pulp::{Simd, WithSimd};
 
-use crate::body::MovingColumn;
+use super::composite::{Composite, Row, add_combined, add_lifted};
+use super::silhouette::WorldBlocks;
+use crate::body::{Branches, Kinematics, MovingColumn, Parameters};
 use crate::optimize::NormalEquations;
 use crate::processor::run_in_four_f64s;
-use crate::render::JointBlock;
 
-/// Columns are padded to a multiple of this: lanes are never wider.
-const PADDING: usize = 8;
-/// v and u.
-const RATES: usize = 6;
-
-/// Memory of the map, used again from limb to limb and from evaluation to evaluation.
+/// Memory of the map, used again from evaluation to evaluation.
 #[derive(Debug, Clone, Default)]
 pub struct StateMap {
-    /// The columns that move the limb at hand.
+    /// The columns that move a limb.
     pub(crate) columns: Vec<MovingColumn>,
-    /// K and M K, 6 × columns, row by row; then one row of KᵀMK.
-    rates: Vec<f64>,
-    pushed: Vec<f64>,
-    products: Vec<f64>,
+    /// By limb, its sums about its first joint.
+    limbs: Vec<Composite>,
+    /// By rotation, the sums of what it carries about its pivot.
+    carried: Vec<Composite>,
+    /// By rotation, R: rows turn and scaling, a number a column.
+    rates: Vec<[Row; 4]>,
 }
 
 impl StateMap {
-    /// Adds the forces of a limb with axis a = p1 − p0, world axes, whose columns are [`columns`](Self::columns).
-    pub(crate) fn add(&mut self, block: &JointBlock, axis: DVec3, equations: &mut NormalEquations) {
-        run_in_four_f64s(Add { map: self, block, axis, equations });
+    /// Adds the sums of all limbs.
+    pub(super) fn add(
+        &mut self,
+        blocks: &WorldBlocks,
+        kinematics: &Kinematics,
+        parameters: Parameters,
+        equations: &mut NormalEquations,
+    ) {
+        self.limbs.resize(kinematics.limb_count(), Composite::default());
+        run_in_four_f64s(Add { map: self, blocks, kinematics, parameters, equations });
     }
 }
 
 struct Add<'a> {
     map: &'a mut StateMap,
-    block: &'a JointBlock,
-    axis: DVec3,
+    blocks: &'a WorldBlocks,
+    kinematics: &'a Kinematics,
+    parameters: Parameters,
     equations: &'a mut NormalEquations,
 }
 
@@ -48,78 +66,187 @@ impl WithSimd for Add<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { map: StateMap { columns, rates, pushed, products }, block, axis, equations } = self;
-        let pitch = columns.len().next_multiple_of(PADDING);
-        for numbers in [&mut *rates, &mut *pushed] {
-            numbers.resize(RATES * pitch, 0.0);
+        let Self { map, blocks, kinematics, parameters, equations } = self;
+        for (limb, composite) in map.limbs.iter_mut().enumerate() {
+            blocks.of_limb(simd, limb, kinematics, composite);
         }
-        products.resize(pitch, 0.0);
-        for (index, column) in columns.iter().enumerate() {
-            let [vx, vy, vz, wx, wy, wz, scaling] = column.motion;
-            let u = DVec3::new(wx, wy, wz).cross(axis) + axis * scaling;
-            for (row, rate) in [vx, vy, vz, u.x, u.y, u.z].into_iter().enumerate() {
-                rates[row * pitch + index] = rate;
-            }
-        }
-        for row in 0..RATES {
-            rates[row * pitch + columns.len()..(row + 1) * pitch].fill(0.0);
-        }
-        let (rates, _) = S::as_simd_f64s(rates);
-        let (vectors, lanes) = (pitch / S::F64_LANES, S::F64_LANES);
-        push(simd, block, rates, S::as_mut_simd_f64s(pushed).0, vectors);
-        let forces = [block.f.x, block.f.y, block.f.z, block.g.x, block.g.y, block.g.z];
-        let rows = equations.jtj.nrows();
-        let (jtj, jtr) = (equations.jtj.as_mut_slice(), equations.jtr.as_mut_slice());
-        for (first, a) in columns.iter().enumerate() {
-            let mut mine = [simd.splat_f64s(0.0); RATES];
-            for (row, mine) in mine.iter_mut().enumerate() {
-                *mine = simd.splat_f64s(pushed[row * pitch + first]);
-            }
-            let (sums, _) = S::as_mut_simd_f64s(products);
-            for vector in first / lanes..vectors {
-                let mut sum = simd.splat_f64s(0.0);
-                for (row, &mine) in mine.iter().enumerate() {
-                    sum = simd.mul_add_e_f64s(mine, rates[row * vectors + vector], sum);
-                }
-                sums[vector] = sum;
-            }
-            for (b, &sum) in columns[first..].iter().zip(&products[first..]) {
-                jtj[a.index * rows + b.index] += sum;
-                if a.index != b.index {
-                    jtj[b.index * rows + a.index] += sum;
+        let Some(branches) = kinematics.branches() else {
+            for (limb, composite) in map.limbs.iter().enumerate() {
+                if !composite.is_empty() {
+                    kinematics.moving_columns_into(limb, parameters, &mut map.columns);
+                    add_limb(composite, &map.columns, equations);
                 }
             }
-        }
-        for vector in 0..vectors {
-            let mut sum = simd.splat_f64s(0.0);
-            for (row, force) in forces.into_iter().enumerate() {
-                sum = simd.mul_add_e_f64s(simd.splat_f64s(force), rates[row * vectors + vector], sum);
-            }
-            S::as_mut_simd_f64s(products).0[vector] = sum;
-        }
-        for (column, sum) in columns.iter().zip(products) {
-            jtr[column.index] += *sum;
+            return;
+        };
+        map.prepare(kinematics, branches, parameters);
+        map.carry(simd, kinematics, branches, equations);
+        match parameters {
+            Parameters::Raw => map.meet::<S, 4>(simd, kinematics, branches, equations),
+            Parameters::Tangent => map.meet::<S, 3>(simd, kinematics, branches, equations),
         }
     }
 }
 
-/// M K.
-#[inline(always)]
-fn push<S: Simd>(simd: S, block: &JointBlock, rates: &[S::f64s], pushed: &mut [S::f64s], vectors: usize) {
-    let transposed = block.fg.transpose();
-    let halves: [[&Matrix3<f64>; 2]; 2] = [[&block.ff, &block.fg], [&transposed, &block.gg]];
-    for (half, matrices) in halves.into_iter().enumerate() {
-        for row in 0..3 {
-            let mut factors = [simd.splat_f64s(0.0); RATES];
-            for (k, factor) in factors.iter_mut().enumerate() {
-                *factor = simd.splat_f64s(matrices[k / 3][(row, k % 3)]);
+impl StateMap {
+    #[inline(always)]
+    fn prepare(&mut self, kinematics: &Kinematics, branches: &Branches, parameters: Parameters) {
+        let count = branches.parents.len();
+        self.carried.clear();
+        self.carried.resize(count, Composite::default());
+        self.rates.resize(count, [Row::default(); 4]);
+        for (rotation, rows) in self.rates.iter_mut().enumerate() {
+            for column in 0..4 {
+                // Tangent steps have no fourth column.
+                let (turn, scaling) = if column < parameters.per_rotation() {
+                    kinematics.rate(rotation, column, parameters)
+                } else {
+                    (DVec3::ZERO, 0.0)
+                };
+                rows[0][column] = turn.x;
+                rows[1][column] = turn.y;
+                rows[2][column] = turn.z;
+                rows[3][column] = scaling;
             }
-            for vector in 0..vectors {
-                let mut sum = simd.splat_f64s(0.0);
-                for (k, &factor) in factors.iter().enumerate() {
-                    sum = simd.mul_add_e_f64s(factor, rates[k * vectors + vector], sum);
+        }
+    }
+
+    /// Sums what every rotation carries, and the root's own block.
+    #[inline(always)]
+    fn carry<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: &Kinematics,
+        branches: &Branches,
+        equations: &mut NormalEquations,
+    ) {
+        let starts = kinematics.starts();
+        for (limb, own) in self.limbs.iter().enumerate() {
+            let rotation = branches.rotations[limb];
+            let root = branches.roots[rotation];
+            if own.is_empty() {
+                continue;
+            }
+            if limb == root {
+                self.carried[rotation].add(simd, own);
+            } else {
+                self.carried[rotation].add_at(simd, starts[limb] - starts[root], own);
+            }
+        }
+        for &rotation in &branches.leaves_first {
+            let composite = self.carried[rotation];
+            if composite.is_empty() {
+                continue;
+            }
+            if let Some(parent) = branches.parents[rotation] {
+                let arm = starts[branches.roots[rotation]] - starts[branches.roots[parent]];
+                self.carried[parent].add_at(simd, arm, &composite);
+            } else {
+                for i in 0..3 {
+                    equations.jtr[i] += composite.f[i];
+                    for j in 0..3 {
+                        equations.jtj[(i, j)] += composite.ff[i.min(j)][i.max(j)];
+                    }
                 }
-                pushed[(3 * half + row) * vectors + vector] = sum;
+            }
+        }
+    }
+
+    /// Adds the blocks of every rotation with the root, with itself and with all that carry it.
+    #[inline(always)]
+    fn meet<S: Simd, const COLUMNS: usize>(
+        &self,
+        simd: S,
+        kinematics: &Kinematics,
+        branches: &Branches,
+        equations: &mut NormalEquations,
+    ) {
+        let starts = kinematics.starts();
+        for (rotation, composite) in self.carried.iter().enumerate() {
+            if composite.is_empty() {
+                continue;
+            }
+            let (rates, first) = (&self.rates[rotation], 3 + COLUMNS * rotation);
+            let (mut with_root, mut turned) = ([Row::default(); 3], [Row::default(); 4]);
+            for i in 0..3 {
+                add_combined(simd, &mut with_root[i], &composite.ft[i], rates);
+            }
+            for i in 0..4 {
+                add_combined(simd, &mut turned[i], &composite.tt[i], rates);
+            }
+            let mut forces = Row::default();
+            add_combined(simd, &mut forces, &composite.t, rates);
+            for column in 0..COLUMNS {
+                equations.jtr[first + column] += forces[column];
+            }
+            add_block::<3, COLUMNS>(equations, [0, first], &with_root);
+            let own = against(simd, rates, &turned);
+            for i in 0..COLUMNS {
+                equations.jtj[(first + i, first + i)] += own[i][i];
+                for j in i + 1..COLUMNS {
+                    equations.jtj[(first + i, first + j)] += own[i][j];
+                    equations.jtj[(first + j, first + i)] += own[i][j];
+                }
+            }
+            let pivot = starts[branches.roots[rotation]];
+            let mut next = branches.parents[rotation];
+            while let Some(carrier) = next {
+                let mut about_carrier = turned;
+                let arm = pivot - starts[branches.roots[carrier]];
+                add_lifted(simd, &mut about_carrier, arm, &with_root);
+                let block = against(simd, &self.rates[carrier], &about_carrier);
+                add_block::<COLUMNS, COLUMNS>(equations, [3 + COLUMNS * carrier, first], &block);
+                next = branches.parents[carrier];
+            }
+        }
+    }
+}
+
+/// Rᵀ X.
+#[inline(always)]
+fn against<S: Simd>(simd: S, rates: &[Row; 4], rows: &[Row; 4]) -> [Row; 4] {
+    let mut block = [Row::default(); 4];
+    for i in 0..4 {
+        add_combined(simd, &mut block[i], &[rates[0][i], rates[1][i], rates[2][i], rates[3][i]], rows);
+    }
+    block
+}
+
+/// Adds a block off the diagonal, and its mirror image.
+#[inline(always)]
+fn add_block<const ROWS: usize, const COLUMNS: usize>(
+    equations: &mut NormalEquations,
+    [row, column]: [usize; 2],
+    block: &[Row],
+) {
+    let pitch = equations.jtj.nrows();
+    let entries = equations.jtj.as_mut_slice();
+    for i in 0..ROWS {
+        let mirrored = &mut entries[(row + i) * pitch + column..][..COLUMNS];
+        for j in 0..COLUMNS {
+            mirrored[j] += block[i][j];
+        }
+    }
+    for j in 0..COLUMNS {
+        let entries = &mut entries[(column + j) * pitch + row..][..ROWS];
+        for i in 0..ROWS {
+            entries[i] += block[i][j];
+        }
+    }
+}
+
+/// Adds a limb's own sums over the columns that move it.
+fn add_limb(composite: &Composite, columns: &[MovingColumn], equations: &mut NormalEquations) {
+    let (products, forces): (SMatrix<f64, 7, 7>, SVector<f64, 7>) = composite.as_matrix();
+    for (first, a) in columns.iter().enumerate() {
+        let motion = SVector::from(a.motion);
+        let pushed = products * motion;
+        equations.jtr[a.index] += motion.dot(&forces);
+        for b in &columns[first..] {
+            let sum = pushed.dot(&SVector::from(b.motion));
+            equations.jtj[(a.index, b.index)] += sum;
+            if a.index != b.index {
+                equations.jtj[(b.index, a.index)] += sum;
             }
         }
     }

@@ -174,6 +174,23 @@ fn wrench_sums_are_the_dense_normal_equations() {
     report(&failures);
 }
 
+/// Where a limb keeps the rotation of one that it does not grow from, no rotation before it carries a whole branch, and
+/// sums go another way.
+#[test]
+fn sums_of_limbs_that_lean_on_others_are_the_dense_ones_too() {
+    let mut spec = builtin::upper_body().to_spec();
+    let hand = spec.limbs.iter_mut().find(|limb| limb.name == "left forearm").unwrap();
+    hand.rigid_with = Some("torso".into());
+    let model = Model::new(&spec).unwrap();
+    let mut failures = Vec::new();
+    for parameters in BOTH {
+        let problem = problem(&model, DVec3::Y, parameters, 1, RendererKind::Capsule);
+        let (jacobian, residual) = (&problem.jacobian, &problem.residual);
+        compare(&format!("{parameters:?}"), &problem.sums, jacobian, residual, 1e-10, &mut failures);
+    }
+    report(&failures);
+}
+
 #[test]
 fn the_undamped_step_is_the_dense_least_squares_solution() {
     let mut failures = Vec::new();

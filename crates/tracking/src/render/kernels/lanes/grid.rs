@@ -36,6 +36,13 @@ impl Tile {
         Self { columns, rows: lanes / columns }
     }
 
+    /// The tile rows that rows of pixels lie in, ends excluded.
+    #[inline(always)]
+    pub(super) fn rows_touched(self, [first, past]: [usize; 2]) -> [usize; 2] {
+        // Sides of tiles are powers of two: shifts are quicker than divisions.
+        [first >> self.rows.trailing_zeros(), (past + self.rows - 1) >> self.rows.trailing_zeros()]
+    }
+
     /// Its pixels.
     #[inline(always)]
     pub(super) fn lanes(self) -> usize {
@@ -233,6 +240,8 @@ impl PixelGrid {
     /// First sampled column or row at or after a pixel, at most `limit`.
     #[must_use]
     pub(crate) fn index_from(&self, pixel: usize, limit: usize) -> usize {
-        pixel.saturating_sub(self.offset).div_ceil(self.stride).min(limit)
+        let past = pixel.saturating_sub(self.offset);
+        // A division takes as long as a dozen other steps.
+        if self.stride == 1 { past.min(limit) } else { past.div_ceil(self.stride).min(limit) }
     }
 }

@@ -109,6 +109,13 @@ impl Bounds {
         Self(halves)
     }
 
+    /// The same from a first column to a last; there must be a half to spare.
+    pub(super) fn and_columns(mut self, [first, last]: [f64; 2]) -> Self {
+        let line = |column: f64| Line { slope: 0.0, start: column as f32 };
+        self.0[HALVES - 1] = Half { low: line(first - SLACK), high: line(last + SLACK) };
+        self
+    }
+
     #[inline(always)]
     fn columns<S: Simd>(&self, simd: S, tile_rows: S::f32s) -> [S::f32s; 2] {
         let [mut low, mut high] = [self.0[0].low.at(simd, tile_rows), self.0[0].high.at(simd, tile_rows)];

@@ -185,7 +185,7 @@ impl LaneSolid {
             axis: axis.as_vec3(),
             cross: (p0 / p0.z).cross(axis).as_vec3(),
             ramp: LaneRamp::new(primitive.ramp.form(), p0.z),
-            tile_rows: [bounds.rows[0] / grid.tile.rows, bounds.rows[1].div_ceil(grid.tile.rows)],
+            tile_rows: grid.tile.rows_touched(bounds.rows),
             sight: sight.map(|(_, sight)| sight),
             outline,
             spans: 0,
@@ -331,13 +331,12 @@ impl GridBox {
 
     /// Its columns, and of them those in two halves of the picture.
     fn within(&self, halves: Option<[DVec3; 2]>, lattice: &Lattice) -> Bounds {
-        let column = |column: f64| lattice.start[0] + column * lattice.step[0];
-        let low = DVec3::new(-1.0, 0.0, column(self.columns[0] as f64));
-        let high = DVec3::new(1.0, 0.0, -column(self.columns[1] as f64 - 1.0));
-        match halves {
-            Some([a, b]) => Bounds::new([low, high, a, b], Rows::Any, lattice),
-            None => Bounds::new([low, high], Rows::Any, lattice),
-        }
+        let [low, high] = self.columns.map(|column| column as f64);
+        let bounds = match halves {
+            Some(halves) => Bounds::new(halves, Rows::Any, lattice),
+            None => Bounds::new([], Rows::Any, lattice),
+        };
+        bounds.and_columns([low, high - 1.0])
     }
 }
 
