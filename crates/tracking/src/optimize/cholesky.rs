@@ -8,6 +8,8 @@
 //! Columns are taken from the last to the first. A body is a tree whose root comes first, so that limbs of different
 //! branches have no product; eliminated from the leaves on they get none, and blocks of zeros are passed over.
 
+#![expect(clippy::needless_range_loop, reason = "blocks are written by their rows and columns")]
+
 use nalgebra::{DMatrix, DVector};
 use pulp::{Simd, WithSimd};
 

@@ -4,6 +4,8 @@
 //! has τ = L(d) F = [d × F, d·F]. Sums are kept as rows of four numbers, a vector each: those of F want three.
 //! Closures of iterators and of arrays are not always inlined into code for wider vectors; plain loops are.
 
+#![expect(clippy::needless_range_loop, reason = "blocks are written by their rows and columns")]
+
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pulp::Simd;

@@ -16,6 +16,8 @@
 //! rotation and one that carries it, however many limbs there are. Where rotations do not carry whole branches (see
 //! [`Branches`]) every limb meets its own columns.
 
+#![expect(clippy::needless_range_loop, reason = "blocks are written by their rows and columns")]
+
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Simd, WithSimd};
