@@ -96,7 +96,7 @@ impl Inspector {
                 News::Output(footage) => self.replaced(footage),
                 News::Ended => {}
                 News::Failed(failure) => {
-                    self.failed("Reading the footage with the new cameras or plates", &failure)
+                    self.failed("Reading the footage with the new cameras or plates", &failure);
                 }
             }
         }
