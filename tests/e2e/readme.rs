@@ -79,17 +79,22 @@ fn readme() {
         println!("skipped: no pictures are wanted (set BACKLIT_SCREENSHOTS to a folder)");
         return;
     };
-    let desk = || Desk::new().expect("pictures of the window need a virtual screen");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    // One screen after the other: there is never more than one.
+    for pictures in [debug, pose, new_take, demonstration] {
+        pictures(&Desk::new().expect("pictures of the window need a virtual screen"), &folder);
+    }
+}
 
-    let debug = desk();
-    let mut sitting = Sitting::new(&debug, &folder);
+fn debug(desk: &Desk, folder: &Path) {
+    let mut sitting = Sitting::new(desk, folder);
     sitting.key("F2", "the debug layout", |state| state["layout"] == "debug");
     sitting.key("Return", "a run to its end", |state| !state["runs"][0]["ending"].is_null());
     sitting.picture("debug-dark");
+}
 
-    let pose = desk();
-    let mut sitting = Sitting::new(&pose, &folder);
+fn pose(desk: &Desk, folder: &Path) {
+    let mut sitting = Sitting::new(desk, folder);
     let is_tracked = |state: &Value| state["track"]["frames"] == state["take"]["frames"];
     sitting.key("ctrl+Return", "the whole take is tracked", is_tracked);
     sitting.key("Home", "the first frame", |state| state["frame"] == 0);
@@ -99,21 +104,23 @@ fn readme() {
     sitting.go_on_to(46);
     sitting.window.resize(1280, 800);
     sitting.picture("pose-light");
+}
 
-    let new_take = desk();
-    let recording = recording(new_take.home());
-    let mut sitting = Sitting::new(&new_take, &folder);
+fn new_take(desk: &Desk, folder: &Path) {
+    let recording = recording(desk.home());
+    let mut sitting = Sitting::new(desk, folder);
     sitting.window.resize(1280, 800);
-    new_take.answer_dialogs_with(&recording);
+    desk.answer_dialogs_with(&recording);
     sitting.command("new take", "the card", |state| state["over"] == "new take");
     sitting.window.click("Choose folder…");
     sitting.window.click("Frames a second");
     sitting.window.type_text("30\t");
     sitting.window.until("it is looked at again", is_still);
     sitting.picture("new-take");
+}
 
-    let demonstration = desk();
-    let mut sitting = Sitting::new(&demonstration, &folder);
+fn demonstration(desk: &Desk, folder: &Path) {
+    let mut sitting = Sitting::new(desk, folder);
     sitting.command("dark or light", "the light theme", |state| state["theme"] == "light");
     let is_shown = |state: &Value| state["take"]["source"]["demonstration"].is_string();
     sitting.command("one limb three", "the demonstration", is_shown);
