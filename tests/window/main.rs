@@ -16,6 +16,8 @@ mod export;
 mod exported_state;
 mod failing_disk;
 mod first_users;
+#[path = "../cli/footage.rs"]
+mod footage;
 mod laboratory;
 mod names;
 mod new_take;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::footage::footage;
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
@@ -15,6 +16,8 @@ use image::imageops::crop_imm;
 
 /// Frames that are copied.
 const FRAMES: usize = 24;
+/// Where a track of real footage begins.
+const LATE: usize = 55;
 
 /// The pictures and the calibration of the built-in take, as a user who knows nothing of takes would have them.
 fn recording(folder: &Path) -> PathBuf {
@@ -69,6 +72,39 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     let session = harness.state().session();
     assert_eq!(session.frame_count(), FRAMES);
     harness.get_by_role_and_label(Role::Button, "Track forward");
+}
+
+/// From the folder of another tool to a tracked person, without a file by hand: start and sizes are found on the way.
+#[test]
+fn a_project_of_another_tool_becomes_a_tracked_person() {
+    let project = footage().map(|footage| footage.with_file_name("formats/project_pose2sim_single"));
+    let Some(project) = project.filter(|project| project.is_dir()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    look_at(&mut harness, vec![project]);
+    let field = harness.get_by_role_and_label(Role::TextInput, "Take goes to");
+    field.focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    harness.event(egui::Event::Text(folder.path().join("take").display().to_string()));
+    harness.run_steps(2);
+    click(&mut harness, "Create take");
+    let frames = harness.state().session().frame_count();
+    assert_eq!(frames, 70);
+    if harness.state().document().cameras.len() < 4 {
+        eprintln!("SKIPPED: one of the videos needs ffmpeg");
+        return;
+    }
+    // The last frames: all of them take a minute.
+    harness.state_mut().go_to_frame(LATE);
+    settle(&mut harness);
+    click(&mut harness, "Track forward");
+    let found: Vec<_> = harness.state().document().estimates.range(LATE..).collect();
+    assert_eq!(found.len(), frames - LATE);
+    assert!(found.iter().all(|(_, estimate)| !estimate.lost));
+    let iou = found.iter().filter_map(|(_, estimate)| estimate.iou).sum::<f64>() / found.len() as f64;
+    assert!(iou >= 0.86, "mean IoU {iou}");
 }
 
 #[test]
