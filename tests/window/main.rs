@@ -16,7 +16,7 @@ mod export;
 mod exported_state;
 mod failing_disk;
 mod first_users;
-#[path = "../cli/footage.rs"]
+#[path = "../../crates/tracking/tests/tracking/footage.rs"]
 mod footage;
 mod laboratory;
 mod names;
