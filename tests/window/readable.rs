@@ -150,20 +150,38 @@ fn every_word_of_every_section_and_menu_can_be_read() {
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-#[test]
-fn every_word_of_the_demonstrations_can_be_read() {
+fn demonstrations_can_be_read(size: Vec2) {
     let mut wrong = Vec::new();
-    for size in SIZES {
-        for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
-            let opening = Opening::Take(TakeSource::Demonstration(demonstration));
-            let mut window = open(opening, Layout::Debug, size);
-            let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
-            look(&window, &place, &mut wrong);
-            press(&mut window, Modifiers::NONE, Key::Space);
-            window.state_mut().close_notices();
-            settle(&mut window);
-            look(&window, &format!("{place}, a step on"), &mut wrong);
-        }
+    for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
+        let opening = Opening::Take(TakeSource::Demonstration(demonstration));
+        let mut window = open(opening, Layout::Debug, size);
+        let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
+        look(&window, &place, &mut wrong);
+        press(&mut window, Modifiers::NONE, Key::Space);
+        window.state_mut().close_notices();
+        settle(&mut window);
+        look(&window, &format!("{place}, a step on"), &mut wrong);
     }
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+// A test for each size: they run side by side.
+#[test]
+fn demonstrations_can_be_read_in_the_smallest_window() {
+    demonstrations_can_be_read(SIZES[0]);
+}
+
+#[test]
+fn demonstrations_can_be_read_on_a_laptop() {
+    demonstrations_can_be_read(SIZES[1]);
+}
+
+#[test]
+fn demonstrations_can_be_read_in_a_large_window() {
+    demonstrations_can_be_read(SIZES[2]);
+}
+
+#[test]
+fn demonstrations_can_be_read_at_one_and_a_half_times() {
+    demonstrations_can_be_read(SIZES[3]);
 }
