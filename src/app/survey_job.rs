@@ -9,7 +9,7 @@ use backlit_tracking::render::{Ramp, RendererKind, View, Wanted, draw};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
-use crate::session::Extent;
+use crate::session::{Extent, union};
 
 /// So many frames are looked at.
 const FRAMES: usize = 6;
@@ -50,7 +50,7 @@ impl Job<Vec<Option<Extent>>> for SurveyJob {
             let found = self.footage.load(camera, frame, &options).mask.as_deref().and_then(extent);
             let known = &mut self.extents[camera];
             *known = match (*known, found) {
-                (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
+                (Some(a), Some(b)) => Some(union(a, b)),
                 (a, b) => a.or(b),
             };
             return Step::Again;
@@ -87,8 +87,7 @@ fn grown(subject: Extent, body: Extent) -> Extent {
     if !(touches && beyond) {
         return subject;
     }
-    let [left, top, right, bottom] = subject;
-    [left.min(body[0]), top.min(body[1]), right.max(body[2]), bottom.max(body[3])]
+    union(subject, body)
 }
 
 /// Where nearly all of the subject's pixels are.

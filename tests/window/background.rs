@@ -6,13 +6,12 @@ use backlit::app::{App, AppOptions, Opening};
 use backlit_document::project::read_project;
 use backlit_take::source::TakeSource;
 use backlit_tracking::silhouette::Label;
-use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::{Rgba, RgbaImage};
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{click, open_sized, press, settle, type_into_palette};
 use crate::support::take;
 
 /// Frames of the take: enough for the forearm to leave every pixel.
@@ -34,13 +33,6 @@ fn write_take(folder: &Path) {
 fn open(source: TakeSource) -> Harness<'static, App> {
     let opening = Some(Opening::Take(source));
     open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
-}
-
-/// Types into the palette, which stays open.
-fn type_into_palette(harness: &mut Harness<'_, App>, text: &str) {
-    press(harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text(text);
-    settle(harness);
 }
 
 /// How many pixels of the front camera's silhouette are unknown.

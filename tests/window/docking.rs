@@ -1,6 +1,6 @@
 //! Tiles of the centre in the real window: splits, headers, closing, one alone, layouts; and the scene's tile.
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{click, command, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::settings::Settings;
@@ -73,14 +73,6 @@ fn double_click(harness: &mut Harness<'_, App>, at: Pos2) {
 /// On the split at the right of a pane, well below its header.
 fn split_right_of(harness: &Harness<'_, App>, pane: &str) -> Pos2 {
     header(harness, pane).right_top() + vec2(0.5 * GAP, 120.0)
-}
-
-/// Finds a command in the palette and does it.
-fn command(harness: &mut Harness<'_, App>, name: &str) {
-    press(harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text(name);
-    settle(harness);
-    press(harness, Modifiers::NONE, Key::Enter);
 }
 
 /// The button of the newest notice; the toolbar has one of the same name.

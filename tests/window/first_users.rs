@@ -12,7 +12,7 @@ use egui::{Key, Modifiers, Order, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::app_window::{click, drag, open_sized, press, settle};
+use crate::support::app_window::{click, command, drag, open_sized, press};
 use crate::support::take;
 
 /// The smallest window, and the commonest laptop's.
@@ -26,14 +26,6 @@ fn open(opening: Option<Opening>, layout: Layout, size: Vec2) -> Harness<'static
 
 fn open_arm() -> Harness<'static, App> {
     open(Some(Opening::Ready(Box::new(take::take()))), Layout::Debug, vec2(1500.0, 900.0))
-}
-
-/// Finds a command in the palette and does it.
-fn command(window: &mut Harness<'_, App>, name: &str) {
-    press(window, Modifiers::COMMAND, Key::K);
-    window.get_by_role(Role::TextInput).type_text(name);
-    settle(window);
-    press(window, Modifiers::NONE, Key::Enter);
 }
 
 #[test]

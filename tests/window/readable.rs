@@ -11,7 +11,7 @@ use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{click, command, open_sized, press, settle};
 use crate::support::take;
 use crate::support::words::unreadable;
 
@@ -77,14 +77,6 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
         }
     }
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
-}
-
-/// Finds a command in the palette and does it.
-fn command(window: &mut Harness<'_, App>, name: &str) {
-    press(window, Modifiers::COMMAND, Key::K);
-    window.get_by_role(Role::TextInput).type_text(name);
-    settle(window);
-    press(window, Modifiers::NONE, Key::Enter);
 }
 
 #[test]

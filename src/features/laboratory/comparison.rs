@@ -6,8 +6,8 @@ use backlit_document::run::{RunEnding, RunStep};
 use backlit_tracking::body::Pose;
 
 use super::{CheckProgress, Entrant, PushAxis, Pushed};
-use crate::session::Extent;
 use crate::session::prediction::{FitInputs, Predicted};
+use crate::session::{Extent, union};
 
 /// What a comparison is made of. If it changes the comparison begins again.
 #[derive(Debug, Clone)]
@@ -167,7 +167,7 @@ impl Comparison {
     pub(crate) fn add_extents(&mut self, found: &[Option<Extent>]) {
         for (known, found) in self.extents.iter_mut().zip(found) {
             *known = match (*known, *found) {
-                (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
+                (Some(a), Some(b)) => Some(union(a, b)),
                 (a, b) => a.or(b),
             };
         }

@@ -56,14 +56,15 @@ pub(super) fn ui(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale:
             inside.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, lane.y_range()), 0.0, colour);
         }
     }
-    let now = match limbs(context, frame) {
+    let here = limbs(context, frame);
+    let now = match &here {
         None => "not known".to_owned(),
         Some(limbs) if limbs.is_empty() => "none".to_owned(),
         Some(limbs) => limbs.join(", "),
     };
-    if let Some(count) = limbs(context, frame).map(|limbs| limbs.len()) {
+    if let Some(limbs) = here {
         let at = pos2(names.right() - 6.0, lane.center().y);
-        painter.text(at, Align2::RIGHT_CENTER, count.to_string(), small, palette.text);
+        painter.text(at, Align2::RIGHT_CENTER, limbs.len().to_string(), small, palette.text);
     }
     let name = Rect::from_x_y_ranges(names.x_range(), lane.y_range());
     let name = ui.interact(name, Id::unique("unsure limbs’ lane"), Sense::hover());

@@ -51,6 +51,19 @@ pub(crate) fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: K
     settle(harness);
 }
 
+/// Finds a command in the palette and does it.
+pub(crate) fn command(harness: &mut Harness<'_, App>, name: &str) {
+    type_into_palette(harness, name);
+    press(harness, Modifiers::NONE, Key::Enter);
+}
+
+/// Types into the palette, which stays open.
+pub(crate) fn type_into_palette(harness: &mut Harness<'_, App>, text: &str) {
+    press(harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text(text);
+    settle(harness);
+}
+
 pub(crate) fn pointer(at: Pos2, pressed: bool) -> Event {
     Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
 }
