@@ -33,18 +33,24 @@
 //! | `outline` | the tiles that a part may touch, and those that it darkens |
 //! | `ground` | all solids of a view and their tiles |
 //! | `band` | what is known of some tile rows, and the list of their tiles |
+//! | `dark` | the tiles that solids darken altogether |
+//! | `masks` | what is done in some lanes and not in others |
 //! | `winners` | the darkest part of every pixel |
+//! | `settle` | what winners cost, and the tiles in which each part pulls |
 //! | `pull` | forces of the pixels that a part has won, summed |
 //! | `whole` | the same of solids that have no parts |
 //! | `sums` | a solid's sums as a block |
 //! | `drawing` | whole pictures for the screen |
 
 mod band;
+mod dark;
 mod drawing;
 mod grid;
 mod ground;
+mod masks;
 mod outline;
 mod pull;
+mod settle;
 mod solid;
 mod sums;
 mod whole;
@@ -58,13 +64,11 @@ pub(in crate::render) use drawing::draw;
 pub(crate) use grid::PixelGrid;
 
 use self::band::Band;
-use self::grid::TileData;
 use self::ground::Ground;
 use self::pull::Collected;
 use self::sums::SolidSums;
 use crate::processor::run_in_lanes;
 use crate::render::View;
-use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 
 /// Pixels of a band: what is known of them stays in the second cache.
@@ -143,9 +147,11 @@ impl WithSimd for Pass<'_> {
         let mut cost = 0.0;
         for rows in grid.bands() {
             ground.win_band::<S, false>(simd, band, &rows, grid);
-            cost += cost_of_band(simd, ground, band, &rows, grid);
             if pulls {
+                cost += band.settle::<S, true>(simd, ground, &rows, grid);
                 collected.pull_band(simd, (&*ground, &*band), &rows, grid, sums);
+            } else {
+                cost += band.settle::<S, false>(simd, ground, &rows, grid);
             }
         }
         cost
@@ -176,44 +182,4 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
             }
         }
     }
-}
-
-/// Σ w ((D − Λ)² − (D − 255)²) over the touched pixels of a band whose winners are known.
-#[inline(always)]
-fn cost_of_band<S: Simd>(
-    simd: S,
-    ground: &Ground,
-    band: &Band,
-    rows: &Range<usize>,
-    grid: &PixelGrid,
-) -> f64 {
-    let mut cost = 0.0;
-    for (index, row) in rows.clone().enumerate() {
-        let [from, to] = ground.touched[row].map(|tile| tile as usize * S::F32_LANES);
-        if from < to {
-            let levels = &band.levels[index * grid.entries()..][from..to];
-            let TileData { values, weights } = grid.tile_row(row);
-            cost +=
-                row_cost(simd, levels, TileData { values: &values[from..to], weights: &weights[from..to] });
-        }
-    }
-    cost
-}
-
-#[inline(always)]
-fn row_cost<S: Simd>(simd: S, levels: &[f32], data: TileData<'_>) -> f64 {
-    let (levels, _) = S::as_simd_f32s(levels);
-    let (values, _) = S::as_simd_f32s(data.values);
-    let (weights, _) = S::as_simd_f32s(data.weights);
-    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-    let white = simd.splat_f32s(BACKGROUND as f32);
-    let mut sum = zero;
-    for ((&level, &value), &weight) in levels.iter().zip(values).zip(weights) {
-        let level = simd.min_f32s(simd.max_f32s(level, zero), one);
-        let residual = simd.negate_mul_add_e_f32s(level, white, value);
-        let empty = simd.sub_f32s(value, white);
-        let squares = simd.negate_mul_add_e_f32s(empty, empty, simd.mul_f32s(residual, residual));
-        sum = simd.mul_add_e_f32s(weight, squares, sum);
-    }
-    f64::from(simd.reduce_sum_f32s(sum))
 }

@@ -6,11 +6,14 @@ use pulp::Simd;
 
 use super::grid::PixelGrid;
 use super::ground::{Ground, Part};
+use super::masks::put_u32s;
 
 /// Tiles that are written at once.
 const TILES_AT_ONCE: usize = 8;
 /// The owner where no solid is near; set only where doubts are asked for.
 pub(super) const NO_SOLID: u32 = u32::MAX;
+/// A solid's owners.
+const PLACES: usize = 4;
 /// A level of dark pixels of which nobody asks how dark they are.
 const DARK: f32 = -1.0;
 
@@ -41,12 +44,14 @@ pub(super) struct Band {
     /// Tiles that parts may touch: the tile row within the band times 2¹⁶, and the tile.
     pub tiles: Vec<u32>,
     pub works: Vec<Work>,
+    /// By owner, where the next tile is listed in which it pulls.
+    pub next: Vec<u32>,
 }
 
 /// The solid of an owner.
 #[inline(always)]
 pub(super) fn solid_of(owner: u32) -> usize {
-    (owner >> 2) as usize
+    owner as usize / PLACES
 }
 
 impl Band {
@@ -83,7 +88,9 @@ impl Band {
             let touched = ground.touched[row];
             if touched[0] < touched[1] {
                 self.levels[entries(touched)].fill(1.0);
-                self.levels[entries(ground.dark[row])].fill(DARK);
+                for dark in ground.dark[row].runs() {
+                    self.levels[entries(dark)].fill(DARK);
+                }
                 if DOUBTS {
                     self.owners[entries(touched)].fill(NO_SOLID);
                     self.runners_up[entries(touched)].fill(f32::INFINITY);
@@ -95,8 +102,9 @@ impl Band {
     /// Lists the tiles of a band that each part of each solid may touch and that are not dark.
     #[inline(always)]
     pub(super) fn list(&mut self, ground: &Ground, rows: &Range<usize>, grid: &PixelGrid) {
-        let Self { tiles, works, .. } = self;
+        let Self { tiles, works, next, .. } = self;
         works.clear();
+        next.resize(ground.solids.len() * PLACES, 0);
         let mut count = 0;
         for (index, solid) in ground.solids.iter().enumerate() {
             for (place, &part) in solid.outline.parts().iter().enumerate() {
@@ -106,25 +114,28 @@ impl Band {
                     continue;
                 }
                 // As many as there may be, each piece written whole.
-                let most = count + from.len() * (grid.pitch + 2 * TILES_AT_ONCE);
+                let most = count + from.len() * (grid.pitch + 8 * TILES_AT_ONCE);
                 if tiles.len() < most {
                     tiles.resize(most.next_power_of_two(), 0);
                 }
                 let dark = &ground.dark[row..row + from.len()];
                 for ((row, dark), (&from, &to)) in (row - rows.start..).zip(dark).zip(from.iter().zip(to)) {
-                    let row = (row as u32) << 16;
+                    let (row, mut from) = ((row as u32) << 16, from);
                     if from >= to {
                         continue;
                     }
-                    if dark[0] < dark[1] {
-                        count = put_tiles(tiles, count, row, from, to.min(dark[0]));
-                        count = put_tiles(tiles, count, row, from.max(dark[1]), to);
-                    } else {
-                        count = put_tiles(tiles, count, row, from, to);
+                    for [dark, light] in dark.runs() {
+                        if dark >= to {
+                            break;
+                        }
+                        count = put_tiles(tiles, count, row, from, dark);
+                        from = from.max(light);
                     }
+                    count = put_tiles(tiles, count, row, from, to);
                 }
                 if first < count {
-                    let owner = (index * 4 + place) as u32;
+                    let owner = (index * PLACES + place) as u32;
+                    next[owner as usize] = first as u32;
                     works.push(Work { solid: index, part, owner, tiles: first..count });
                 }
             }
@@ -162,12 +173,6 @@ impl<'a, S: Simd> Places<'a, S> {
         Self { xs, ys: &ys[rows.clone()], pitch: grid.pitch }
     }
 
-    /// Index of a tile's vector.
-    #[inline(always)]
-    pub(super) fn index(&self, tile: u32) -> usize {
-        (tile >> 16) as usize * self.pitch + (tile & 0xffff) as usize
-    }
-
     /// Index of a tile's vector, and where its rays meet the plane.
     #[inline(always)]
     pub(super) fn at(&self, tile: u32) -> (usize, [S::f32s; 2]) {
@@ -193,7 +198,7 @@ impl<S: Simd, const DOUBTS: bool> Cells<'_, S, DOUBTS> {
             self.runners_up[at] = simd.min_f32s(simd.max_f32s(level, before), self.runners_up[at]);
         }
         self.levels[at] = simd.min_f32s(level, before);
-        self.owners[at] = simd.select_u32s(darker, owner, self.owners[at]);
+        put_u32s(simd, &mut self.owners[at], darker, owner);
         darker
     }
 }

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::band::{Band, Places, solid_of};
 use super::grid::PixelGrid;
 use super::ground::{Ground, Part};
+use super::masks::{lane_bits, put_f32s};
 use super::pull::{axis_force, ball_force, depth_rate};
 use super::solid::LaneSolid;
 use super::whole::Force;
@@ -211,7 +212,7 @@ fn doubts<S: Simd>(
     for (index, (&level, &runner_up)) in level_lanes.iter().zip(runner_lanes).enumerate() {
         let is_tied = simd.less_than_f32s(simd.sub_f32s(runner_up, level), lead);
         let is_at_end = simd.and_m32s(simd.less_than_f32s(low, level), simd.less_than_f32s(level, high));
-        if simd.first_true_m32s(simd.or_m32s(is_tied, is_at_end)) < S::F32_LANES {
+        if lane_bits(simd, simd.or_m32s(is_tied, is_at_end)) != 0 {
             let lanes = index * S::F32_LANES..(index + 1) * S::F32_LANES;
             lanes.filter(|&lane| is_doubtful(levels[lane], runners_up[lane])).for_each(&mut visit);
         }
@@ -252,18 +253,18 @@ impl Scratch {
                 let on_ramp =
                     simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
                 let active = simd.and_m32s(on_ramp, simd.equal_u32s(owners[at], owner));
-                if simd.first_true_m32s(active) >= S::F32_LANES {
+                if lane_bits(simd, active) == 0 {
                     continue;
                 }
                 let force = Force::of_part(simd, (solid, work.part), rays, (level, fractions[at]));
                 let by_depth = solid.ramp.by_depth.map(|line| depth_rate(simd, line, level));
                 if let Some(target) = gradients.get_mut(at) {
                     let value = magnitude(simd, solid, &force, by_depth);
-                    *target = simd.select_f32s(active, value, *target);
+                    put_f32s(simd, target, active, value);
                 }
                 if let (Some(target), Some(rate)) = (changes.get_mut(at), rate) {
                     let value = change(simd, rate, &force, by_depth);
-                    *target = simd.select_f32s(active, value, *target);
+                    put_f32s(simd, target, active, value);
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
+use super::dark::DarkTiles;
 use super::grid::PixelGrid;
 use super::outline::{Lattice, SpansMut};
 use super::solid::{LaneSolid, Outline};
@@ -48,8 +49,8 @@ pub(super) struct Ground {
     cores: [Vec<u32>; 2],
     /// By tile row, the tiles that any solid may touch.
     pub touched: Vec<[u32; 2]>,
-    /// By tile row, neighbours that solids darken altogether. Only where [`cut_spans`](Self::cut_spans) looks for them.
-    pub dark: Vec<[u32; 2]>,
+    /// By tile row. Only where [`cut_spans`](Self::cut_spans) looks for them.
+    pub dark: Vec<DarkTiles>,
 }
 
 impl Ground {
@@ -97,7 +98,7 @@ impl Ground {
         touched.clear();
         touched.resize(tile_rows, [u32::MAX, 0]);
         dark.clear();
-        dark.resize(tile_rows, [0; 2]);
+        dark.resize(tile_rows, DarkTiles::NONE);
         for solid in solids {
             let [first, last] = solid.tile_rows;
             let count = padded(solid.tile_rows);
@@ -123,7 +124,7 @@ impl Ground {
                             SpansMut { from: &mut from[..count], to: &mut to[..count] },
                         );
                         for (dark, core) in dark[first..last].iter_mut().zip(from.iter().zip(to)) {
-                            merge(dark, [*core.0, *core.1]);
+                            dark.add([*core.0, *core.1]);
                         }
                     }
                 }
@@ -168,19 +169,4 @@ const MOST_LANES: usize = 16;
 #[inline(always)]
 fn padded([first, last]: [usize; 2]) -> usize {
     (last - first).next_multiple_of(MOST_LANES)
-}
-
-/// Joins a span to another that it meets; of two that do not meet the longer stays.
-#[inline(always)]
-fn merge(dark: &mut [u32; 2], core: [u32; 2]) {
-    let length = |span: [u32; 2]| span[1].saturating_sub(span[0]);
-    let meets = core[0] <= dark[1] && dark[0] <= core[1] && length(core) > 0 && length(*dark) > 0;
-    let is_longer = length(core) > length(*dark);
-    *dark = if meets {
-        [core[0].min(dark[0]), core[1].max(dark[1])]
-    } else if is_longer {
-        core
-    } else {
-        *dark
-    };
 }

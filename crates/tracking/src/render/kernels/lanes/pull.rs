@@ -10,7 +10,7 @@
 //! | flat cap at p0 (t = 0) or p1 (t = 1) | h − κ a, κ = (h·e)/(a·e) | t f + κ h |
 //!
 //! The first two have so few sums that these stay in registers: two numbers a pixel on the axis, and no t on a ball.
-//! First the tiles with any such pixel are listed; what is then done for each needs no branch. Sums in f32 are of a few
+//! Tiles with any such pixel are listed before that; what is then done for each needs no branch. Sums in f32 are of a few
 //! tiles and go to f64. Of whole solids forces are first collected and then multiplied out in several passes.
 
 use pulp::Simd;
@@ -34,8 +34,6 @@ const MOST_LANES: usize = 16;
 /// Memory of the pull.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Collected {
-    /// Tiles of a part in which something pulls.
-    tiles: Vec<u32>,
     vectors: Vec<f32>,
     groups: usize,
 }
@@ -78,28 +76,6 @@ impl<'a, S: Simd> Pulling<'a, S> {
         simd.and_m32s(on_ramp, simd.equal_u32s(self.owners[at], owner))
     }
 
-    /// The tiles of a part in which it pulls.
-    #[inline(always)]
-    fn list<'t>(&self, simd: S, owner: S::u32s, tiles: &[u32], active: &'t mut Vec<u32>) -> &'t [u32] {
-        if active.len() < tiles.len() {
-            active.resize(tiles.len().next_power_of_two(), 0);
-        }
-        let active = &mut active[..];
-        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-        let (levels, pitch) = (self.levels, &self.places);
-        let owners = &self.owners[..levels.len()];
-        let mut count = 0;
-        for &tile in tiles {
-            let at = pitch.index(tile);
-            let level = levels[at];
-            let on_ramp = simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
-            let pulls = simd.and_m32s(on_ramp, simd.equal_u32s(owners[at], owner));
-            active[count] = tile;
-            count += usize::from(simd.first_true_m32s(pulls) < S::F32_LANES);
-        }
-        &active[..count]
-    }
-
     /// A tile's level, w where the part pulls and zero elsewhere, and ρ.
     #[inline(always)]
     fn residual(&self, simd: S, tile: u32, at: usize, owner: S::u32s) -> [S::f32s; 3] {
@@ -131,7 +107,7 @@ impl Collected {
         for work in &band.works {
             let (solid, sums) = (&ground.solids[work.solid], &mut sums[work.solid]);
             let owner = simd.splat_u32s(work.owner);
-            let tiles = pulling.list(simd, owner, &band.tiles[work.tiles.clone()], &mut self.tiles);
+            let tiles = &band.tiles[work.tiles.clone()];
             let by_depth = solid.ramp.by_depth;
             match (work.part, &solid.sight) {
                 (Part::Axis, Some(sight)) => {

@@ -14,7 +14,7 @@ const REACH_MARGIN: f64 = 1e-6;
 const FEWEST_REACHES: f64 = 2.0;
 /// A capsule in a smaller box of sampled pixels is looked at as a whole: its parts' outlines would cost more than they
 /// save.
-const FEWEST_FOR_PARTS: usize = 400;
+const FEWEST_FOR_PARTS: usize = 800;
 /// A flat cap is looked at as if it reached this much farther than it does.
 const WIDE: f64 = 1.1;
 /// How many roundings of a ray's place on the plane z = 1 a distance is wrong by, at the most.
@@ -70,6 +70,8 @@ pub(super) struct AxisSight {
     pub along: [f32; 2],
     /// s₀/|a|.
     pub foot: f32,
+    /// |a|²/D².
+    pub beyond: f32,
     /// What λ/255 rises by with d²/D², or with d/D for linear ramps.
     pub slope: f32,
 }
@@ -244,6 +246,7 @@ impl AxisSight {
                 w: [w.x as f32, w.y as f32, (distance / p0.z) as f32],
                 along: [along.x as f32, along.y as f32],
                 foot: (foot / length) as f32,
+                beyond: (length / distance).powi(2) as f32,
                 slope: (f64::from(slope) * unit) as f32,
             },
         ))

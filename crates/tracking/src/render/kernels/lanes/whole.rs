@@ -4,6 +4,7 @@
 use glam::Vec3;
 use pulp::Simd;
 
+use super::masks::lane_bits;
 use super::pull::{PAIRS, add_totals};
 use super::solid::{LaneSolid, Shape};
 use super::sums::{CAPS, DEPTH, SUMS};
@@ -99,7 +100,7 @@ fn flat<S: Simd>(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2], mark: S::f32s
         (&solid.start, simd.less_than_or_equal_f32s(mark, splat(START_CAP))),
         (&solid.end, simd.less_than_or_equal_f32s(splat(END_CAP), mark)),
     ] {
-        if simd.first_true_m32s(is_cap) >= S::F32_LANES {
+        if lane_bits(simd, is_cap) == 0 {
             continue;
         }
         let hit = FlatHit::new(simd, solid, joint, [x, y]);

@@ -7,6 +7,7 @@ use pulp::Simd;
 use super::band::{Band, Cells, Places};
 use super::grid::PixelGrid;
 use super::ground::{Ground, Part};
+use super::masks::put_f32s;
 use super::solid::{AxisSight, GridBox, Joint, LaneSolid, Shape};
 
 /// f32 of this size have no digits after the point: adding and taking it away rounds to a whole number.
@@ -38,7 +39,7 @@ impl Ground {
         band.open::<DOUBTS>(self, rows, grid);
         band.list(self, rows, grid);
         let places = Places::<S>::new(self, rows, grid);
-        let Band { levels, owners, fractions, runners_up, tiles, works } = band;
+        let Band { levels, owners, fractions, runners_up, tiles, works, .. } = band;
         // As long as each other, so that one is in bounds where the other is.
         let pixels = levels.len();
         let mut cells = Cells::<S, DOUBTS> {
@@ -77,6 +78,18 @@ impl Ground {
                 }
                 (Part::Ball(end), _) => {
                     challenge_ball::<S, DOUBTS, false>(simd, (solid, end), owner, tiles, &places, &mut cells);
+                }
+                (Part::Whole, Some(sight)) if solid.shape == Shape::Capsule => {
+                    let part = (solid, sight);
+                    if is_linear {
+                        challenge_capsule::<S, DOUBTS, true>(
+                            simd, part, owner, tiles, &places, &mut cells, fractions,
+                        );
+                    } else {
+                        challenge_capsule::<S, DOUBTS, false>(
+                            simd, part, owner, tiles, &places, &mut cells, fractions,
+                        );
+                    }
                 }
                 _ => {
                     for &tile in tiles {
@@ -196,6 +209,40 @@ fn challenge_ball<S: Simd, const DOUBTS: bool, const LINEAR: bool>(
     }
 }
 
+/// A capsule that is looked at as a whole: with t* of the infinite axis's point nearest to the ray, and t that clamped to
+/// 0 … 1, d² = D² A²/(A² + B²) + (t − t*)² |a|² (A² + B²)/|e|².
+#[inline(always)]
+fn challenge_capsule<S: Simd, const DOUBTS: bool, const LINEAR: bool>(
+    simd: S,
+    (solid, sight): (&LaneSolid, &AxisSight),
+    owner: u32,
+    tiles: &[u32],
+    places: &Places<'_, S>,
+    cells: &mut Cells<'_, S, DOUBTS>,
+    fractions: &mut [S::f32s],
+) {
+    let owner = simd.splat_u32s(owner);
+    let axis = AxisLanes::new(simd, solid, sight);
+    let (slope, offset) = (simd.splat_f32s(sight.slope), simd.splat_f32s(solid.ramp.offset));
+    let beyond = simd.splat_f32s(sight.beyond);
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    for &tile in tiles {
+        let (at, [x, y]) = places.at(tile);
+        let rays = axis.see(simd, [x, y]);
+        // A ray along the axis has no t of its own: any will do.
+        let inverse = simd.div_f32s(one, simd.max_f32s(rays.length, simd.splat_f32s(f32::MIN_POSITIVE)));
+        let unclamped = simd.mul_f32s(rays.along, inverse);
+        let fraction = simd.min_f32s(simd.max_f32s(unclamped, zero), one);
+        let past = simd.sub_f32s(unclamped, fraction);
+        let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, one));
+        let end = simd.div_f32s(simd.mul_f32s(beyond, simd.mul_f32s(past, rays.length)), norm);
+        let ratio = simd.mul_add_e_f32s(past, end, simd.mul_f32s(rays.square, inverse));
+        let measure = if LINEAR { simd.sqrt_f32s(ratio) } else { ratio };
+        let darker = cells.offer(simd, at, simd.mul_add_e_f32s(slope, measure, offset), owner);
+        put_f32s(simd, &mut fractions[at], darker, fraction);
+    }
+}
+
 /// A solid that is looked at as a whole, in one tile that covers a box.
 #[inline(always)]
 fn challenge_whole<S: Simd, const DOUBTS: bool>(
@@ -227,9 +274,9 @@ fn challenge_whole<S: Simd, const DOUBTS: bool>(
     let darker = cells.offer(simd, at, level, simd.splat_u32s(owner));
     if DOUBTS && let Some(doubtful) = nearest.doubtful {
         let hopeless = simd.splat_f32s(f32::NEG_INFINITY);
-        cells.runners_up[at] = simd.select_f32s(doubtful, hopeless, cells.runners_up[at]);
+        put_f32s(simd, &mut cells.runners_up[at], doubtful, hopeless);
     }
-    fractions[at] = simd.select_f32s(darker, nearest.fraction, fractions[at]);
+    put_f32s(simd, &mut fractions[at], darker, nearest.fraction);
 }
 
 impl GridBox {
