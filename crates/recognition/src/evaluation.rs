@@ -16,7 +16,7 @@ use crate::recognizer::{Method, Recognizer, largest};
 
 mod left_out;
 
-pub use left_out::{LEAST_KEPT, LeftOut, leave_out};
+pub use left_out::{Fold, LEAST_KEPT, LeftOut, leave_out};
 
 /// Parts that were right, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -111,7 +111,7 @@ struct Tally {
 }
 
 /// Seconds of a take that clips are joined to, about.
-const JOINED_S: f64 = 40.0;
+pub const JOINED_S: f64 = 40.0;
 /// How often people are drawn again.
 const DRAWS: usize = 1000;
 
@@ -133,7 +133,9 @@ impl Tally {
         for (motion, seen) in motions.iter().zip(&seen) {
             self.name(recognizer, classes, motion, seen);
         }
-        self.cut(recognizer, &join_all(&motions.iter().collect::<Vec<_>>())?);
+        for (take, truth) in joined(&motions.iter().collect::<Vec<_>>())? {
+            self.cut(recognizer, &observe(&take)?, &truth);
+        }
         Ok(())
     }
 
@@ -180,15 +182,13 @@ impl Tally {
         }
     }
 
-    /// Names the frames of takes, whose truth is a class a frame.
-    fn cut(&mut self, recognizer: &Recognizer, takes: &[(Observed, Vec<String>)]) {
-        for (seen, truth) in takes {
-            for method in recognizer.methods() {
-                let (names, _) = recognizer.names(seen, method);
-                let counts = self.counts.entry(method).or_default();
-                for (frame, class) in truth.iter().enumerate() {
-                    counts[2].add(recognizer.classes[names[seen.step_of(frame)]] == *class);
-                }
+    /// Names the frames of a take, whose truth is a class a frame.
+    fn cut(&mut self, recognizer: &Recognizer, seen: &Observed, truth: &[String]) {
+        for method in recognizer.methods() {
+            let (names, _) = recognizer.names(seen, method);
+            let counts = self.counts.entry(method).or_default();
+            for (frame, class) in truth.iter().enumerate() {
+                counts[2].add(recognizer.classes[names[seen.step_of(frame)]] == *class);
             }
         }
     }
@@ -268,8 +268,12 @@ pub fn tracked(named: &NamedMotion, noise: Option<TrackerNoise>, seed: u64) -> N
     NamedMotion { motion: noisy(&named.motion, noise, 77 + seed), ..named.clone() }
 }
 
-/// Motions in an order that is drawn, joined to takes of about [`JOINED_S`] seconds.
-fn join_all(motions: &[&NamedMotion]) -> Result<Vec<(Observed, Vec<String>)>, LearnError> {
+/// Motions in an order that is drawn, joined to takes of about [`JOINED_S`] seconds at [`RATE`], each with the class of every frame. A take has the
+/// name, and otherwise the class and the subject, of its first motion.
+///
+/// # Errors
+/// Nothing is left of a motion at that rate.
+pub fn joined(motions: &[&NamedMotion]) -> Result<Vec<(NamedMotion, Vec<String>)>, LearnError> {
     let mut order: Vec<usize> = (0..motions.len()).collect();
     let mut random = Pcg64Mcg::seed_from_u64(3);
     for index in (1..order.len()).rev() {
@@ -284,8 +288,7 @@ fn join_all(motions: &[&NamedMotion]) -> Result<Vec<(Observed, Vec<String>)>, Le
         if length >= JOINED_S || place + 1 == order.len() {
             let (motion, truth) =
                 join(&group).map_err(|error| LearnError::Motion { name: group[0].name.clone(), error })?;
-            let named = NamedMotion { motion, ..group[0].clone() };
-            takes.push((observe(&named)?, truth));
+            takes.push((NamedMotion { motion, ..group[0].clone() }, truth));
             group.clear();
             length = 0.0;
         }

@@ -1,6 +1,6 @@
 //! Motions named by what was learnt from others.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::{Evaluation, Tally, all_classes, tracked};
 use crate::augment::TrackerNoise;
@@ -22,6 +22,15 @@ pub enum LeftOut {
 /// Motions that a class is to keep.
 pub const LEAST_KEPT: usize = 4;
 
+/// Motions that are named together by what is learnt from others: their numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fold {
+    /// Those that are named.
+    pub named: Vec<usize>,
+    /// Those that are learnt from.
+    pub learnt: Vec<usize>,
+}
+
 /// Motions that are named together, and what is left out for them.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
@@ -38,6 +47,20 @@ fn recording(name: &str) -> &str {
 }
 
 impl LeftOut {
+    /// What is named by what: each motion is named once.
+    #[must_use]
+    pub fn folds(self, motions: &[NamedMotion]) -> Vec<Fold> {
+        let mut parts: BTreeMap<Part, Vec<usize>> = BTreeMap::new();
+        for (number, motion) in motions.iter().enumerate() {
+            parts.entry(self.part(motion, motions)).or_default().push(number);
+        }
+        let fold = |(part, named): (Part, Vec<usize>)| Fold {
+            learnt: (0..motions.len()).filter(|&number| part.keeps(&motions[number])).collect(),
+            named,
+        };
+        parts.into_iter().map(fold).collect()
+    }
+
     /// The part that a motion is named with.
     fn part(self, named: &NamedMotion, all: &[NamedMotion]) -> Part {
         let kept = || {
@@ -56,7 +79,7 @@ impl LeftOut {
 
 impl Part {
     /// Whether a motion may be learnt from where this part is named.
-    fn keeps(&self, motion: &Prepared) -> bool {
+    fn keeps(&self, motion: &NamedMotion) -> bool {
         match self {
             Self::Subject(subject) => motion.subject != *subject,
             Self::Recording(name) => recording(&motion.name) != name,
@@ -81,21 +104,14 @@ pub fn leave_out(
         motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
     let prepared = prepared?;
     let classes = all_classes(&[], motions.iter().map(|motion| &*motion.class));
-    let parts: Vec<Part> = motions.iter().map(|motion| left_out.part(motion, motions)).collect();
-    let each: BTreeSet<&Part> = parts.iter().collect();
+    let folds = left_out.folds(motions);
     let mut tally = Tally::new(classes.len());
-    for (done, part) in each.iter().enumerate() {
-        let others: Vec<&Prepared> = prepared.iter().filter(|motion| part.keeps(motion)).collect();
+    for (done, fold) in folds.iter().enumerate() {
+        let others: Vec<&Prepared> = fold.learnt.iter().map(|&number| &prepared[number]).collect();
         let recognizer = Recognizer::learn_prepared(&others, options)?;
-        let own: Vec<NamedMotion> = motions
-            .iter()
-            .zip(0..)
-            .zip(&parts)
-            .filter(|(_, of)| of == part)
-            .map(|((motion, number), _)| tracked(motion, noise, number))
-            .collect();
-        tally.add(&recognizer, &classes, &own)?;
-        progress(done + 1, each.len());
+        let own = fold.named.iter().map(|&number| tracked(&motions[number], noise, number as u64));
+        tally.add(&recognizer, &classes, &own.collect::<Vec<_>>())?;
+        progress(done + 1, folds.len());
     }
     Ok(tally.finish(classes))
 }
@@ -127,10 +143,12 @@ mod tests {
         assert_eq!(part(kept, 5), Part::Recording("a2".to_owned()));
         assert_eq!(part(kept, 5), part(kept, 6));
         assert_eq!(part(LeftOut::Subjects, 5), Part::Subject("a".to_owned()));
-        let options = LearnOptions { copies: 0, ..LearnOptions::default() };
-        let prepared: Vec<Prepared> =
-            all.iter().map(|motion| prepare(motion, &options, 0).unwrap()).collect();
-        let keeps = |part: Part| prepared.iter().filter(|motion| part.keeps(motion)).count();
+        let keeps = |part: Part| all.iter().filter(|motion| part.keeps(motion)).count();
         assert_eq!([part(kept, 4), part(kept, 5), part(LeftOut::Classes, 5)].map(keeps), [4, 5, 4]);
+        let folds = [kept, LeftOut::Subjects].map(|left_out| left_out.folds(&all));
+        let fold =
+            |named: &[usize], learnt: &[usize]| Fold { named: named.to_vec(), learnt: learnt.to_vec() };
+        let others = fold(&[0, 1, 2, 3], &[4, 5, 6]);
+        assert_eq!(folds[1], [fold(&[4, 5, 6], &[0, 1, 2, 3]), others]);
     }
 }
