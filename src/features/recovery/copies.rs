@@ -40,7 +40,20 @@ pub struct Copies {
 struct Own {
     path: PathBuf,
     /// Held as long as this window lives.
-    _lock: File,
+    _lock: Lock,
+}
+
+/// The lock of a copy, free again as soon as this is dropped.
+///
+/// To close the file is not enough. A process that is just being started has this process's open files until it runs
+/// its own program, and the system keeps a lock for as long as anybody has its file open.
+#[derive(Debug)]
+struct Lock(File);
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
 }
 
 impl Copies {
@@ -209,7 +222,7 @@ fn rename(from: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// The lock of a copy; `None` if another window holds it.
-fn lock(copy: &Path) -> io::Result<Option<File>> {
+fn lock(copy: &Path) -> io::Result<Option<Lock>> {
     let path = lock_path(copy);
     // A pipe or a device would block, or be written to.
     if path.exists() && !path.is_file() {
@@ -217,7 +230,7 @@ fn lock(copy: &Path) -> io::Result<Option<File>> {
     }
     let file = File::options().create(true).write(true).truncate(false).open(path)?;
     match file.try_lock() {
-        Ok(()) => Ok(Some(file)),
+        Ok(()) => Ok(Some(Lock(file))),
         Err(TryLockError::WouldBlock) => Ok(None),
         Err(TryLockError::Error(error)) => Err(error),
     }
@@ -273,6 +286,18 @@ mod tests {
         assert!(one.adopt(&path).unwrap() && !other.adopt(&path).unwrap());
         one.forget();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_process_that_is_being_started_keeps_no_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let copy = folder.path().join("unsaved.backlit");
+        let held = lock(&copy).unwrap().unwrap();
+        // Both have the same open file, as this process and one that it has just forked.
+        let forked = held.0.try_clone().unwrap();
+        drop(held);
+        assert!(lock(&copy).unwrap().is_some());
+        drop(forked);
     }
 
     #[cfg(unix)]
