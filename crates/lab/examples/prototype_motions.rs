@@ -4,9 +4,10 @@
 //! `cargo run --release -p backlit-lab --example prototype_motions -- motions=DIR [left-out=subjects|keep-classes] [noise=0] [seeds=1]`: DIR has BVH
 //! files and a labels.csv; noise is in millimetres, root mean square, of the motions that are named.
 
-use std::path::{Path, PathBuf};
+mod labelled;
 
-use backlit_formats::motion::{self, MotionLabel};
+use std::path::PathBuf;
+
 use backlit_recognition::augment::{TrackerNoise, mirrored, noisy};
 use backlit_recognition::evaluation::{Fold, joined, tracked};
 use backlit_recognition::features::{Normalised, body_size};
@@ -16,8 +17,7 @@ use backlit_recognition::principal::PrincipalComponents;
 use backlit_recognition::svm::SupportVectors;
 use backlit_recognition::{JointMotion, LeftOut, NamedMotion};
 use glam::DVec3;
-
-type Error = Box<dyn std::error::Error>;
+use labelled::{Error, motions};
 
 /// Principal components that hidden Markov models see, and support vectors.
 const COMPONENTS: [usize; 2] = [12, 20];
@@ -181,17 +181,6 @@ fn copies(named: &NamedMotion, seed: u64) -> Result<Vec<Vec<Vec<f64>>>, Error> {
     let noise = TrackerNoise { deviation, smooth: 0.0, memory_s: 1.0 };
     let found = noisy(&named.motion, noise, seed);
     [&named.motion, &mirrored(&named.motion), &found, &mirrored(&found)].into_iter().map(frames).collect()
-}
-
-fn motions(folder: &Path) -> Result<Vec<NamedMotion>, Error> {
-    let read = |label: MotionLabel| {
-        let track = motion::read_joints(&folder.join(&label.file), None)?;
-        let frames = track.frames.iter().map(|(frame, at)| (*frame, &at[..]));
-        let up = track.up.unwrap_or(DVec3::Z);
-        let motion = JointMotion::from_named(&track.joints, track.frame_rate, up, frames)?;
-        Ok(NamedMotion { name: label.file, class: label.class, subject: label.subject, motion })
-    };
-    motion::read_labels(&folder.join("labels.csv"))?.into_iter().map(read).collect()
 }
 
 struct Settings {

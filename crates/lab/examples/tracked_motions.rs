@@ -5,12 +5,14 @@
 //! [size=108,144]`: DIR has BVH files and a labels.csv. Of each class so many clips, of different people where there are; each is named by what
 //! was learnt from all other people.
 
+mod labelled;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::bvh;
-use backlit_formats::motion::{self, JointTrack, Motion, MotionLabel};
+use backlit_formats::motion::{self, JointTrack, Motion};
 use backlit_lab::synthetic::{Build, Figure, retarget, silhouette};
 use backlit_recognition::learn::{Prepared, prepare};
 use backlit_recognition::observed::Observed;
@@ -24,8 +26,7 @@ use backlit_tracking::prior::BodyPoints;
 use backlit_tracking::search::{WithoutStart, without_start};
 use backlit_tracking::track::{self, Tracker, WhenToSearch};
 use glam::{DQuat, DVec3};
-
-type Error = Box<dyn std::error::Error>;
+use labelled::{Error, motion_of, motions};
 
 /// A leg of the average body, metres, is told by its limbs; ankles are so high above the floor.
 const ANKLE_M: f64 = 0.098;
@@ -72,18 +73,18 @@ fn settings() -> Result<Settings, Error> {
 }
 
 /// So many clips of each class, of people who do not come twice where there are enough.
-fn chosen(labels: &[MotionLabel], per: usize) -> Vec<usize> {
+fn chosen(motions: &[NamedMotion], per: usize) -> Vec<usize> {
     let mut classes: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (index, label) in labels.iter().enumerate() {
-        classes.entry(&label.class).or_default().push(index);
+    for (index, motion) in motions.iter().enumerate() {
+        classes.entry(&motion.class).or_default().push(index);
     }
     let mut all = Vec::new();
     for rows in classes.into_values() {
         let mut people: Vec<&str> = Vec::new();
         let (mut first, mut again) = (Vec::new(), Vec::new());
         for row in rows {
-            let is_new = !people.contains(&&*labels[row].subject);
-            people.push(&labels[row].subject);
+            let is_new = !people.contains(&&*motions[row].subject);
+            people.push(&motions[row].subject);
             let rows = if is_new { &mut first } else { &mut again };
             rows.push(row);
         }
@@ -152,11 +153,6 @@ fn cameras(poses: &[Pose], settings: &Settings) -> Result<Vec<Arc<Camera>>, Erro
     (0..settings.cameras).map(camera).collect()
 }
 
-fn motion_of(track: &JointTrack) -> Result<JointMotion, Error> {
-    let frames = track.frames.iter().map(|(frame, at)| (*frame, &at[..]));
-    Ok(JointMotion::from_named(&track.joints, track.frame_rate, track.up.unwrap_or(DVec3::Z), frames)?)
-}
-
 fn of_poses(model: &Model, poses: &[Pose], rate: f64) -> Result<JointMotion, Error> {
     let poses = poses.iter().cloned().enumerate().collect();
     motion_of(&JointTrack::of_motion(&Motion {
@@ -206,27 +202,19 @@ fn follow(
 
 fn main() -> Result<(), Error> {
     let settings = settings()?;
-    let labels = motion::read_labels(&settings.folder.join("labels.csv"))?;
+    let motions = motions(&settings.folder)?;
     let options = LearnOptions::default();
-    let mut prepared: Vec<Prepared> = Vec::new();
-    for (number, label) in labels.iter().enumerate() {
-        let motion = motion_of(&motion::read_joints(&settings.folder.join(&label.file), None)?)?;
-        let named = NamedMotion {
-            name: label.file.clone(),
-            class: label.class.clone(),
-            subject: label.subject.clone(),
-            motion,
-        };
-        prepared.push(prepare(&named, &options, number as u64)?);
-    }
+    let prepared: Result<Vec<Prepared>, _> =
+        motions.iter().zip(0..).map(|(named, number)| prepare(named, &options, number)).collect();
+    let prepared = prepared?;
     let model = Arc::new(builtin::full_body());
     let shipped = Recognizer::built_in();
     println!("| clip | is | recorded | on the body | tracked | by the shipped model | joints, mm | 95 % |");
     println!("|---|---|---|---|---|---|---|---|");
     let (mut right, mut total, mut means) = ([0; 4], 0, Vec::new());
-    for row in chosen(&labels, settings.per) {
-        let label = &labels[row];
-        let path = settings.folder.join(&label.file);
+    for row in chosen(&motions, settings.per) {
+        let label = &motions[row];
+        let path = settings.folder.join(&label.name);
         let clip = bvh::read(&path)?.body_points(&path)?;
         let every = (1.0 / (settings.rate * clip.frame_seconds)).round().max(1.0) as usize;
         let most = (settings.seconds / clip.frame_seconds).round() as usize;
@@ -255,7 +243,7 @@ fn main() -> Result<(), Error> {
         let said =
             names.map(|(name, is_unknown)| if is_unknown { format!("{name} (strange)") } else { name });
         let worst = errors[(errors.len() * 95 / 100).min(errors.len() - 1)];
-        println!("| {} | {} | {} | {mean:.0} | {worst:.0} |", label.file, label.class, said.join(" | "));
+        println!("| {} | {} | {} | {mean:.0} | {worst:.0} |", label.name, label.class, said.join(" | "));
     }
     println!(
         "right of {total}: {right:?}; joints {:.0} mm",

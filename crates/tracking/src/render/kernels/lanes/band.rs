@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
+use super::dark::MOST_PIECES;
 use super::grid::PixelGrid;
 use super::ground::{Ground, Part};
 use super::masks::put_u32s;
@@ -114,7 +115,7 @@ impl Band {
                     continue;
                 }
                 // As many as there may be, each piece written whole.
-                let most = count + from.len() * (grid.pitch + 8 * TILES_AT_ONCE);
+                let most = count + from.len() * (grid.pitch + MOST_PIECES * TILES_AT_ONCE);
                 if tiles.len() < most {
                     tiles.resize(most.next_power_of_two(), 0);
                 }

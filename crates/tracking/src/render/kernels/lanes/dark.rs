@@ -2,6 +2,8 @@
 
 /// Runs that are known at the most; of more the longest stay.
 const RUNS: usize = 4;
+/// Pieces that they leave of a row, at the most.
+pub(super) const MOST_PIECES: usize = RUNS + 1;
 /// What is not a run: it begins behind all tiles.
 const NO_RUN: [u32; 2] = [u32::MAX; 2];
 

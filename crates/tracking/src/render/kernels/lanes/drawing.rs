@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::band::{Band, Places, solid_of};
 use super::grid::PixelGrid;
 use super::ground::{Ground, Part};
-use super::masks::{lane_bits, put_f32s};
+use super::masks::{lane_bits, on_ramp, put_f32s};
 use super::pull::{axis_force, ball_force, depth_rate};
 use super::solid::LaneSolid;
 use super::whole::Force;
@@ -242,7 +242,6 @@ impl Scratch {
         let (levels, _) = S::as_simd_f32s(&band.levels);
         let (owners, _) = S::as_simd_u32s(&band.owners);
         let (fractions, _) = S::as_simd_f32s(&band.fractions);
-        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
         for work in &band.works {
             let solid = &ground.solids[work.solid];
             let rate = rates.as_ref().map(|rates| &rates[work.solid]);
@@ -250,9 +249,7 @@ impl Scratch {
             for &tile in &band.tiles[work.tiles.clone()] {
                 let (at, rays) = places.at(tile);
                 let level = levels[at];
-                let on_ramp =
-                    simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
-                let active = simd.and_m32s(on_ramp, simd.equal_u32s(owners[at], owner));
+                let active = simd.and_m32s(on_ramp(simd, level), simd.equal_u32s(owners[at], owner));
                 if lane_bits(simd, active) == 0 {
                     continue;
                 }

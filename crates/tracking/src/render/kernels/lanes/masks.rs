@@ -27,6 +27,13 @@ pub(super) fn put_f32s<S: Simd>(simd: S, target: &mut S::f32s, mask: S::m32s, va
     *target = simd.transmute_f32s_u32s(bits);
 }
 
+/// Where λ/255 is between 0 and 1, so that it is not clipped and has a gradient.
+#[inline(always)]
+pub(super) fn on_ramp<S: Simd>(simd: S, level: S::f32s) -> S::m32s {
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one))
+}
+
 /// The lanes in which a mask is true, as bits: the first lane is the lowest.
 #[inline(always)]
 pub(super) fn lane_bits<S: Simd>(simd: S, mask: S::m32s) -> u32 {

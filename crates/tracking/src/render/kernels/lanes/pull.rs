@@ -18,6 +18,7 @@ use pulp::Simd;
 use super::band::{Band, Places};
 use super::grid::{PixelGrid, TileData};
 use super::ground::{Ground, Part};
+use super::masks::on_ramp;
 use super::solid::{AxisSight, LaneSolid, Shape};
 use super::sums::{AXIS_SUMS, BALL_SUMS, SolidSums};
 use super::whole::{ENTRY, Force, flush};
@@ -68,12 +69,7 @@ impl<'a, S: Simd> Pulling<'a, S> {
     /// Which pixels a part has won and has not clipped.
     #[inline(always)]
     fn active(&self, simd: S, at: usize, owner: S::u32s) -> S::m32s {
-        let level = self.levels[at];
-        let on_ramp = simd.and_m32s(
-            simd.less_than_f32s(simd.splat_f32s(0.0), level),
-            simd.less_than_f32s(level, simd.splat_f32s(1.0)),
-        );
-        simd.and_m32s(on_ramp, simd.equal_u32s(self.owners[at], owner))
+        simd.and_m32s(on_ramp(simd, self.levels[at]), simd.equal_u32s(self.owners[at], owner))
     }
 
     /// A tile's level, w where the part pulls and zero elsewhere, and ρ.

@@ -7,7 +7,7 @@ use pulp::Simd;
 use super::band::Band;
 use super::grid::{PixelGrid, TileData};
 use super::ground::Ground;
-use super::masks::lane_bits;
+use super::masks::{lane_bits, on_ramp};
 use crate::render::ramp::BACKGROUND;
 
 /// One tile row of a band.
@@ -86,8 +86,7 @@ impl<S: Simd> RowOfTiles<'_, S> {
             let squares = simd.negate_mul_add_e_f32s(empty, empty, simd.mul_f32s(residual, residual));
             sum = simd.mul_add_e_f32s(weight, squares, sum);
             if PULLS {
-                let pulls = simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
-                let mut pulls = lane_bits(simd, pulls);
+                let mut pulls = lane_bits(simd, on_ramp(simd, level));
                 if pulls != 0 {
                     let owners = &self.owners[tile as usize * S::F32_LANES..][..S::F32_LANES];
                     let owner_lanes = S::as_simd_u32s(owners).0[0];
