@@ -144,20 +144,25 @@ impl FitView {
         match (stage.data, stage.ramp, distance) {
             (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
                 let Ok(ramp) = DistanceRamp::new(inner_px as f32, outer_px as f32) else { return whole() };
-                // As long as the labels, which spares looking twice.
-                let sd = &distance.values()[..labels.len()];
+                let sd = distance.values();
                 match distance.to_unknown() {
-                    None => SampledData::of_pixels(size, stage.stride, |pixel| {
-                        (ramp.level(sd[pixel]), measurement::weight(&labels[pixel]))
+                    None => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
+                        let pixels = sd[pixels.clone()].iter().zip(&labels[pixels]);
+                        for ((value, weight), (&sd, label)) in values.iter_mut().zip(weights).zip(pixels) {
+                            (*value, *weight) = (ramp.level(sd), measurement::weight(label));
+                        }
                     }),
-                    Some(unknown) => SampledData::of_pixels(size, stage.stride, |pixel| {
-                        ramp.level_and_weight(sd[pixel], unknown[pixel], &labels[pixel])
+                    Some(unknown) => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
+                        let distances = [sd, unknown].map(|all| &all[pixels.clone()]);
+                        ramp.fill(distances, &labels[pixels], values, weights);
                     }),
                 }
             }
             (DataView::Averaged { .. }, ..) => whole(),
-            _ => SampledData::of_pixels(size, stage.stride, |pixel| {
-                (measurement::hard_level(&labels[pixel]), measurement::weight(&labels[pixel]))
+            _ => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
+                for ((value, weight), label) in values.iter_mut().zip(weights).zip(&labels[pixels]) {
+                    (*value, *weight) = (measurement::hard_level(label), measurement::weight(label));
+                }
             }),
         }
     }

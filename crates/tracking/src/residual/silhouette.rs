@@ -3,6 +3,8 @@
 //! Pixels that no limb comes near have Λ = 255 and no gradient: their cost is a constant of the data,
 //! corrected over the spans that limbs touch. The work grows with the area of the limbs, not with the picture.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 use nalgebra::{SMatrix, SVector};
 use pulp::{Simd, WithSimd};
@@ -35,11 +37,15 @@ impl SampledData {
         Self::of(grid)
     }
 
-    /// The same of a picture of a width and a height whose D and weight are worked out, pixel by pixel: what lies
-    /// between the samples is never asked for.
+    /// The same of a picture of a width and a height whose rows are worked out: `fill` hears which pixels a row has, and
+    /// writes their D and their weights. Rows without samples are never asked for.
     #[must_use]
-    pub fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
-        Self::of(PixelGrid::of_pixels(size, stride, data))
+    pub(crate) fn of_rows(
+        size: [usize; 2],
+        stride: usize,
+        fill: impl Fn(Range<usize>, &mut [f32], &mut [f32]),
+    ) -> Self {
+        Self::of(PixelGrid::of_rows(size, stride, fill))
     }
 
     /// The same with pixels doubted whose residual at a pose is too large to be believed: weights times c′(ρ²), in

@@ -12,8 +12,11 @@
 //! among the known pixels, as normalised convolution has it (H. Knutsson & C.-F. Westin, CVPR 1993), and so is its w, the
 //! share of known ones.
 
+use pulp::{Simd, WithSimd};
+
 use super::mask::Label;
 use super::measurement::{BACKGROUND_LEVEL, MeasurementError, weight};
+use crate::processor;
 
 /// The grey level of a signed distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1).
 #[derive(Clone, Copy, Debug)]
@@ -46,10 +49,44 @@ impl DistanceRamp {
     /// D and the weight of a pixel that is so far from the nearest unknown one, less a half: the middle and the
     /// certainty of what it may be (see above).
     #[inline(always)]
-    pub(crate) fn level_and_weight(self, sd: f32, to_unknown: f32, label: &Label) -> (f32, f32) {
+    fn level_and_weight(self, sd: f32, to_unknown: f32, label: &Label) -> (f32, f32) {
         let [known, other] = [sd, sd.abs().min(to_unknown).copysign(sd)].map(|sd| self.level(sd));
         let open = (known - other) / BACKGROUND_LEVEL;
         (0.5 * (known + other), weight(label) * (1.0 - open * open))
+    }
+
+    /// D and the weights of some pixels with their distances, from the border and from the nearest unknown pixel, and their
+    /// labels.
+    pub(crate) fn fill(
+        self,
+        distances: [&[f32]; 2],
+        labels: &[Label],
+        values: &mut [f32],
+        weights: &mut [f32],
+    ) {
+        processor::run(Fill { ramp: self, distances, labels, values, weights });
+    }
+}
+
+/// [`DistanceRamp::fill`], whose work is compiled once more for wider vectors.
+struct Fill<'a> {
+    ramp: DistanceRamp,
+    distances: [&'a [f32]; 2],
+    labels: &'a [Label],
+    values: &'a mut [f32],
+    weights: &'a mut [f32],
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { ramp, distances: [border, unknown], labels, values, weights } = self;
+        let pixels = border.iter().zip(unknown).zip(labels);
+        for ((value, weight), ((&border, &unknown), label)) in values.iter_mut().zip(weights).zip(pixels) {
+            (*value, *weight) = ramp.level_and_weight(border, unknown, label);
+        }
     }
 }
 

@@ -189,9 +189,8 @@ impl Measurement {
             let values = distance.values().iter().map(|&sd| ramp.level(sd)).collect();
             return Ok(Self { width, height, values, weights: mask_weights(mask) });
         };
-        let pixels = distance.values().iter().zip(to_unknown).zip(mask.labels());
-        let (values, weights) =
-            pixels.map(|((&sd, &to_unknown), label)| ramp.level_and_weight(sd, to_unknown, label)).unzip();
+        let (mut values, mut weights) = (vec![0.0; width * height], vec![0.0; width * height]);
+        ramp.fill([distance.values(), to_unknown], mask.labels(), &mut values, &mut weights);
         Ok(Self { width, height, values, weights })
     }
 

@@ -56,6 +56,7 @@ mod sums;
 mod whole;
 mod winners;
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
@@ -78,9 +79,31 @@ const BAND_PIXELS: usize = 32 * 1024;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lanes {
     ground: Ground,
+    sums: Vec<SolidSums>,
+}
+
+/// What a thread notes down while it goes through a picture, of which nothing is asked afterwards. One for all cameras and all fits:
+/// it stays in the second cache, and a fit that begins anew has no fresh memory to clear.
+#[derive(Debug, Default)]
+struct Notes {
     band: Band,
     collected: Collected,
-    sums: Vec<SolidSums>,
+}
+
+thread_local! {
+    static NOTES: Cell<Notes> = Cell::default();
+}
+
+impl Notes {
+    /// Does work with the thread's notes. Work within work has notes of its own.
+    fn with<T>(grid: &PixelGrid, work: impl FnOnce(&mut Self) -> T) -> T {
+        let mut notes = NOTES.take();
+        notes.band.resize(grid.band_tile_rows() * grid.entries());
+        notes.collected.reserve();
+        let found = work(&mut notes);
+        NOTES.set(notes);
+        found
+    }
 }
 
 impl Lanes {
@@ -89,7 +112,7 @@ impl Lanes {
     /// `blocks` has one entry per limb of the model. [`View::suits_lanes`] must hold.
     pub(crate) fn accumulate(&mut self, view: &View, grid: &PixelGrid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
-        let cost = run_in_lanes(grid.tile.lanes(), Pass { lanes: self, grid, pulls: true });
+        let cost = self.pass(grid, true);
         for (solid, sums) in self.ground.solids.iter().zip(&self.sums) {
             solid.add_to(sums, &mut blocks[solid.limb]);
         }
@@ -99,7 +122,11 @@ impl Lanes {
     /// The same change of the cost without anyone's pull.
     pub(crate) fn cost(&mut self, view: &View, grid: &PixelGrid) -> f64 {
         self.prepare(view, grid);
-        run_in_lanes(grid.tile.lanes(), Pass { lanes: self, grid, pulls: false })
+        self.pass(grid, false)
+    }
+
+    fn pass(&mut self, grid: &PixelGrid, pulls: bool) -> f64 {
+        Notes::with(grid, |notes| run_in_lanes(grid.tile.lanes(), Pass { lanes: self, notes, grid, pulls }))
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
@@ -107,13 +134,13 @@ impl Lanes {
     pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
         let grid = PixelGrid::without_data([view.width(), view.height()]);
         self.prepare(view, &grid);
-        run_in_lanes(grid.tile.lanes(), Look { lanes: self, grid: &grid, see });
+        Notes::with(&grid, |notes| {
+            run_in_lanes(grid.tile.lanes(), Look { lanes: self, notes, grid: &grid, see });
+        });
     }
 
     fn prepare(&mut self, view: &View, grid: &PixelGrid) {
         self.ground.prepare(view, grid);
-        self.band.resize(grid.band_tile_rows() * grid.entries());
-        self.collected.reserve();
         self.sums.clear();
         self.sums.resize(self.ground.solids.len(), SolidSums::default());
     }
@@ -132,6 +159,7 @@ impl PixelGrid {
 
 struct Pass<'a> {
     lanes: &'a mut Lanes,
+    notes: &'a mut Notes,
     grid: &'a PixelGrid,
     pulls: bool,
 }
@@ -141,8 +169,7 @@ impl WithSimd for Pass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { lanes, grid, pulls } = self;
-        let Lanes { ground, band, collected, sums } = lanes;
+        let Self { lanes: Lanes { ground, sums }, notes: Notes { band, collected }, grid, pulls } = self;
         ground.cut_spans::<S, true>(simd, grid.tile_rows());
         let mut cost = 0.0;
         for rows in grid.bands() {
@@ -161,6 +188,7 @@ impl WithSimd for Pass<'_> {
 /// [`Lanes::look`] as it is dispatched.
 struct Look<'a, F> {
     lanes: &'a mut Lanes,
+    notes: &'a mut Notes,
     grid: &'a PixelGrid,
     see: F,
 }
@@ -170,8 +198,7 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes, grid, mut see } = self;
-        let Lanes { ground, band, .. } = lanes;
+        let Self { lanes: Lanes { ground, .. }, notes: Notes { band, .. }, grid, mut see } = self;
         ground.cut_spans::<S, true>(simd, grid.tile_rows());
         let mut line = Vec::new();
         for rows in grid.bands() {

@@ -92,31 +92,35 @@ impl PixelGrid {
     #[must_use]
     pub(crate) fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
         let size = [width, values.len() / width.max(1)];
-        Self::of_pixels(size, stride, |pixel| (values[pixel], weights[pixel]))
+        Self::of_rows(size, stride, |pixels, row_values, row_weights| {
+            row_values.copy_from_slice(&values[pixels.clone()]);
+            row_weights.copy_from_slice(&weights[pixels]);
+        })
     }
 
-    /// The same of a picture of a width and a height whose D and weight are worked out, pixel by pixel.
+    /// The same of a picture of a width and a height whose rows are worked out: `fill` hears which pixels a row has, and
+    /// writes their D and their weights. Rows without samples are never asked for.
     #[must_use]
-    #[inline]
-    pub(crate) fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
+    pub(crate) fn of_rows(
+        size: [usize; 2],
+        stride: usize,
+        fill: impl Fn(Range<usize>, &mut [f32], &mut [f32]),
+    ) -> Self {
         let stride = stride.max(1);
         let offset = stride / 2;
         let [columns, rows] = size.map(|side| side.saturating_sub(offset).div_ceil(stride));
         let mut grid = Self { stride, offset, ..Self::without_data([columns, rows]) };
         let entries = grid.tile_rows() * grid.entries();
         let (mut values, mut weights) = (vec![0.0; entries], vec![0.0; entries]);
+        let (mut row_values, mut row_weights) = (vec![0.0; size[0]], vec![0.0; size[0]]);
         let mut all_weigh_one = true;
         for row in 0..rows {
-            let first = (offset + row * stride) * size[0] + offset;
-            let mut pixels = (first..).step_by(stride).take(columns);
-            for tile in 0..columns.div_ceil(grid.tile.columns) {
-                let start = grid.entry(row, tile * grid.tile.columns);
-                for (entry, pixel) in (start..start + grid.tile.columns).zip(&mut pixels) {
-                    let (value, weight) = data(pixel);
-                    (values[entry], weights[entry]) = (value, weight);
-                    all_weigh_one &= weight.to_bits() == 1.0f32.to_bits();
-                }
-            }
+            let first = grid.pixel(row) * size[0];
+            fill(first..first + size[0], &mut row_values, &mut row_weights);
+            grid.put_row(row, &row_values, &mut values);
+            grid.put_row(row, &row_weights, &mut weights);
+            let weighs_one = |weight: &f32| weight.to_bits() == 1.0f32.to_bits();
+            all_weigh_one &= row_weights.iter().fold(true, |all, weight| all & weighs_one(weight));
         }
         // Pictures without unknown pixels spare the memory's bandwidth.
         if all_weigh_one && rows.is_multiple_of(grid.tile.rows) {
@@ -132,6 +136,29 @@ impl PixelGrid {
         let tile = Tile::default();
         let pitch = (columns * tile.rows).next_multiple_of(PADDING.max(tile.lanes())) / tile.lanes();
         Self { columns, rows, stride: 1, tile, pitch, ..Self::default() }
+    }
+
+    /// Puts the samples of a row of the picture where they belong among the tiles.
+    #[inline(always)]
+    fn put_row(&self, row: usize, pixels: &[f32], entries: &mut [f32]) {
+        let Tile { columns, .. } = self.tile;
+        let start = self.entry(row, 0);
+        let tiles = entries[start..].chunks_mut(self.tile.lanes());
+        if (self.stride, columns) == (1, TILE_COLUMNS) {
+            let (whole, rest) = pixels.as_chunks::<TILE_COLUMNS>();
+            let mut tiles = tiles;
+            for (pixels, tile) in whole.iter().zip(&mut tiles) {
+                tile[..TILE_COLUMNS].copy_from_slice(pixels);
+            }
+            tiles.next().into_iter().for_each(|tile| tile[..rest.len()].copy_from_slice(rest));
+            return;
+        }
+        let mut samples = pixels[self.offset.min(pixels.len())..].iter().step_by(self.stride);
+        for tile in tiles.take(self.columns.div_ceil(columns)) {
+            for (entry, &sample) in tile[..columns].iter_mut().zip(&mut samples) {
+                *entry = sample;
+            }
+        }
     }
 
     /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
