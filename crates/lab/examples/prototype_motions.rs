@@ -1,8 +1,10 @@
-//! What the plainest recognizer gives on the same folds: principal components of single frames, a hidden Markov model a class of them, support vectors of
-//! what they do in a second. So it can be told what the measures and axes of `backlit-recognition` are worth, and what people left out are.
+//! What the plainest recognizer gives on the same folds: principal components of single frames, a hidden Markov model a
+//! class of them, support vectors of what they do in a second. So it can be told what the measures and axes of
+//! `backlit-recognition` are worth, and what people left out are.
 //!
-//! `cargo run --release -p backlit-lab --example prototype_motions -- motions=DIR [left-out=subjects|keep-classes] [noise=0] [seeds=1]`: DIR has BVH
-//! files and a labels.csv; noise is in millimetres, root mean square, of the motions that are named.
+//! `cargo run --release -p backlit-lab --example prototype_motions -- motions=DIR [left-out=subjects|keep-classes]
+//! [noise=0] [seeds=1]`: DIR has BVH files and a labels.csv; noise is in millimetres, root mean square, of the motions
+//! that are named.
 
 mod labelled;
 

@@ -268,8 +268,8 @@ pub fn tracked(named: &NamedMotion, noise: Option<TrackerNoise>, seed: u64) -> N
     NamedMotion { motion: noisy(&named.motion, noise, 77 + seed), ..named.clone() }
 }
 
-/// Motions in an order that is drawn, joined to takes of about [`JOINED_S`] seconds at [`RATE`], each with the class of every frame. A take has the
-/// name, and otherwise the class and the subject, of its first motion.
+/// Motions in an order that is drawn, joined to takes of about [`JOINED_S`] seconds at [`RATE`], each with the class of
+/// every frame. A take has the name, and otherwise the class and the subject, of its first motion.
 ///
 /// # Errors
 /// Nothing is left of a motion at that rate.

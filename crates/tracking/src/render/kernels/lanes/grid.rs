@@ -114,7 +114,8 @@ impl PixelGrid {
         let (mut values, mut weights) = (vec![0.0; entries], vec![0.0; entries]);
         let (mut row_values, mut row_weights) = (vec![0.0; size[0]], vec![0.0; size[0]]);
         let mut all_weigh_one = true;
-        for row in 0..rows {
+        // A picture narrower than half a stride has rows without any sample.
+        for row in (0..rows).filter(|_| columns > 0) {
             let first = grid.pixel(row) * size[0];
             fill(first..first + size[0], &mut row_values, &mut row_weights);
             grid.put_row(row, &row_values, &mut values);
@@ -153,7 +154,7 @@ impl PixelGrid {
             tiles.next().into_iter().for_each(|tile| tile[..rest.len()].copy_from_slice(rest));
             return;
         }
-        let mut samples = pixels[self.offset.min(pixels.len())..].iter().step_by(self.stride);
+        let mut samples = pixels[self.offset..].iter().step_by(self.stride);
         for tile in tiles.take(self.columns.div_ceil(columns)) {
             for (entry, &sample) in tile[..columns].iter_mut().zip(&mut samples) {
                 *entry = sample;
@@ -270,5 +271,29 @@ impl PixelGrid {
         let past = pixel.saturating_sub(self.offset);
         // A division takes as long as a dozen other steps.
         if self.stride == 1 { past.min(limit) } else { past.div_ceil(self.stride).min(limit) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PixelGrid;
+
+    #[test]
+    fn every_sample_is_in_its_place() {
+        for (width, height, stride) in
+            (1..20).flat_map(|width| (1..10).flat_map(move |h| (1..10).map(move |s| (width, h, s))))
+        {
+            let values: Vec<f32> = (0..width * height).map(|pixel| pixel as f32).collect();
+            for least in [1.0, 0.5] {
+                let weights: Vec<f32> =
+                    (0..values.len()).map(|pixel| if pixel % 3 == 0 { least } else { 1.0 }).collect();
+                let grid = PixelGrid::new(width, &values, &weights, stride);
+                for (row, column) in (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |c| (row, c))) {
+                    let pixel = grid.pixel(row) * width + grid.pixel(column);
+                    let found = grid.at(row, column);
+                    assert_eq!(found, (values[pixel], weights[pixel]), "{width} × {height}, every {stride}");
+                }
+            }
+        }
     }
 }
