@@ -82,8 +82,8 @@ pub(crate) struct Lanes {
     sums: Vec<SolidSums>,
 }
 
-/// What a thread notes down while it goes through a picture, of which nothing is asked afterwards. One for all cameras and all fits:
-/// it stays in the second cache, and a fit that begins anew has no fresh memory to clear.
+/// What a thread notes down while it goes through a picture, of which nothing is asked afterwards. One set serves all
+/// cameras and all fits: it stays in the second cache, and a fit that begins has no fresh memory to clear.
 #[derive(Debug, Default)]
 struct Notes {
     band: Band,
