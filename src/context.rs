@@ -145,7 +145,7 @@ impl<'a> Context<'a> {
             run.steps.last().filter(|_| run.frame == self.selection.frame)
         };
         let step = self.selection.step.and_then(|step| self.runs().step(step)).or_else(going_on);
-        step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.pose)
+        step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.iteration.point)
     }
 
     /// Mean distance of a pose's joints from the take's reference at the frame on the screen, millimetres.

@@ -259,7 +259,7 @@ fn run(run: &Run) -> Value {
         "detail": run.detail,
         "frame": run.frame,
         "steps": run.steps.len().saturating_sub(1),
-        "rejected": run.steps.iter().filter(|step| !step.accepted).count(),
+        "rejected": run.steps.iter().filter(|step| !step.iteration.accepted).count(),
         "cost": run.steps.last().map(|step| step.mismatch),
         "ending": run.ending.as_ref().map(|_| run.ending_text()),
         "shown": run.is_shown,

@@ -7,7 +7,8 @@ use backlit_document::CameraUse;
 use backlit_document::run::RunStep;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
+use backlit_tracking::optimize::Iteration;
 use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_ui::drawing::{Derivative, body_outline};
@@ -177,41 +178,31 @@ impl Predicted {
 
     /// The start of a fit, which predicts this.
     pub(crate) fn start_of(&self, fit: &Fit) -> RunStep {
-        RunStep {
-            pose: self.pose.clone(),
-            mismatch: self.mismatch,
-            rms: self.rms.unwrap_or_default(),
-            iou: self.iou(),
-            joint_error_mm: None,
+        let start = Iteration {
+            point: self.pose.clone(),
+            stage: 0,
             cost: fit.cost(),
+            rms: fit.rms(),
             trial_cost: fit.cost(),
-            foretold: 0.0,
-            fell: 0.0,
+            predicted_decrease: 0.0,
+            actual_decrease: 0.0,
             damping: self.scene.fit.damping,
             step_norm: 0.0,
-            seconds: 0.0,
-            stage: 0,
+            gradient_max: 0.0,
             accepted: true,
-        }
+        };
+        self.step_of(start, 0.0)
     }
 
     /// A step of a fit that ends at what predicts this.
-    pub(crate) fn step_of(&self, record: &IterationRecord, seconds: f64) -> RunStep {
+    pub(crate) fn step_of(&self, iteration: Iteration<Pose>, seconds: f64) -> RunStep {
         RunStep {
-            pose: record.pose.clone(),
+            iteration,
             mismatch: self.mismatch,
             rms: self.rms.unwrap_or_default(),
             iou: self.iou(),
             joint_error_mm: None,
-            cost: record.cost,
-            trial_cost: record.trial_cost,
-            foretold: record.predicted_decrease,
-            fell: record.actual_decrease,
-            damping: record.damping,
-            step_norm: record.step_norm,
             seconds,
-            stage: record.stage,
-            accepted: record.accepted,
         }
     }
 

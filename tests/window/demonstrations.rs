@@ -46,7 +46,7 @@ fn fits(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
 /// How far each of the laboratory's fits ended from the truth, millimetres.
 fn errors_mm(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
     let comparison = harness.state().laboratory().comparison.as_ref().unwrap();
-    let error = |fit: &Contestant| (fit.entrant.name, error_mm(&fit.steps.last().unwrap().pose));
+    let error = |fit: &Contestant| (fit.entrant.name, error_mm(&fit.steps.last().unwrap().iteration.point));
     comparison.contestants.iter().map(error).collect()
 }
 

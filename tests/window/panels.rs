@@ -112,7 +112,10 @@ fn convergence_of_a_finished_run() {
         press(&mut harness, Modifiers::NONE, Key::Y);
         click(&mut harness, "Run");
         let steps = &harness.state().runs()[1].steps;
-        assert!(steps.iter().skip(1).any(|step| !step.accepted), "the run has rejected steps to show");
+        assert!(
+            steps.iter().skip(1).any(|step| !step.iteration.accepted),
+            "the run has rejected steps to show"
+        );
         part(&mut snapshots, &mut harness, rect, &format!("panel_convergence_{}", theme_name(theme)));
     }
 }

@@ -11,9 +11,9 @@ use backlit_formats::model_file;
 use backlit_formats::pose_file;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::{Fit, FitView, Preset, SolverSummary};
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
+use backlit_tracking::statistics::Statistics;
 use clap::Args;
 use serde::Serialize;
 

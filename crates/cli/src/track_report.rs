@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use backlit_formats::Take;
 use backlit_formats::export::resume_file::{Resume, WaitingFrames};
 use backlit_tracking::fit::FitView;
-use backlit_tracking::metrics::{self, JointErrors, Statistics};
+use backlit_tracking::metrics::{self, JointErrors};
 use backlit_tracking::render::RendererKind;
+use backlit_tracking::statistics::{Statistics, mean};
 use backlit_tracking::track::{FrameEstimate, KalmanOptions, Smoother, SmoothingError, Track, TrackerMemory};
 use serde::Serialize;
 
@@ -387,9 +388,4 @@ impl TrackReport {
         out.push_str(&format!("\ntime of a frame: median {median:.0} ms, 95 % within {p95:.0} ms\n"));
         out
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }

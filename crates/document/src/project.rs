@@ -102,6 +102,7 @@ struct Header {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::optimize::Iteration;
     use std::collections::BTreeMap;
     use std::path::PathBuf;
     use std::sync::Arc;
@@ -165,24 +166,28 @@ mod tests {
 
     /// A run with a step that was taken, and one whose numbers ran out of range.
     fn run(document: &Document, number: usize) -> Run {
-        let pose = document.pose_at(3).clone();
-        let step = RunStep {
-            pose,
+        let iteration = Iteration {
+            point: document.pose_at(3).clone(),
+            stage: 0,
+            cost: 9.0,
+            rms: 0.0,
+            trial_cost: 9.0,
+            predicted_decrease: 1.25,
+            actual_decrease: 1.0,
+            damping: 0.5,
+            step_norm: 0.1,
+            gradient_max: 0.0,
+            accepted: true,
+        };
+        let wild = Iteration { trial_cost: f64::INFINITY, stage: 1, accepted: false, ..iteration.clone() };
+        let step = |iteration| RunStep {
+            iteration,
             mismatch: 8.0,
             rms: 2.5,
             iou: Some(0.75),
             joint_error_mm: None,
-            cost: 9.0,
-            trial_cost: 9.0,
-            foretold: 1.25,
-            fell: 1.0,
-            damping: 0.5,
-            step_norm: 0.1,
             seconds: 0.002,
-            stage: 0,
-            accepted: true,
         };
-        let wild = RunStep { trial_cost: f64::INFINITY, stage: 1, accepted: false, ..step.clone() };
         Run {
             number,
             name: "by hand".to_owned(),
@@ -197,7 +202,7 @@ mod tests {
             frame: 3,
             measured_by: document.fit.stages.first().copied(),
             colour: 1,
-            steps: vec![step, wild],
+            steps: vec![step(iteration), step(wild)],
             stages: vec!["wide".to_owned(), "narrow".to_owned()],
             ending: Some(RunEnding::Solver("no step lowered the cost".to_owned())),
             is_shown: true,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Stage};
-use backlit_tracking::optimize::Termination;
+use backlit_tracking::optimize::{Iteration, Termination};
 use backlit_ui::style::format;
 
 use crate::CameraUse;
@@ -14,8 +14,9 @@ use crate::runs::StepRef;
 /// One step of a run. The first is the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunStep {
-    /// The pose after the step; of a rejected step, the pose before it.
-    pub pose: Pose,
+    /// What the solver did, by the measure of its own stage; at the start where it begins, with a step norm of zero. A
+    /// project's file does not keep its root mean square and its gradient.
+    pub iteration: Iteration<Pose>,
     /// Mismatch by the run's [measure](Run::measure), one for all steps and all runs of a frame, squared grey levels: the
     /// plot's height.
     pub mismatch: f64,
@@ -25,40 +26,26 @@ pub struct RunStep {
     pub iou: Option<f64>,
     /// Mean distance of the joints from the take's reference, millimetres, where there is one.
     pub joint_error_mm: Option<f64>,
-    /// The cost that the solver lowered, in its own stage.
-    pub cost: f64,
-    /// The cost that a rejected step would have had.
-    pub trial_cost: f64,
-    /// How far the linear model said that the cost would fall.
-    pub foretold: f64,
-    /// How far it fell.
-    pub fell: f64,
-    /// The damping, as the fit's options count it.
-    pub damping: f64,
-    /// Length of the step, metres and radians together; zero at the start.
-    pub step_norm: f64,
     /// Time of the solver's step, in seconds.
     pub seconds: f64,
-    /// Stage of the annealing.
-    pub stage: usize,
-    /// Whether the pose moved.
-    pub accepted: bool,
 }
 
 impl RunStep {
     /// The cost before the step, by the measure of its stage.
     pub fn cost_before(&self) -> f64 {
-        if self.accepted { self.cost + self.fell } else { self.cost }
+        let Iteration { accepted, cost, actual_decrease, .. } = self.iteration;
+        if accepted { cost + actual_decrease } else { cost }
     }
 
     /// By which fraction of the cost before it the step lowered the cost; a rejected one would have.
-    pub fn fell_share(&self) -> Option<f64> {
-        self.share(if self.accepted { self.fell } else { self.cost - self.trial_cost })
+    pub fn actual_share(&self) -> Option<f64> {
+        let Iteration { accepted, cost, trial_cost, actual_decrease, .. } = self.iteration;
+        self.share(if accepted { actual_decrease } else { cost - trial_cost })
     }
 
-    /// By which fraction of the cost before it the linear model said that the cost would fall.
-    pub fn foretold_share(&self) -> Option<f64> {
-        self.share(self.foretold)
+    /// By which fraction of the cost before it the linear model predicted that the cost would fall.
+    pub fn predicted_share(&self) -> Option<f64> {
+        self.share(self.iteration.predicted_decrease)
     }
 
     fn share(&self, value: f64) -> Option<f64> {
@@ -147,7 +134,7 @@ impl Run {
 
     /// Number of accepted steps among the first `step` ones: the place in the plot.
     pub fn accepted_until(&self, step: usize) -> usize {
-        self.steps.iter().take(step + 1).skip(1).filter(|step| step.accepted).count()
+        self.steps.iter().take(step + 1).skip(1).filter(|step| step.iteration.accepted).count()
     }
 
     /// The mismatch after a step, as a fraction of the start's.
@@ -193,22 +180,27 @@ mod tests {
     use super::*;
 
     fn step(mismatch: f64, accepted: bool) -> RunStep {
-        RunStep {
-            pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
-            mismatch,
-            rms: mismatch,
-            iou: None,
-            joint_error_mm: None,
-            cost: mismatch,
-            trial_cost: mismatch,
-            step_norm: 0.0,
-            foretold: 0.0,
-            fell: 0.0,
-            damping: 0.0,
-            seconds: 0.0,
+        let iteration = Iteration {
+            point: Pose { root: DVec3::ZERO, rotations: Vec::new() },
             stage: 0,
+            cost: mismatch,
+            rms: 0.0,
+            trial_cost: mismatch,
+            predicted_decrease: 0.0,
+            actual_decrease: 0.0,
+            damping: 0.0,
+            step_norm: 0.0,
+            gradient_max: 0.0,
             accepted,
-        }
+        };
+        RunStep { iteration, mismatch, rms: mismatch, iou: None, joint_error_mm: None, seconds: 0.0 }
+    }
+
+    fn tried(cost: f64, trial_cost: f64, actual_decrease: f64, accepted: bool) -> RunStep {
+        let step = step(10.0, accepted);
+        let predicted_decrease = 5.0;
+        let iteration = Iteration { cost, trial_cost, predicted_decrease, actual_decrease, ..step.iteration };
+        RunStep { iteration, ..step }
     }
 
     #[test]
@@ -226,10 +218,10 @@ mod tests {
 
     #[test]
     fn a_rejected_step_says_what_it_would_have_done() {
-        let tried = RunStep { cost: 10.0, trial_cost: 12.0, foretold: 5.0, ..step(10.0, false) };
-        assert_eq!((tried.fell_share(), tried.foretold_share()), (Some(-0.2), Some(0.5)));
-        let taken = RunStep { cost: 6.0, fell: 4.0, foretold: 5.0, ..step(6.0, true) };
-        assert_eq!((taken.fell_share(), taken.foretold_share()), (Some(0.4), Some(0.5)));
-        assert_eq!(RunStep { cost: 0.0, ..step(0.0, true) }.fell_share(), None);
+        let rejected = tried(10.0, 12.0, 0.0, false);
+        assert_eq!((rejected.actual_share(), rejected.predicted_share()), (Some(-0.2), Some(0.5)));
+        let accepted = tried(6.0, 6.0, 4.0, true);
+        assert_eq!((accepted.actual_share(), accepted.predicted_share()), (Some(0.4), Some(0.5)));
+        assert_eq!(tried(0.0, 0.0, 0.0, true).actual_share(), None);
     }
 }

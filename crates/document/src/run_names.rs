@@ -70,10 +70,10 @@ fn start_numbers(runs: &[Run]) -> Vec<usize> {
             continue;
         };
         let of_frame = known.iter().filter(|(frame, _)| *frame == run.frame);
-        let place = of_frame.clone().position(|(_, pose)| is_same(pose, &first.pose));
+        let place = of_frame.clone().position(|(_, pose)| is_same(pose, &first.iteration.point));
         numbers.push(place.unwrap_or(of_frame.count()) + 1);
         if place.is_none() {
-            known.push((run.frame, &first.pose));
+            known.push((run.frame, &first.iteration.point));
         }
     }
     numbers

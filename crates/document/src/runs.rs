@@ -102,7 +102,7 @@ impl Runs {
     /// The first step of a run on a frame that ended at this pose, if it is not that run's start.
     pub fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         let found = |run: &Run| {
-            let step = run.steps.iter().position(|step| is_same(&step.pose, pose))?;
+            let step = run.steps.iter().position(|step| is_same(&step.iteration.point, pose))?;
             (step > 0).then_some(StepRef { run: run.number, step })
         };
         self.all.iter().filter(|run| run.frame == frame).find_map(found)
@@ -111,7 +111,7 @@ impl Runs {
     /// The last step of the newest run on a frame that stands at this pose, its start included.
     pub fn last_step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         self.all.iter().rev().filter(|run| run.frame == frame).find_map(|run| {
-            let step = run.steps.iter().rposition(|step| is_same(&step.pose, pose))?;
+            let step = run.steps.iter().rposition(|step| is_same(&step.iteration.point, pose))?;
             Some(StepRef { run: run.number, step })
         })
     }

@@ -16,9 +16,10 @@ use backlit_formats::{Footage, Take, prior_file};
 use backlit_tracking::body::builtin;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, FitView};
-use backlit_tracking::metrics::{JointErrors, ReferenceJoints, Statistics};
+use backlit_tracking::metrics::{JointErrors, ReferenceJoints};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::search::start;
+use backlit_tracking::statistics::Statistics;
 use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
 
 /// Indices of the cameras that see it, and every how manieth frame they do.

@@ -18,7 +18,7 @@ mod prepared;
 mod schedule;
 
 pub use evidence::{Evidence, FitError, FitView};
-pub use fit::{Fit, IterationRecord, SolverSummary};
+pub use fit::{Fit, SolverSummary};
 pub use objective::Objective;
 pub(crate) use options::LEAST_SCALE;
 pub use options::{DataView, FitOptions, OptionsError, ParsePresetError, Preset, Stage};

@@ -102,6 +102,7 @@
 //! | [`visual_hull`] | what all silhouettes leave of space |
 //! | [`synchronise`] | the offsets of cameras' clocks, from the motion of silhouettes |
 //! | [`metrics`] | joint errors against a reference |
+//! | [`statistics`] | medians, normal deviates, sums of logarithms |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`cancel`] | stopping long work from outside |
 //! | [`processor`] | which of the processor's vectors fits use |
@@ -148,6 +149,7 @@ pub mod residual;
 pub mod search;
 pub mod segment;
 pub mod silhouette;
+pub mod statistics;
 pub mod synchronise;
 pub mod templates;
 pub mod track;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use crate::body::{Kinematics, Model, Pose};
+use crate::statistics::Statistics;
 
 /// Where a reference says that joints are, in one frame: limb index of the joint's limb (its second joint),
 /// or `None` for the root, and the world position in metres.
@@ -15,45 +16,6 @@ pub type ReferenceJoints = Vec<(Option<usize>, DVec3)>;
 pub struct JointErrors {
     /// From the reference to the fitted joint in the axes of the joint's limb, millimetres.
     by_joint: BTreeMap<String, Vec<DVec3>>,
-}
-
-/// Statistics of distances, millimetres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Statistics {
-    /// Arithmetic mean.
-    pub mean: f64,
-    /// Half lie below.
-    pub median: f64,
-    /// 95 % lie below.
-    pub p95: f64,
-    /// The largest.
-    pub max: f64,
-    /// How many.
-    pub count: usize,
-}
-
-impl Statistics {
-    /// Of any numbers; `None` of none.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let max = *sorted.last()?;
-        Some(Self {
-            mean: sorted.iter().sum::<f64>() / sorted.len() as f64,
-            median: percentile(&sorted, 0.5),
-            p95: percentile(&sorted, 0.95),
-            max,
-            count: sorted.len(),
-        })
-    }
-}
-
-/// Linear between the two nearest ranks of sorted values.
-fn percentile(sorted: &[f64], fraction: f64) -> f64 {
-    let rank = fraction * (sorted.len() - 1) as f64;
-    let (low, high) = (rank.floor() as usize, rank.ceil() as usize);
-    sorted[low] + (sorted[high] - sorted[low]) * (rank - low as f64)
 }
 
 impl JointErrors {
@@ -159,16 +121,5 @@ mod tests {
         assert!(jitter_mm(&model, &poses).unwrap() > 10.0);
         assert!(jitter_mm(&model, [&poses[0]; 4]).unwrap() < 1e-12);
         assert_eq!(jitter_mm(&model, &poses[..2]), None);
-    }
-
-    #[test]
-    fn statistics_of_a_ladder() {
-        let values: Vec<f64> = (0..=100).rev().map(f64::from).collect();
-        let statistics = Statistics::of(&values).unwrap();
-        assert_eq!(
-            (statistics.mean, statistics.median, statistics.p95, statistics.max),
-            (50.0, 50.0, 95.0, 100.0)
-        );
-        assert_eq!(Statistics::of(&[]), None);
     }
 }

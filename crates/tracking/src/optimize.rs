@@ -8,16 +8,19 @@
 //! | [`LeastSquares`] | a problem, evaluated as [`NormalEquations`] |
 //! | [`NormalEquations`] | JᵀJ, Jᵀρ and the cost; sums of them; damped solution |
 //! | [`Solver`] | steps a problem by a [`Method`]: [`SolverOptions`] in, one [`Iteration`] a step |
+//! | [`descend`] | Levenberg-Marquardt on a problem that solves its own equations ([`StructuredLeastSquares`]) |
 //! | [`Tolerances`] | when it has converged, by gain, step and gradient; [`Termination`]: why it stopped |
 //! | [`gradient_check`] | analytic derivatives against differences, all mismatches by name |
 
 mod cholesky;
+mod descent;
 pub mod gradient_check;
 mod levenberg_marquardt;
 mod normal_equations;
 mod solver;
 mod termination;
 
+pub use descent::{DescentOptions, StructuredLeastSquares, descend};
 pub use normal_equations::{NormalEquations, StepMemory};
 pub use solver::{Iteration, LeastSquares, Method, ParseMethodError, Solver, SolverOptions};
 pub use termination::{Termination, Tolerances};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use backlit_document::fit_words::short_ramp;
 use backlit_lab::experiment::begin::Step as Seen;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::fit::{IterationRecord, Stage};
+use backlit_tracking::fit::Stage;
+use backlit_tracking::optimize::Iteration;
 use backlit_tracking::particles::{Generation, Part};
 use backlit_tracking::render::Ramp;
 use backlit_tracking::search::{Hypothesis, Origin, Rated};
@@ -128,7 +129,7 @@ impl Recorder {
         Step::new(&self.model, pose.clone(), words)
     }
 
-    fn downhill(&mut self, record: &IterationRecord, stage: &Stage) -> Step {
+    fn downhill(&mut self, record: &Iteration<Pose>, stage: &Stage) -> Step {
         self.downhill += 1;
         let ramp = match stage.ramp {
             Ramp::Thesis | Ramp::Half => format!("{} ramp", format::capitalised(&short_ramp(stage.ramp))),
@@ -140,7 +141,7 @@ impl Recorder {
             (true, false) => "the cost rises, and the step is taken all the same".to_owned(),
             (false, _) => "the cost would rise, so the body stays".to_owned(),
         };
-        Step::new(&self.model, record.pose.clone(), format!("{ramp}, step {}: {what}.", self.downhill))
+        Step::new(&self.model, record.point.clone(), format!("{ramp}, step {}: {what}.", self.downhill))
     }
 
     fn particles(&self, generation: &Generation, part: &Part, layers: usize) -> Step {

@@ -59,9 +59,9 @@ impl Scale {
         let runs = || curves.iter().map(|curve| curve.run);
         let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
         let own = runs().flat_map(|run| points(run, preferences.quantity));
-        let has_foretold = preferences.quantity == Quantity::Decrease;
-        let foretold = runs().filter(|_| has_foretold).flat_map(quantity::foretold);
-        let values = own.chain(foretold).filter(is_drawn).map(|point| point.y);
+        let has_predicted = preferences.quantity == Quantity::Decrease;
+        let predicted = runs().filter(|_| has_predicted).flat_map(quantity::predicted);
+        let values = own.chain(predicted).filter(is_drawn).map(|point| point.y);
         // A logarithm of shares near to one tells nothing.
         let is_log = preferences.is_log && !preferences.quantity.is_without_zero();
         let heights = if preferences.quantity.is_without_zero() {
@@ -232,7 +232,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
     };
     let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
     if scale.preferences.quantity == Quantity::Decrease {
-        let said: Vec<[f64; 2]> = quantity::foretold(curve.run)
+        let said: Vec<[f64; 2]> = quantity::predicted(curve.run)
             .iter()
             .filter(|p| p.accepted)
             .map(|point| {

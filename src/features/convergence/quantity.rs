@@ -104,9 +104,9 @@ impl Quantity {
             Self::Iou => record.iou?,
             Self::JointError => record.joint_error_mm?,
             Self::StepNorm | Self::Damping | Self::Decrease if step == 0 => return None,
-            Self::StepNorm => record.step_norm,
-            Self::Damping => record.damping,
-            Self::Decrease => 100.0 * record.fell_share()?,
+            Self::StepNorm => record.iteration.step_norm,
+            Self::Damping => record.iteration.damping,
+            Self::Decrease => 100.0 * record.actual_share()?,
         };
         value.is_finite().then_some(value)
     }
@@ -158,8 +158,8 @@ pub(crate) fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
 }
 
 /// What the linear model said of every step, in percent of the cost before it.
-pub(crate) fn foretold(run: &Run) -> Vec<CurvePoint> {
-    let value = |step: &RunStep| step.foretold_share().map(|share| 100.0 * share);
+pub(crate) fn predicted(run: &Run) -> Vec<CurvePoint> {
+    let value = |step: &RunStep| step.predicted_share().map(|share| 100.0 * share);
     points_of(run, Quantity::Decrease, |step| if step == 0 { None } else { value(&run.steps[step]) })
 }
 
@@ -168,7 +168,7 @@ fn points_of(run: &Run, quantity: Quantity, value: impl Fn(usize) -> Option<f64>
     let (mut x, mut stacked) = (0.0, 0_usize);
     let mut last = None;
     for (step, record) in run.steps.iter().enumerate() {
-        let accepted = step == 0 || record.accepted;
+        let accepted = step == 0 || record.iteration.accepted;
         if accepted {
             (x, stacked) = (if step == 0 { 0.0 } else { x + 1.0 }, 0);
             last = value(step);
@@ -187,7 +187,7 @@ fn points_of(run: &Run, quantity: Quantity, value: impl Fn(usize) -> Option<f64>
 
 /// Rejected trials in the row that a step belongs to.
 fn trials_at(run: &Run, step: usize) -> usize {
-    let is_rejected = |step: &&RunStep| !step.accepted;
+    let is_rejected = |step: &&RunStep| !step.iteration.accepted;
     let before = run.steps[1.min(step)..step].iter().rev().take_while(is_rejected).count();
     before + run.steps[step..].iter().take_while(is_rejected).count()
 }
@@ -195,27 +195,33 @@ fn trials_at(run: &Run, step: usize) -> usize {
 #[cfg(test)]
 pub(crate) mod tests {
     use backlit_tracking::body::Pose;
+    use backlit_tracking::optimize::Iteration;
     use glam::DVec3;
 
     use super::*;
 
     /// A run of four steps, the second of which was rejected twice.
     pub(crate) fn run() -> Run {
+        let iteration = |mismatch: f64, accepted: bool| Iteration {
+            point: Pose { root: DVec3::ZERO, rotations: Vec::new() },
+            stage: 0,
+            cost: mismatch,
+            rms: 0.0,
+            trial_cost: mismatch * if accepted { 1.0 } else { 1.5 },
+            predicted_decrease: 0.6 * mismatch,
+            actual_decrease: if accepted { mismatch } else { 0.0 },
+            damping: 0.01,
+            step_norm: 0.25,
+            gradient_max: 0.0,
+            accepted,
+        };
         let step = |mismatch: f64, accepted: bool| RunStep {
-            pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
+            iteration: iteration(mismatch, accepted),
             mismatch,
             rms: mismatch.sqrt(),
             iou: Some(1.0 - mismatch / 1000.0),
             joint_error_mm: None,
-            cost: mismatch,
-            trial_cost: mismatch * if accepted { 1.0 } else { 1.5 },
-            foretold: 0.6 * mismatch,
-            fell: if accepted { mismatch } else { 0.0 },
-            damping: 0.01,
-            step_norm: 0.25,
             seconds: 0.001,
-            stage: 0,
-            accepted,
         };
         let steps = vec![
             step(800.0, true),
@@ -245,8 +251,8 @@ pub(crate) mod tests {
         let run = run();
         let found: Vec<f64> = points(&run, Quantity::Decrease).iter().map(|point| point.y).collect();
         assert_eq!(found, [50.0, -50.0, -50.0, 50.0]);
-        let foretold: Vec<f64> = foretold(&run).iter().map(|point| point.y).collect();
-        assert_eq!(foretold, [30.0, 60.0, 60.0, 30.0]);
+        let predicted: Vec<f64> = predicted(&run).iter().map(|point| point.y).collect();
+        assert_eq!(predicted, [30.0, 60.0, 60.0, 30.0]);
     }
 
     #[test]

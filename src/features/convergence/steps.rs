@@ -74,7 +74,7 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, wi
     let (mut stage, mut free_from) = (usize::MAX, f32::NEG_INFINITY);
     for (step, record) in run.steps.iter().enumerate() {
         let centre = pos2(x(step), rail.bottom() + 9.0);
-        if record.accepted {
+        if record.iteration.accepted {
             painter.vline(centre.x, centre.y - 2.5..=centre.y + 2.5, Stroke::new(1.0, palette.text3));
         } else {
             let stroke = Stroke::new(1.3, colour);
@@ -82,8 +82,8 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, wi
                 painter.line_segment([centre - turn, centre + turn], stroke);
             }
         }
-        if step > 0 && record.stage != stage {
-            stage = record.stage;
+        if step > 0 && record.iteration.stage != stage {
+            stage = record.iteration.stage;
             let font = theme::tick().resolve(ui.style());
             let label = run.stages.get(stage).map_or("", String::as_str);
             // A stage of a step or two leaves its neighbour no room for a word of its own.
@@ -144,14 +144,14 @@ fn sentence(step: &RunStep, index: usize) -> String {
     let share = |value: Option<f64>| {
         value.map_or_else(|| format::MISSING.to_owned(), |share| Quantity::Percent.text_of(100.0 * share))
     };
-    let fell = step.fell_share().map(f64::abs);
-    let foretold = share(step.foretold_share());
-    if step.accepted && step.fell >= 0.0 {
-        format!("Accepted. Cost fell by {}, {foretold} expected.", share(fell))
-    } else if step.accepted {
-        format!("Taken, though the cost rose by {}; a fall of {foretold} was expected.", share(fell))
+    let fell = step.actual_share().map(f64::abs);
+    let predicted = share(step.predicted_share());
+    if step.iteration.accepted && step.iteration.actual_decrease >= 0.0 {
+        format!("Accepted. Cost fell by {}, {predicted} expected.", share(fell))
+    } else if step.iteration.accepted {
+        format!("Taken, though the cost rose by {}; a fall of {predicted} was expected.", share(fell))
     } else {
-        let damping = format::short(step.damping);
+        let damping = format::short(step.iteration.damping);
         format!("Rejected: the cost would have risen by {}. Damping {damping}.", share(fell))
     }
 }

@@ -132,7 +132,7 @@ impl ExportOrder {
 /// The steps of the shown run, from its start on.
 fn shots_of_steps(context: &Context<'_>, accepted_only: bool) -> Vec<(usize, Shot)> {
     let Some(Run { number, steps, .. }) = context.run() else { return Vec::new() };
-    let is_wanted = |step: usize| step == 0 || steps[step].accepted || !accepted_only;
+    let is_wanted = |step: usize| step == 0 || steps[step].iteration.accepted || !accepted_only;
     let shot = |step| (step, Shot::Step(StepRef { run: *number, step }));
     (0..steps.len()).filter(|step| is_wanted(*step)).map(shot).collect()
 }

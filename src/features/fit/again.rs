@@ -22,14 +22,15 @@ impl Again {
     /// no run. What has been run like this from there is not run again.
     pub(super) fn all(over: Variants, context: &Context<'_>) -> Vec<Self> {
         let shown = context.run().and_then(|run| Some((run, run.steps.first()?)));
-        let start = shown.map_or_else(|| context.shown_pose().clone(), |(_, first)| first.pose.clone());
+        let start =
+            shown.map_or_else(|| context.shown_pose().clone(), |(_, first)| first.iteration.point.clone());
         let base = shown.map_or_else(|| context.document().fit.clone(), |(run, _)| run.choices.fit.clone());
         let is_new = |options: &FitOptions| {
             let same = |run: &backlit_document::run::Run| {
                 run.frame == context.selection.frame
                     && *run.choices.fit == *options
                     && run.choices.part.is_none()
-                    && run.steps.first().is_some_and(|first| first.pose == start)
+                    && run.steps.first().is_some_and(|first| first.iteration.point == start)
             };
             !context.runs().all().iter().any(same)
         };

@@ -127,9 +127,9 @@ impl Job<Fitted> for FitJob {
         };
         let seconds = began.elapsed().as_secs_f64();
         if record.accepted {
-            running.last = Arc::new(Predicted::new(&running.inputs, &record.pose, Some(&running.last)));
+            running.last = Arc::new(Predicted::new(&running.inputs, &record.point, Some(&running.last)));
         }
-        let step = running.last.step_of(&record, seconds);
+        let step = running.last.step_of(record, seconds);
         running.send(step, out);
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again

@@ -213,7 +213,7 @@ impl Fit {
         requests: &mut Requests,
     ) {
         self.step_seconds = Some(step.seconds);
-        step.joint_error_mm = context.joint_error_mm(&step.pose);
+        step.joint_error_mm = context.joint_error_mm(&step.iteration.point);
         if context.selection.step.is_none() {
             requests.predicted = Some(predicted.clone());
         }
@@ -250,9 +250,9 @@ impl Fit {
             }
         }
         if live.steps > 0 && !live.is_comparison {
-            let predicted = Some(predicted).filter(|predicted| predicted.pose == last.pose);
+            let predicted = Some(predicted).filter(|predicted| predicted.pose == last.iteration.point);
             let estimate = Estimate {
-                pose: last.pose.clone(),
+                pose: last.iteration.point.clone(),
                 origin: Origin::Fit,
                 cost: Some(predicted.map_or(last.mismatch, |predicted| predicted.mismatch)),
                 rms: predicted.and_then(|predicted| predicted.rms),
@@ -289,7 +289,7 @@ impl LiveRun {
     fn can_go_on(&self, context: &Context<'_>) -> bool {
         let has_same_inputs = || context.fit_inputs().is_some_and(|inputs| self.inputs.is(&inputs));
         self.frame == context.selection.frame
-            && self.last.as_ref().is_some_and(|(last, _)| *context.shown_pose() == last.pose)
+            && self.last.as_ref().is_some_and(|(last, _)| *context.shown_pose() == last.iteration.point)
             && has_same_inputs()
     }
 }
@@ -305,8 +305,8 @@ fn look_at_neighbour(later: bool, context: &Context<'_>, requests: &mut Requests
         None => last,
     };
     // The newest step is the document's pose, as long as nobody has changed that.
-    let is_newest =
-        step == last && run.steps[last].pose == *context.document().pose_at(context.selection.frame);
+    let is_newest = step == last
+        && run.steps[last].iteration.point == *context.document().pose_at(context.selection.frame);
     let at = StepRef { run: run.number, step };
     requests.request(if is_newest { Request::LeaveStep } else { Request::Step(at) });
 }
@@ -316,7 +316,7 @@ fn branch(context: &Context<'_>, requests: &mut Requests) {
     let Some(at) = context.selection.step else { return };
     let Some(step) = context.runs().step(at) else { return };
     let what = format!("Branch at step {}", at.step);
-    requests.edit(Edit::SetPose { frame: context.selection.frame, pose: step.pose.clone(), what });
+    requests.edit(Edit::SetPose { frame: context.selection.frame, pose: step.iteration.point.clone(), what });
 }
 
 /// Switches to a preset, with the tracking that goes with it: one act. The renderer is chosen by itself.

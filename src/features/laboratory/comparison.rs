@@ -86,7 +86,7 @@ impl Contestant {
 
     /// The pose after a step.
     pub fn pose(&self, step: usize) -> Option<&Pose> {
-        self.steps.get(step.min(self.last())).map(|step| &step.pose)
+        self.steps.get(step.min(self.last())).map(|step| &step.iteration.point)
     }
 
     /// The first step from which on it stays below a share of its start, percent.
@@ -227,6 +227,8 @@ pub(crate) mod tests {
     use backlit_tracking::fit::{FitOptions, Preset};
     use glam::DVec3;
 
+    use backlit_tracking::optimize::Iteration;
+
     use super::*;
     use crate::features::laboratory::Lineup;
 
@@ -259,23 +261,21 @@ pub(crate) mod tests {
         comparison
     }
 
-    fn step(pose: Pose, mismatch: f64, fell: f64) -> RunStep {
-        RunStep {
-            pose,
-            mismatch,
-            rms: 0.0,
-            iou: None,
-            joint_error_mm: None,
-            step_norm: 0.0,
-            cost: mismatch,
-            trial_cost: mismatch,
-            foretold: 0.0,
-            fell,
-            damping: 0.0,
-            seconds: 0.0,
+    fn step(point: Pose, mismatch: f64, actual_decrease: f64) -> RunStep {
+        let iteration = Iteration {
+            point,
             stage: 0,
+            cost: mismatch,
+            rms: 0.0,
+            trial_cost: mismatch,
+            predicted_decrease: 0.0,
+            actual_decrease,
+            damping: 0.0,
+            step_norm: 0.0,
+            gradient_max: 0.0,
             accepted: true,
-        }
+        };
+        RunStep { iteration, mismatch, rms: 0.0, iou: None, joint_error_mm: None, seconds: 0.0 }
     }
 
     #[test]
@@ -291,7 +291,7 @@ pub(crate) mod tests {
         found.go_to(0);
         let stale: Vec<usize> = found.stale().map(|(index, ..)| index).collect();
         assert_eq!(stale, [0, 1, 2]);
-        let pose = found.contestants[0].steps[0].pose.clone();
+        let pose = found.contestants[0].steps[0].iteration.point.clone();
         let predicted = Arc::new(Predicted::new(&found.contestants[0].scene, &pose, None));
         found.add_step(0, step(pose, 6.0, 1.0), predicted);
         assert_eq!(found.cursor, 0, "who looks back is left there");

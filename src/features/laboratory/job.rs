@@ -167,9 +167,9 @@ impl Job<Stepped> for StepJob {
         let seconds = began.elapsed().as_secs_f64();
         racing.done += 1;
         if record.accepted {
-            racing.last = Arc::new(Predicted::new(&racing.scene, &record.pose, Some(&racing.last)));
+            racing.last = Arc::new(Predicted::new(&racing.scene, &record.point, Some(&racing.last)));
         }
-        let step = racing.last.step_of(&record, seconds);
+        let step = racing.last.step_of(record, seconds);
         out.send(Stepped::Step(index, Box::new(step), racing.last.clone()));
         Step::Again
     }

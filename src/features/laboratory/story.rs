@@ -208,7 +208,7 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
             worst.entrant.subject
         ));
     }
-    let rejected = worst.steps.iter().filter(|step| !step.accepted).count();
+    let rejected = worst.steps.iter().filter(|step| !step.iteration.accepted).count();
     if 2 * rejected > worst.last() {
         return Some(format!(
             "{rejected} of {} steps of {} were taken back: none of them lowered its cost.",
@@ -231,7 +231,7 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
 
 /// Steps that were taken and raised the cost that the solver lowers.
 fn raised(fit: &Contestant) -> usize {
-    fit.steps.iter().filter(|step| step.accepted && step.fell < 0.0).count()
+    fit.steps.iter().filter(|step| step.iteration.accepted && step.iteration.actual_decrease < 0.0).count()
 }
 
 /// Where each of them is in the end.

@@ -37,7 +37,7 @@ impl Laboratory {
         for news in self.steps.poll() {
             match (news, &mut self.comparison) {
                 (News::Output(Stepped::Step(index, mut step, predicted)), Some(comparison)) => {
-                    step.joint_error_mm = context.joint_error_mm(&step.pose);
+                    step.joint_error_mm = context.joint_error_mm(&step.iteration.point);
                     comparison.add_step(index, *step, predicted);
                     self.measure_steps();
                 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::fit::{FitOptions, Stage};
+use backlit_tracking::optimize::Iteration;
 use serde::{Deserialize, Serialize};
 
 use super::ProjectError;
@@ -68,7 +69,7 @@ struct StepRecord {
 
 /// A run whose poses are the body's; one of another body cannot be shown.
 pub(crate) fn run_record(model: &Model, run: &Run) -> Option<RunRecord> {
-    run.steps.iter().all(|step| step.pose.check(model).is_ok()).then(|| RunRecord {
+    run.steps.iter().all(|step| step.iteration.point.check(model).is_ok()).then(|| RunRecord {
         number: run.number,
         frame: run.frame,
         name: run.is_named.then(|| run.name.clone()),
@@ -93,21 +94,22 @@ pub(crate) fn run_record(model: &Model, run: &Run) -> Option<RunRecord> {
 
 fn step_record(model: &Model, step: &RunStep) -> StepRecord {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    let iteration = &step.iteration;
     StepRecord {
-        pose: pose_record(model, &step.pose),
+        pose: pose_record(model, &iteration.point),
         mismatch: step.mismatch,
         rms: step.rms,
         iou: step.iou,
         joint_error_mm: step.joint_error_mm,
-        cost: step.cost,
-        trial_cost: finite(step.trial_cost),
-        foretold: finite(step.foretold),
-        fell: finite(step.fell),
-        damping: finite(step.damping),
-        step_norm: finite(step.step_norm),
+        cost: iteration.cost,
+        trial_cost: finite(iteration.trial_cost),
+        foretold: finite(iteration.predicted_decrease),
+        fell: finite(iteration.actual_decrease),
+        damping: finite(iteration.damping),
+        step_norm: finite(iteration.step_norm),
         seconds: step.seconds,
-        stage: step.stage,
-        accepted: step.accepted,
+        stage: iteration.stage,
+        accepted: iteration.accepted,
     }
 }
 
@@ -176,21 +178,20 @@ impl Reader<'_> {
                 return Err(self.number(format!("{field}.{name}"), value, expected));
             }
         }
-        Ok(RunStep {
-            pose: self.pose(model, &format!("{field}.pose"), &record.pose)?,
-            mismatch: record.mismatch,
-            rms: record.rms,
-            iou: record.iou,
-            joint_error_mm: record.joint_error_mm,
+        let iteration = Iteration {
+            point: self.pose(model, &format!("{field}.pose"), &record.pose)?,
+            stage: record.stage,
             cost: record.cost,
+            rms: 0.0,
             trial_cost: record.trial_cost.unwrap_or(f64::INFINITY),
-            foretold: record.foretold.unwrap_or(f64::NAN),
-            fell: record.fell.unwrap_or(f64::NEG_INFINITY),
+            predicted_decrease: record.foretold.unwrap_or(f64::NAN),
+            actual_decrease: record.fell.unwrap_or(f64::NEG_INFINITY),
             damping: record.damping.unwrap_or(f64::INFINITY),
             step_norm: record.step_norm.unwrap_or(f64::INFINITY),
-            seconds: record.seconds,
-            stage: record.stage,
+            gradient_max: 0.0,
             accepted: record.accepted,
-        })
+        };
+        let StepRecord { mismatch, rms, iou, joint_error_mm, seconds, .. } = *record;
+        Ok(RunStep { iteration, mismatch, rms, iou, joint_error_mm, seconds })
     }
 }

@@ -9,9 +9,9 @@ use std::time::Instant;
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, FitView, Preset};
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::{SearchOptions, WithoutStart, WithoutStartError, without_start};
+use backlit_tracking::statistics::Statistics;
 use serde::Serialize;
 
 use super::{ExperimentError, FitChoice, Progress};

@@ -25,8 +25,8 @@ use std::time::Instant;
 
 use backlit_formats::starts_file::Start;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::particles::ParticleOptions;
+use backlit_tracking::statistics::Statistics;
 use serde::Serialize;
 
 pub use method::{Beginning, End, Method, Step, Watch, begin, begin_watched};

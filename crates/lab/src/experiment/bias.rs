@@ -10,11 +10,11 @@ use backlit_tracking::body::{Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{DataView, Evidence, FitOptions, FitView, Preset, Stage};
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Measurement};
+use backlit_tracking::statistics::Statistics;
 use serde::Serialize;
 
 use super::curve::Curve;

@@ -16,10 +16,10 @@ use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions, CueReach, CueStrength, CueWatch, WatchedCamera};
 use backlit_tracking::fit::{Evidence, FitOptions, FitView};
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::search::start::perturb;
+use backlit_tracking::statistics::Statistics;
 use backlit_tracking::track::{FrameEstimate, Tracker, WhenToSearch};
 use serde::Serialize;
 

@@ -43,7 +43,7 @@ impl Curve {
             return Err(ExperimentError::Cancelled);
         }
         let later = &summary.iterations;
-        let poses = std::iter::once(start).chain(later.iter().map(|record| &record.pose));
+        let poses = std::iter::once(start).chain(later.iter().map(|record| &record.point));
         Ok(Self {
             name: name.to_owned(),
             costs: std::iter::once(summary.initial_cost)

@@ -12,6 +12,7 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::start::perturb;
+use backlit_tracking::statistics::median;
 use serde::Serialize;
 
 use super::curve::Curve;
@@ -177,11 +178,9 @@ pub(super) fn medians(lists: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
     let length = lists.iter().map(Vec::len).max().unwrap_or(0);
     let entry = |at: usize| {
         let mut values: Vec<f64> = lists.iter().map(|list| list[at.min(list.len() - 1)]).collect();
-        values.sort_by(f64::total_cmp);
-        let middle = values.len() / 2;
-        if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+        median(&mut values)
     };
-    (0..length).map(entry).collect()
+    (0..length).filter_map(entry).collect()
 }
 
 #[cfg(test)]

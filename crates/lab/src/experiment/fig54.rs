@@ -82,7 +82,7 @@ pub fn run(options: &Options, sequence: &Sequence, cancel: &CancelToken) -> Resu
             let iteration = iteration.min(summary.iterations.len());
             let record = iteration.checked_sub(1).map(|index| &summary.iterations[index]);
             let (pose, stage, rms): (&Pose, usize, f64) =
-                record.map_or((&from, 0, rms), |record| (&record.pose, record.stage, record.rms));
+                record.map_or((&from, 0, rms), |record| (&record.point, record.stage, record.rms));
             let stage = &fit.options().stages[stage];
             let looks = Look::of_views(model, pose, &views, stage, way.fit.renderer);
             Shown { iteration, rms, joint_error_mm: moment.joint_error_mm(model, pose), looks }

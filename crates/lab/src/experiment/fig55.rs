@@ -9,10 +9,10 @@ use std::sync::Arc;
 use backlit_tracking::body::{Parameters, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{DataView, FitOptions, FitView, Preset};
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::search::start::perturb;
+use backlit_tracking::statistics::Statistics;
 use backlit_tracking::track::{LOST_BELOW_IOU, Motion, Tracker};
 use serde::Serialize;
 

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitView;
-use backlit_tracking::metrics::Statistics;
 use backlit_tracking::search::start::perturb;
+use backlit_tracking::statistics::Statistics;
 use serde::Serialize;
 
 use super::basin::leaf_error_mm;

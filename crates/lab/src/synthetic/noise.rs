@@ -1,5 +1,6 @@
 //! What a camera does to light: exposure, a film-like curve, noise that grows with the signal, eight bits.
 
+use backlit_tracking::statistics::normal;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
 use rand_pcg::Pcg64Mcg;
@@ -41,7 +42,7 @@ impl Sensor {
             let signal = spread * (self.exposure * gain);
             *pixel = Rgb(signal.to_array().map(|value| {
                 let deviation = (self.read_noise * self.read_noise + self.shot_noise * value.max(0.0)).sqrt();
-                code(value + deviation * gaussian(&mut random))
+                code(value + deviation * normal(&mut random))
             }));
         }
         image
@@ -56,12 +57,6 @@ fn code(light: f64) -> u8 {
     let rolled = (light * (1.0 + light / (WHITE * WHITE)) / (1.0 + light * 0.85)).min(1.0);
     let coded = if rolled <= 0.003_130_8 { 12.92 * rolled } else { 1.055 * rolled.powf(1.0 / 2.4) - 0.055 };
     (coded * 255.0 + 0.5) as u8
-}
-
-/// A normally distributed number (Box and Muller).
-fn gaussian(random: &mut Pcg64Mcg) -> f64 {
-    let (u, v) = (unit(random), unit(random));
-    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
 /// A uniform number in 0 … 1, 1 excluded.

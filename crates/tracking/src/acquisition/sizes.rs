@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::grow;
 use super::options::AcquireOptions;
 use crate::body::{Kinematics, Model, ModelError, Pose};
+use crate::statistics::median;
 use crate::templates::{Frame, Pictures, Segment, Template};
 
 /// A chain that is bent by less, radians, does not show where its middle joint is: it keeps its proportions.
@@ -100,12 +101,12 @@ pub(super) fn resized(model: &Model, all: &[Factors]) -> Result<Model, ModelErro
         let both = [limb, model.mirrored_limb(limb)];
         all.iter().flat_map(|factors| both.map(|limb| factors[limb][kind])).flatten().collect()
     };
-    let radii = (0..model.limbs().len()).flat_map(|limb| of(limb, 1)).collect();
-    let usual = median(radii).unwrap_or(1.0);
+    let mut radii: Vec<f64> = (0..model.limbs().len()).flat_map(|limb| of(limb, 1)).collect();
+    let usual = median(&mut radii).unwrap_or(1.0);
     model.with_sizes(|limb| {
         let part = &model.limbs()[limb];
-        let length = median(of(limb, 0)).unwrap_or(1.0);
-        [part.length * length, part.radius * median(of(limb, 1)).unwrap_or(usual)]
+        let length = median(&mut of(limb, 0)).unwrap_or(1.0);
+        [part.length * length, part.radius * median(&mut of(limb, 1)).unwrap_or(usual)]
     })
 }
 
@@ -114,11 +115,4 @@ pub(super) fn are_measured(model: &Model, all: &[Factors]) -> Vec<[bool; 2]> {
     let is = |limb: usize, kind: usize| all.iter().any(|factors| factors[limb][kind].is_some());
     let either = |limb: usize| [0, 1].map(|kind| is(limb, kind) || is(model.mirrored_limb(limb), kind));
     (0..model.limbs().len()).map(either).collect()
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let upper = values.get(middle)?;
-    Some(if values.len() % 2 == 1 { *upper } else { 0.5 * (values[middle - 1] + upper) })
 }

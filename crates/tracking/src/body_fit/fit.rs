@@ -206,14 +206,11 @@ fn descend(
             run_all: false,
         };
         let mut solver = Solver::new(&mut problem, state.clone(), solver_options);
-        let mut rms = problem.rms();
-        initial_rms.get_or_insert(rms);
+        initial_rms.get_or_insert(solver.rms());
         while let Some(iteration) = solver.step(&mut problem) {
             iterations += 1;
-            if iteration.accepted {
-                rms = problem.rms();
-            }
-            progress(BodyProgress { stage: index, stages: options.stages.len(), iterations, rms });
+            let (stages, rms) = (options.stages.len(), iteration.rms);
+            progress(BodyProgress { stage: index, stages, iterations, rms });
             if cancel.is_cancelled() {
                 return Err(BodyFitError::Cancelled);
             }
@@ -221,7 +218,7 @@ fn descend(
         state = solver.point().clone();
         let termination = solver.termination().unwrap_or(Termination::NotFinite);
         let deviations = report::deviations(solver.equations(), problem.shape_unit(), problem.first_size());
-        end = Some((deviations, problem.metres_per_px(), rms, termination));
+        end = Some((deviations, problem.metres_per_px(), solver.rms(), termination));
     }
     let Some((mut deviations, metres_per_px, final_rms, termination)) = end else {
         return Err(BodyFitError::NoStages);

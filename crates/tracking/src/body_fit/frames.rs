@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::fit::FitView;
 use crate::metrics::ReferenceJoints;
+use crate::statistics::upper_median;
 use crate::track::FrameEstimate;
 
 /// What one frame contributes.
@@ -71,8 +72,7 @@ pub fn choose(model: &Model, candidates: &[PosedFrame], fitted: usize, held_out:
     let mut good: Vec<usize> = (0..candidates.len()).filter(|&one| !candidates[one].is_lost).collect();
     choice.lost = candidates.len() - good.len();
     let mut ious: Vec<f64> = good.iter().filter_map(|&one| candidates[one].iou).collect();
-    ious.sort_by(f64::total_cmp);
-    let median = ious.get(ious.len() / 2).copied().unwrap_or(0.0);
+    let median = upper_median(&mut ious).unwrap_or(0.0);
     let count = good.len();
     good.retain(|&one| candidates[one].iou.is_none_or(|iou| iou >= median - POOR));
     choice.poor = count - good.len();

@@ -133,13 +133,6 @@ impl<'a> BodyProblem<'a> {
         self.terms.iter().map(|term| term.view.weight).sum()
     }
 
-    /// Root of the mean squared residual per pixel that has weight, grey levels, where it was evaluated last.
-    #[must_use]
-    pub(super) fn rms(&self) -> f64 {
-        let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight() * term.view.weight).sum();
-        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
-    }
-
     fn add_data(&mut self, model: &Model, state: &BodyState, equations: &mut NormalEquations) {
         let poses = &state.poses;
         let kinematics: Vec<Kinematics> = poses.iter().map(|pose| Kinematics::new(model, pose)).collect();
@@ -250,6 +243,12 @@ impl LeastSquares for BodyProblem<'_> {
                 },
             },
         }
+    }
+
+    /// Per pixel that has weight, grey levels.
+    fn rms(&self) -> f64 {
+        let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight() * term.view.weight).sum();
+        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 
     fn cap(&self, step: &mut DVector<f64>) {

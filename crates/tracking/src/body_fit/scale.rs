@@ -9,6 +9,7 @@ use crate::fit::{Evidence, FitView};
 use crate::metrics::ReferenceJoints;
 use crate::render::{Ramp, RendererKind, RowWinners, View};
 use crate::silhouette::{Label, Mask};
+use crate::statistics::upper_median;
 
 /// Rounds of matching places and areas.
 const ROUNDS: usize = 6;
@@ -39,8 +40,7 @@ pub fn from_joints(model: &Model, joints: &[ReferenceJoints]) -> Option<f64> {
         }
     }
     ratios.retain(|ratio| ratio.is_finite());
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).map(|ratio| ratio.clamp(-RANGE, RANGE))
+    upper_median(&mut ratios).map(|ratio| ratio.clamp(-RANGE, RANGE))
 }
 
 /// The logarithm of the body's size, by the silhouettes' areas, and the poses moved to the silhouettes' places.

@@ -21,6 +21,7 @@ use super::options::SphereBodyOptions;
 use super::{PosedViews, trees};
 use crate::body::{Kinematics, Model};
 use crate::fit::{DataView, FitView, Stage};
+use crate::optimize::{DescentOptions, StructuredLeastSquares, descend};
 use crate::render::{BACKGROUND, Primitive, Ramp, RendererKind, RowWinners, View};
 use crate::silhouette::Measurement;
 
@@ -29,9 +30,6 @@ const RAMP_PX: [f64; 2] = [1.5, 3.0];
 
 /// A radius stays within so many times what the tree gave, either way.
 const LARGEST_CHANGE: f64 = 3.0;
-
-/// First damping, and its factors on rejection and on acceptance.
-const DAMPING: [f64; 3] = [1e-2, 5.0, 0.3];
 
 /// What all pixels that a sphere wins say of it.
 #[derive(Debug, Clone, Copy)]
@@ -165,39 +163,68 @@ pub(super) fn refine(
     let unit = BACKGROUND * BACKGROUND * frames.len() as f64 / (options.stride * options.stride) as f64;
     let inverse = |deviation: f64| unit / (deviation * deviation);
     let weights = [inverse(options.centre_deviation), inverse(options.radius_deviation)];
-    let prior = |model: &Model| -> f64 {
-        let pulls = each_sphere(model, begin);
-        pulls.map(|(away, growth)| weights[0] * away.length_squared() + weights[1] * growth * growth).sum()
+    let none = (0.0, Vec::new());
+    let mut problem =
+        SphereProblem { silhouettes, begin, weights, before: None, evaluated: none.clone(), at_point: none };
+    let descent = DescentOptions {
+        damping: 1e-2,
+        lower: |damping| 0.3 * damping,
+        raise: |damping| 5.0 * damping,
+        most_damping: f64::INFINITY,
+        max_trials: options.steps,
+        max_steps: usize::MAX,
+        tolerance: 0.0,
     };
-    let mut model = model.clone();
-    let (mut data, mut blocks) = silhouettes.blocks(&model);
-    let mut cost = data + prior(&model);
-    let first = data;
-    let [mut damping, worse, better] = DAMPING;
-    for _ in 0..options.steps {
-        let steps: Vec<Vector4<f64>> = each_sphere(&model, begin)
-            .zip(&blocks)
-            .map(|((away, growth), block)| {
-                let held = Vector4::new(weights[0], weights[0], weights[0], weights[1]);
-                let pull = Vector4::new(away.x, away.y, away.z, growth).component_mul(&held);
-                let mut matrix = block.products + Matrix4::from_diagonal(&held);
-                for i in 0..4 {
-                    matrix[(i, i)] *= 1.0 + damping;
-                }
-                matrix.cholesky().map_or(Vector4::zeros(), |factor| factor.solve(&(block.forces - pull)))
-            })
-            .collect();
-        let tried = moved(&model, begin, &steps);
-        let (tried_data, tried_blocks) = silhouettes.blocks(&tried);
-        let tried_cost = tried_data + prior(&tried);
-        if tried_cost < cost {
-            (model, data, blocks, cost) = (tried, tried_data, tried_blocks, tried_cost);
-            damping *= better;
-        } else {
-            damping *= worse;
-        }
+    let found = descend(&mut problem, model.clone(), &descent);
+    (found, [problem.before.unwrap_or(0.0), problem.at_point.0].map(rms))
+}
+
+/// Silhouettes and prior as a cost of spheres.
+struct SphereProblem<'a> {
+    silhouettes: Silhouettes<'a>,
+    /// What the prior holds to.
+    begin: &'a Model,
+    /// Of the prior, on a centre and on the logarithm of a radius.
+    weights: [f64; 2],
+    /// Cost of the silhouettes at the start.
+    before: Option<f64>,
+    /// Cost of the silhouettes and the spheres' blocks, where they were evaluated last.
+    evaluated: (f64, Vec<SphereBlock>),
+    /// The same where the problem was linearised last.
+    at_point: (f64, Vec<SphereBlock>),
+}
+
+impl StructuredLeastSquares for SphereProblem<'_> {
+    type Point = Model;
+
+    fn cost(&mut self, model: &Model) -> f64 {
+        self.evaluated = self.silhouettes.blocks(model);
+        self.before.get_or_insert(self.evaluated.0);
+        let [centre, radius] = self.weights;
+        let prior = each_sphere(model, self.begin)
+            .map(|(away, growth)| centre * away.length_squared() + radius * growth * growth);
+        self.evaluated.0 + prior.sum::<f64>()
     }
-    (model, [rms(first), rms(data)])
+
+    fn linearise(&mut self, _model: &Model) {
+        self.at_point = std::mem::take(&mut self.evaluated);
+    }
+
+    fn trial(&mut self, model: &Model, damping: f64) -> Option<Model> {
+        let [centre, radius] = self.weights;
+        let held = Vector4::new(centre, centre, centre, radius);
+        let step = |((away, growth), block): ((DVec3, f64), &SphereBlock)| {
+            let pull = Vector4::new(away.x, away.y, away.z, growth).component_mul(&held);
+            let mut matrix = block.products + Matrix4::from_diagonal(&held);
+            for i in 0..4 {
+                matrix[(i, i)] *= 1.0 + damping;
+            }
+            matrix.cholesky().map_or(Vector4::zeros(), |factor| factor.solve(&(block.forces - pull)))
+        };
+        let steps: Vec<Vector4<f64>> =
+            each_sphere(model, self.begin).zip(&self.at_point.1).map(step).collect();
+        Some(moved(model, self.begin, &steps))
+    }
 }
 
 impl Term<'_> {

@@ -11,6 +11,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 
 use super::{Camera, CameraFromWorld, Intrinsics};
 use crate::geometry::rotation::exp;
+use crate::geometry::umeyama;
+use crate::optimize::{DescentOptions, StructuredLeastSquares, descend};
+use crate::statistics::upper_median;
 
 /// Numbers of one camera: turn, place of the centre, logarithm of the focal length, principal point.
 const COLUMNS: usize = 9;
@@ -87,38 +90,27 @@ pub fn adjust(
     if seeing.len() < 2 || !sightings.iter().all(is_known) {
         return None;
     }
-    let bundle = Bundle { given: cameras, sightings, options };
+    let mut bundle = Bundle { given: cameras, sightings, options, equations: None };
     let none = vec![[0.0; COLUMNS]; cameras.len()];
     let before = bundle.median_px(cameras, points);
-    let mut state = State { changes: none, cameras: cameras.to_vec(), points: points.to_vec() };
-    let (mut cost, mut damping) = (bundle.cost(&state), 1e-3);
-    for _ in 0..options.rounds {
-        let equations = bundle.equations(&state);
-        let mut gain = 0.0;
-        while damping < MOST_DAMPING {
-            let next = equations.step(damping).and_then(|step| bundle.moved(&state, &step));
-            if let Some(next) = next {
-                let lower = bundle.cost(&next);
-                if lower < cost {
-                    gain = (cost - lower) / cost;
-                    (state, cost) = (next, lower);
-                    damping = (damping / 5.0).max(1e-9);
-                    break;
-                }
-            }
-            damping *= 4.0;
-        }
-        if gain < TOLERANCE {
-            break;
-        }
-    }
-    let (cameras, points) = laid_over(&state.cameras, &state.points, points)?;
+    let start = Adjustment { changes: none, cameras: cameras.to_vec(), points: points.to_vec() };
+    let descent = DescentOptions {
+        damping: 1e-3,
+        lower: |damping| (damping / 5.0).max(1e-9),
+        raise: |damping| 4.0 * damping,
+        most_damping: MOST_DAMPING,
+        max_trials: usize::MAX,
+        max_steps: options.rounds,
+        tolerance: TOLERANCE,
+    };
+    let found = descend(&mut bundle, start, &descent);
+    let (cameras, points) = aligned(&found.cameras, &found.points, points)?;
     let median_px = [before?, bundle.median_px(&cameras, &points)?];
     Some(Adjusted { cameras, points, median_px })
 }
 
 #[derive(Debug, Clone)]
-struct State {
+struct Adjustment {
     changes: Vec<[f64; COLUMNS]>,
     cameras: Vec<Camera>,
     points: Vec<DVec3>,
@@ -128,6 +120,37 @@ struct Bundle<'a> {
     given: &'a [Camera],
     sightings: &'a [Sighting],
     options: &'a AdjustOptions,
+    equations: Option<Equations>,
+}
+
+impl StructuredLeastSquares for Bundle<'_> {
+    type Point = Adjustment;
+
+    fn linearise(&mut self, point: &Adjustment) {
+        self.equations = Some(self.equations(point));
+    }
+
+    fn trial(&mut self, point: &Adjustment, damping: f64) -> Option<Adjustment> {
+        let step = self.equations.as_ref()?.step(damping)?;
+        self.moved(point, &step)
+    }
+
+    /// Twice the negative logarithm of the likelihood. A point behind its camera counts as a hundred deviations.
+    fn cost(&mut self, state: &Adjustment) -> f64 {
+        let of_sightings = self.sightings.iter().map(|sighting| {
+            let miss = self.miss(sighting, &state.cameras[sighting.camera], state.points[sighting.point]);
+            miss.map_or(1e4, DVec2::length_squared).ln_1p()
+        });
+        let of_cameras = state.changes.iter().enumerate().map(|(camera, changes)| {
+            let deviations = self.deviations(camera);
+            changes
+                .iter()
+                .zip(deviations)
+                .map(|(change, deviation)| (change / deviation).powi(2))
+                .sum::<f64>()
+        });
+        of_sightings.sum::<f64>() + of_cameras.sum::<f64>()
+    }
 }
 
 impl Bundle<'_> {
@@ -158,25 +181,8 @@ impl Bundle<'_> {
         Some((camera.project(point)? - sighting.pixel) / self.sighting_px(sighting.camera))
     }
 
-    /// Twice the negative logarithm of the likelihood. A point behind its camera counts as a hundred deviations.
-    fn cost(&self, state: &State) -> f64 {
-        let of_sightings = self.sightings.iter().map(|sighting| {
-            let miss = self.miss(sighting, &state.cameras[sighting.camera], state.points[sighting.point]);
-            miss.map_or(1e4, DVec2::length_squared).ln_1p()
-        });
-        let of_cameras = state.changes.iter().enumerate().map(|(camera, changes)| {
-            let deviations = self.deviations(camera);
-            changes
-                .iter()
-                .zip(deviations)
-                .map(|(change, deviation)| (change / deviation).powi(2))
-                .sum::<f64>()
-        });
-        of_sightings.sum::<f64>() + of_cameras.sum::<f64>()
-    }
-
     /// The normal equations, each sighting weighed by the loss.
-    fn equations(&self, state: &State) -> Equations {
+    fn equations(&self, state: &Adjustment) -> Equations {
         let count = COLUMNS * state.cameras.len();
         let mut equations = Equations {
             cameras: DMatrix::zeros(count, count),
@@ -229,7 +235,7 @@ impl Bundle<'_> {
         })
     }
 
-    fn moved(&self, state: &State, step: &Step) -> Option<State> {
+    fn moved(&self, state: &Adjustment, step: &BundleStep) -> Option<Adjustment> {
         let mut changes = state.changes.clone();
         for (change, by) in changes.iter_mut().flatten().zip(step.cameras.iter()) {
             *change += by;
@@ -237,7 +243,7 @@ impl Bundle<'_> {
         let cameras =
             (0..changes.len()).map(|camera| self.changed(camera, &changes[camera])).collect::<Option<_>>()?;
         let points = state.points.iter().zip(&step.points).map(|(point, by)| *point + *by).collect();
-        Some(State { changes, cameras, points })
+        Some(Adjustment { changes, cameras, points })
     }
 
     fn median_px(&self, cameras: &[Camera], points: &[DVec3]) -> Option<f64> {
@@ -249,8 +255,7 @@ impl Bundle<'_> {
                 Some(seen.distance(sighting.pixel))
             })
             .collect();
-        let middle = misses.len() / 2;
-        (middle < misses.len()).then(|| *misses.select_nth_unstable_by(middle, f64::total_cmp).1)
+        upper_median(&mut misses)
     }
 }
 
@@ -262,7 +267,7 @@ struct Equations {
     both: Vec<Vec<(usize, SMatrix<f64, COLUMNS, 3>)>>,
 }
 
-struct Step {
+struct BundleStep {
     cameras: DVector<f64>,
     points: Vec<DVec3>,
 }
@@ -282,7 +287,7 @@ impl Equations {
     }
 
     /// The step with this damping of each diagonal. `None` where the equations have no solution.
-    fn step(&self, damping: f64) -> Option<Step> {
+    fn step(&self, damping: f64) -> Option<BundleStep> {
         let (mut matrix, mut right) = (self.cameras.clone(), self.of_cameras.clone());
         for at in 0..right.len() {
             matrix[(at, at)] *= 1.0 + damping;
@@ -314,38 +319,19 @@ impl Equations {
             DVec3::new(step.x, step.y, step.z)
         });
         let points = points.collect();
-        Some(Step { cameras, points })
+        Some(BundleStep { cameras, points })
     }
 }
 
 /// Cameras and points moved, turned and scaled together so that the points lie over those given. All are seen as before.
-fn laid_over(cameras: &[Camera], points: &[DVec3], given: &[DVec3]) -> Option<(Vec<Camera>, Vec<DVec3>)> {
-    let count = points.len() as f64;
-    let middle = |points: &[DVec3]| points.iter().sum::<DVec3>() / count;
-    let (from, to) = (middle(points), middle(given));
-    let (mut across, mut spread) = (Matrix3::zeros(), 0.0);
-    for (point, given) in points.iter().zip(given) {
-        let (a, b) = (*point - from, *given - to);
-        across += Vector3::from(b.to_array()) * Vector3::from(a.to_array()).transpose();
-        spread += a.length_squared();
-    }
-    let svd = across.svd(true, true);
-    let (u, vt) = (svd.u?, svd.v_t?);
-    let mirror = if (u * vt).determinant() < 0.0 { -1.0 } else { 1.0 };
-    let signs = Vector3::new(1.0, 1.0, mirror);
-    let turn = u * Matrix3::from_diagonal(&signs) * vt;
-    let scale = svd.singular_values.dot(&signs) / spread;
-    if !(scale.is_finite() && scale > 0.0) {
-        return None;
-    }
-    let turn = DMat3::from_cols_slice(turn.as_slice());
-    let moved = |point: DVec3| to + scale * (turn * (point - from));
+fn aligned(cameras: &[Camera], points: &[DVec3], given: &[DVec3]) -> Option<(Vec<Camera>, Vec<DVec3>)> {
+    let similarity = umeyama(points, given)?;
     let camera = |camera: &Camera| {
-        let rotation = camera.camera_from_world().rotation * turn.transpose();
-        placed(camera, *camera.intrinsics(), rotation, moved(camera.centre()))
+        let rotation = camera.camera_from_world().rotation * similarity.rotation.transpose();
+        placed(camera, *camera.intrinsics(), rotation, similarity.apply(camera.centre()))
     };
     let cameras = cameras.iter().map(camera).collect::<Option<_>>()?;
-    Some((cameras, points.iter().copied().map(moved).collect()))
+    Some((cameras, points.iter().map(|&point| similarity.apply(point)).collect()))
 }
 
 /// The same camera with another pinhole, elsewhere.
@@ -388,7 +374,7 @@ mod tests {
     /// A calibration that is off by what calibrations are off by.
     fn disturbed(cameras: &[Camera]) -> Vec<Camera> {
         let none = AdjustOptions::default();
-        let bundle = Bundle { given: cameras, sightings: &[], options: &none };
+        let bundle = Bundle { given: cameras, sightings: &[], options: &none, equations: None };
         let off = |k: usize| {
             std::array::from_fn(|column| {
                 [0.004, 0.01, 0.002, 6.0][[0, 0, 0, 1, 1, 1, 2, 3, 3][column]]

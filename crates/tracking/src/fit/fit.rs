@@ -8,7 +8,7 @@ use super::options::FitOptions;
 use super::prepared::Prepared;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::optimize::{NormalEquations, Solver, Termination};
+use crate::optimize::{Iteration, NormalEquations, Solver, Termination};
 use crate::residual::Loss;
 use crate::residual::cue::CueSet;
 use crate::residual::motion_prior::MotionPrior;
@@ -16,33 +16,6 @@ use crate::silhouette::SignedDistance;
 
 /// The last stages, in which pixels may be doubted.
 const DOUBTING_STAGES: usize = 2;
-
-/// One iteration of a fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IterationRecord {
-    /// Pose after it: unchanged if the trial was rejected.
-    pub pose: Pose,
-    /// Index of the stage it belongs to. Costs are comparable within a stage.
-    pub stage: usize,
-    /// Cost of the pose, squared grey levels, priors included.
-    pub cost: f64,
-    /// Root of the mean squared residual per pixel, grey levels; priors left out.
-    pub rms: f64,
-    /// Cost of the trial.
-    pub trial_cost: f64,
-    /// By how much the linear model foretold the cost to fall.
-    pub predicted_decrease: f64,
-    /// By how much it fell; negative if it rose.
-    pub actual_decrease: f64,
-    /// Damping, as [`FitOptions::damping`] counts it.
-    pub damping: f64,
-    /// Length of the step, metres and radians together.
-    pub step_norm: f64,
-    /// Largest entry of Jᵀρ where the step began.
-    pub gradient_max: f64,
-    /// Whether the trial was kept.
-    pub accepted: bool,
-}
 
 /// What a fit did.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +31,7 @@ pub struct SolverSummary {
     /// Root of the mean squared residual per pixel at the end.
     pub final_rms: f64,
     /// Every iteration.
-    pub iterations: Vec<IterationRecord>,
+    pub iterations: Vec<Iteration<Pose>>,
     /// Cameras that had nothing to say, by name.
     pub empty_cameras: Vec<String>,
 }
@@ -84,10 +57,9 @@ pub struct Fit {
     stage: usize,
     objective: Objective,
     solver: Solver<Pose>,
-    rms: f64,
     initial_cost: f64,
     initial_rms: f64,
-    iterations: Vec<IterationRecord>,
+    iterations: Vec<Iteration<Pose>>,
     empty_cameras: Vec<String>,
     termination: Option<Termination>,
 }
@@ -168,7 +140,7 @@ impl Fit {
             let pose = self.solver.point().clone();
             self.begin_anew(&pose);
             if self.iterations.is_empty() {
-                (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.rms);
+                (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms());
             }
         }
         Ok(self)
@@ -185,12 +157,10 @@ impl Fit {
         let Prepared { views, distances, start, empty_cameras } = prepared;
         let (objective, solver) =
             Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, constraints.clone());
-        let rms = objective.rms();
         let termination = objective.is_blind().then_some(Termination::NoGradient);
         Self {
             initial_cost: solver.cost(),
-            initial_rms: rms,
-            rms,
+            initial_rms: solver.rms(),
             termination,
             reference: start,
             constraints,
@@ -231,28 +201,13 @@ impl Fit {
     }
 
     /// One iteration; `None` once the last stage has ended.
-    pub fn step(&mut self) -> Option<IterationRecord> {
+    pub fn step(&mut self) -> Option<Iteration<Pose>> {
         loop {
             if self.termination.is_some() {
                 return None;
             }
             if let Some(iteration) = self.solver.step(&mut self.objective) {
-                if iteration.accepted {
-                    self.rms = self.objective.rms();
-                }
-                let record = IterationRecord {
-                    pose: iteration.point,
-                    stage: self.stage,
-                    cost: iteration.cost,
-                    rms: self.rms,
-                    trial_cost: iteration.trial_cost,
-                    predicted_decrease: iteration.predicted_decrease,
-                    actual_decrease: iteration.actual_decrease,
-                    damping: iteration.damping,
-                    step_norm: iteration.step_norm,
-                    gradient_max: iteration.gradient_max,
-                    accepted: iteration.accepted,
-                };
+                let record = Iteration { stage: self.stage, ..iteration };
                 self.iterations.push(record.clone());
                 return Some(record);
             }
@@ -280,11 +235,10 @@ impl Fit {
             pose,
             self.constraints.clone(),
         );
-        self.rms = self.objective.rms();
     }
 
     /// Runs to the end or until cancelled.
-    pub fn run(&mut self, cancel: &CancelToken, mut on_step: impl FnMut(&IterationRecord)) -> SolverSummary {
+    pub fn run(&mut self, cancel: &CancelToken, mut on_step: impl FnMut(&Iteration<Pose>)) -> SolverSummary {
         while !cancel.is_cancelled() {
             match self.step() {
                 Some(record) => on_step(&record),
@@ -315,7 +269,7 @@ impl Fit {
     /// Root of the mean squared residual per pixel where it stands.
     #[must_use]
     pub fn rms(&self) -> f64 {
-        self.rms
+        self.solver.rms()
     }
 
     /// Root of the mean squared residual per pixel at the start.
@@ -368,7 +322,7 @@ impl Fit {
             pose: self.pose().clone(),
             initial_cost: self.initial_cost,
             final_cost: self.cost(),
-            final_rms: self.rms,
+            final_rms: self.rms(),
             iterations: self.iterations.clone(),
             empty_cameras: self.empty_cameras.clone(),
         }

@@ -156,14 +156,6 @@ impl Objective {
         self.world.is_empty()
     }
 
-    /// Root of the mean squared residual per pixel that has weight, grey levels.
-    #[must_use]
-    pub fn rms(&self) -> f64 {
-        let pixels: f64 =
-            self.cameras.iter().map(|term| term.data.total_weight() * term.fit_view.weight).sum();
-        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
-    }
-
     /// Squared grey levels per rad² of a prior weight of 1.
     fn prior_unit(&self) -> f64 {
         self.stage.priors * BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
@@ -281,6 +273,13 @@ impl LeastSquares for Objective {
 
     fn retract(&self, pose: &Pose, step: &DVector<f64>) -> Pose {
         pose.retract(self.options.parameters, step.as_slice())
+    }
+
+    /// Per pixel that has weight, grey levels.
+    fn rms(&self) -> f64 {
+        let pixels: f64 =
+            self.cameras.iter().map(|term| term.data.total_weight() * term.fit_view.weight).sum();
+        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 
     fn cap(&self, step: &mut DVector<f64>) {

@@ -3,6 +3,7 @@
 use super::directions::Noise;
 use super::information::FrameInformation;
 use super::uncertainty::{JointUncertainty, joint_uncertainties};
+use crate::statistics::upper_median;
 
 /// Up to so many cameras every set of them is compared.
 const ALL_SETS_UP_TO: usize = 4;
@@ -63,13 +64,12 @@ impl FrameInformation {
         let mut deviations: Vec<f64> = joints.iter().map(|joint| joint.worst_deviation_m()).collect();
         let worst = joints.iter().zip(&deviations).map(|(joint, deviation)| (joint.limb, *deviation));
         let worst = worst.reduce(|worst, next| if next.1 > worst.1 { next } else { worst });
-        deviations.sort_by(f64::total_cmp);
         SubsetFigures {
             cameras: cameras.to_vec(),
             null_count: spectrum.values.len() - spectrum.rank,
             columns: spectrum.values.len(),
             worst: worst.unwrap_or((None, f64::INFINITY)),
-            median_m: deviations[deviations.len() / 2],
+            median_m: upper_median(&mut deviations).unwrap_or(f64::INFINITY),
             smallest: spectrum.rank.checked_sub(1).map_or(0.0, |last| spectrum.values[last]),
             joints,
         }

@@ -2,7 +2,7 @@
 //!
 //! (JᵀJ + λ D²) δ = Jᵀρ, with D² the largest diagonal of JᵀJ so far, column by column: metres and radians are not
 //! alike, and a step is the same in whatever units the columns are. λ follows the gain ratio ϱ = actual decrease /
-//! foretold decrease: the better the model foretold, the less damping.
+//! predicted decrease: the better the prediction, the less damping.
 //!
 //! - J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory" (1978): D.
 //! - H. B. Nielsen, "Damping parameter in Marquardt's method" (1999): λ.

@@ -28,6 +28,11 @@ pub trait LeastSquares {
     /// Moves a point by a step.
     fn retract(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
 
+    /// Root of the data's mean squared residual where the problem was evaluated last; 0 where it has none.
+    fn rms(&self) -> f64 {
+        0.0
+    }
+
     /// Shortens a step that goes further than the problem trusts itself. By default none does.
     fn cap(&self, _step: &mut DVector<f64>) {}
 }
@@ -82,16 +87,20 @@ pub struct SolverOptions {
     pub run_all: bool,
 }
 
-/// One iteration: a trial step and what became of it.
+/// One iteration: a trial step and what became of it. Costs are comparable within a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Iteration<P> {
-    /// Where the solver stands after it.
+    /// Where the solver stands after it: unchanged if the trial was rejected.
     pub point: P,
-    /// Cost there.
+    /// Index of the stage that it belongs to; 0 where there is but one.
+    pub stage: usize,
+    /// Cost there, priors included.
     pub cost: f64,
+    /// Root of the data's mean squared residual there.
+    pub rms: f64,
     /// Cost of the trial; equal to `cost` if it was accepted.
     pub trial_cost: f64,
-    /// By how much the linear model foretold the cost to fall.
+    /// By how much the linear model predicted that the cost would fall.
     pub predicted_decrease: f64,
     /// By how much it fell in the trial; negative if it rose.
     pub actual_decrease: f64,
@@ -119,6 +128,7 @@ pub struct Solver<P> {
     /// The step that is judged where `step` is short because it was made so.
     full_step: DVector<f64>,
     memory: StepMemory,
+    rms: f64,
     done: usize,
     termination: Option<Termination>,
 }
@@ -136,6 +146,7 @@ impl<P: Clone> Solver<P> {
         } else {
             None
         };
+        let rms = problem.rms();
         let damping = match options.method {
             Method::GaussNewton => Damping::fixed(options.damping),
             Method::LevenbergMarquardt => Damping::new(options.damping),
@@ -150,6 +161,7 @@ impl<P: Clone> Solver<P> {
             step: DVector::zeros(columns),
             full_step: DVector::zeros(columns),
             memory: StepMemory::default(),
+            rms,
             done: 0,
             termination,
         }
@@ -246,6 +258,7 @@ impl<P: Clone> Solver<P> {
         if accepted {
             std::mem::swap(&mut self.equations, &mut self.trial);
             self.point = point;
+            self.rms = problem.rms();
         }
         if self.options.method == Method::LevenbergMarquardt {
             if accepted {
@@ -258,7 +271,9 @@ impl<P: Clone> Solver<P> {
         self.termination = self.judge(accepted, actual_decrease, before, damping);
         Ok(Iteration {
             point: self.point.clone(),
+            stage: 0,
             cost: self.equations.cost,
+            rms: self.rms,
             trial_cost,
             predicted_decrease,
             actual_decrease,
@@ -300,6 +315,12 @@ impl<P: Clone> Solver<P> {
     #[must_use]
     pub fn cost(&self) -> f64 {
         self.equations.cost
+    }
+
+    /// Root of the data's mean squared residual where it stands.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        self.rms
     }
 
     /// Normal equations where it stands.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Where they did, the step of the lowest damping that is trusted everywhere is judged in its place.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tolerances {
-    /// A step is foretold to lower the cost by at most this fraction of it. Gauss-Newton's method, which trusts its
+    /// A step is predicted to lower the cost by at most this fraction of it. Gauss-Newton's method, which trusts its
     /// model whatever comes of it: the last step changed the cost by at most this fraction.
     pub gain: Option<f64>,
     /// No entry of a step is larger, in the columns' own units: metres and radians for poses.

@@ -10,6 +10,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use crate::statistics::log_sum_exp;
+
 /// Components that are responsible for less than this are not looked at.
 const LEAST_RESPONSIBLE: f64 = 1e-6;
 
@@ -88,7 +90,7 @@ impl StudentMixture {
             }
             ready.push(Ready { mean: DVector::from_column_slice(mean), precision, log_height });
         }
-        let whole = log_sum(ready.iter().map(|one| one.log_height));
+        let whole = log_sum_exp(ready.iter().map(|one| one.log_height));
         ready.iter_mut().for_each(|one| one.log_height -= whole);
         Some(Self { components, degrees, ready })
     }
@@ -151,7 +153,7 @@ impl StudentMixture {
             Look { pushed, squared, log_part }
         };
         let looks: Vec<Look> = self.ready.iter().map(look).collect();
-        let log_density = log_sum(looks.iter().map(|look| look.log_part));
+        let log_density = log_sum_exp(looks.iter().map(|look| look.log_part));
         (looks, log_density)
     }
 
@@ -160,7 +162,7 @@ impl StudentMixture {
     pub fn log_density(&self, x: &DVector<f64>) -> f64 {
         let d = self.size() as f64;
         let shares = self.components.iter().map(|component| component.share).sum::<f64>();
-        let peaks = log_sum(self.components.iter().zip(&self.ready).map(|(component, one)| {
+        let peaks = log_sum_exp(self.components.iter().zip(&self.ready).map(|(component, one)| {
             let half_log_determinant = Cholesky::new(one.precision.clone())
                 .map_or(f64::NEG_INFINITY, |decomposed| 0.5 * decomposed.ln_determinant());
             (component.share / shares).ln() + half_log_determinant
@@ -183,15 +185,6 @@ pub(super) fn symmetric(lower: &[f64], size: usize) -> DMatrix<f64> {
 /// The lower triangle of a symmetric matrix.
 pub(super) fn lower_triangle(matrix: &DMatrix<f64>) -> Vec<f64> {
     (0..matrix.nrows()).flat_map(|row| (0..=row).map(move |column| matrix[(row, column)])).collect()
-}
-
-/// ln Σ exp.
-pub(super) fn log_sum(logs: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY {
-        return largest;
-    }
-    largest + logs.map(|log| (log - largest).exp()).sum::<f64>().ln()
 }
 
 /// ln Γ for arguments above 0 (Lanczos, g = 7, nine terms).

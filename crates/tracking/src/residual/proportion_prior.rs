@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::anthropometry::{Anthropometry, GirthSpread, STOUTNESS};
 use crate::body::{Model, SizeKind, Sizes};
 use crate::optimize::NormalEquations;
+use crate::statistics::upper_median;
 
 /// Standard deviations of log-ratios: 0.05 is 5 %.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -161,8 +162,7 @@ impl BodySizes {
             let own =
                 sizes.parameters().iter().zip(&log_ratios).filter(|(parameter, _)| parameter.kind == kind);
             let mut own: Vec<f64> = own.map(|(_, theta)| *theta).collect();
-            own.sort_by(f64::total_cmp);
-            own.get(own.len() / 2).copied()
+            upper_median(&mut own)
         };
         let size = median(SizeKind::Length).unwrap_or(0.0);
         let girth = median(SizeKind::Radius).map_or(0.0, |radius| radius - size);

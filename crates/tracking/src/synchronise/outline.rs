@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use crate::camera::Camera;
 use crate::silhouette::{Label, Mask};
+use crate::statistics::upper_median;
 
 /// Subject pixels, itself included, that a pixel must have in the 3 × 3 around it to count: specks and spurs do not.
 const NEIGHBOURS: usize = 4;
@@ -79,8 +80,7 @@ impl Recording {
     pub(super) fn period(&self) -> f64 {
         let mut steps: Vec<f64> =
             self.sightings.windows(2).map(|pair| pair[1].seconds - pair[0].seconds).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        upper_median(&mut steps).unwrap_or(0.0)
     }
 
     /// First and last time.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::answer::PairCue;
 use super::outline::{Recording, Sighting};
 use crate::camera::{Camera, up_of};
+use crate::statistics::upper_median;
 
 /// Share of the shorter recording's silhouettes that must have tangents for these to be used.
 const ENOUGH: f64 = 0.3;
@@ -100,7 +101,7 @@ impl Signal {
     /// Half of the middle two thirds of its values, in pixels.
     fn spread(&self) -> f64 {
         let mut pixels: Vec<f64> = self.samples.iter().map(|sample| sample.pixel).collect();
-        middle_spread(&self.values()) / median(&mut pixels).unwrap_or(1.0)
+        middle_spread(&self.values()) / upper_median(&mut pixels).unwrap_or(1.0)
     }
 
     fn values(&self) -> Vec<f64> {
@@ -110,7 +111,7 @@ impl Signal {
     /// The same about 0 with a spread of 1; `None` if it never changes.
     fn scaled(self) -> Option<Self> {
         let spread = middle_spread(&self.values());
-        let middle = median(&mut self.values())?;
+        let middle = upper_median(&mut self.values())?;
         if spread <= 0.0 || !spread.is_finite() {
             return None;
         }
@@ -294,9 +295,4 @@ fn middle_spread(values: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied();
     at(0.841).zip(at(0.159)).map_or(0.0, |(high, low)| 0.5 * (high - low))
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

@@ -8,6 +8,8 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::statistics::upper_median;
+
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
 
@@ -105,8 +107,7 @@ impl UsualCost {
             return None;
         }
         let mut sorted: Vec<f64> = self.last.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        Some(sorted[sorted.len() / 2]).filter(|&usual| usual > 0.0)
+        upper_median(&mut sorted).filter(|&usual| usual > 0.0)
     }
 }
 

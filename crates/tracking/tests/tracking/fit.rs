@@ -163,7 +163,7 @@ fn the_first_report_step_is_the_damped_gauss_newton_step() {
     let predicted = fit.equations().predicted_decrease(&step);
     let record = fit.step().unwrap();
     let expected = start.normalized().retract(Parameters::Raw, step.as_slice());
-    assert_eq!((record.pose, record.predicted_decrease), (expected, predicted));
+    assert_eq!((record.point, record.predicted_decrease), (expected, predicted));
 }
 
 #[test]
@@ -188,10 +188,10 @@ fn summaries_hold_every_iteration() {
         if record.accepted {
             assert_eq!(record.cost, record.trial_cost);
         } else {
-            assert_eq!(record.pose, before.0, "a rejected step moved the pose");
+            assert_eq!(record.point, before.0, "a rejected step moved the pose");
         }
         assert!(record.stage >= before.1 && record.predicted_decrease > 0.0 && record.gradient_max > 0.0);
-        before = (record.pose.clone(), record.stage, record.cost);
+        before = (record.point.clone(), record.stage, record.cost);
     }
     assert_eq!((summary.pose, summary.final_cost), (before.0, before.2));
 }

@@ -59,7 +59,7 @@ fn run_style_text(ui: &Ui, run: &Run) -> egui::Color32 {
 }
 
 fn kind(index: usize, step: &RunStep) -> &'static str {
-    match (index, step.accepted) {
+    match (index, step.iteration.accepted) {
         (0, _) => "start",
         (_, true) => "accepted",
         (_, false) => "rejected",
@@ -73,11 +73,11 @@ fn rows(run: &Run, index: usize, step: &RunStep) -> Vec<(&'static str, String)> 
         ("RMS", format::number(step.rms, 2)),
     ];
     if index > 0 {
-        let fell = if step.accepted { "Cost fell" } else { "Would fall" };
-        rows.push((fell, share(step.fell_share())));
-        rows.push(("Expected", share(step.foretold_share())));
-        rows.push(("Step norm", figures(step.step_norm)));
-        rows.push(("Damping", figures(step.damping)));
+        let fell = if step.iteration.accepted { "Cost fell" } else { "Would fall" };
+        rows.push((fell, share(step.actual_share())));
+        rows.push(("Expected", share(step.predicted_share())));
+        rows.push(("Step norm", figures(step.iteration.step_norm)));
+        rows.push(("Damping", figures(step.iteration.damping)));
     }
     rows
 }
@@ -100,7 +100,7 @@ fn row(ui: &mut Ui, name: &str, value: &str) {
 
 /// The number of a step's run and its place, as the read-out has it.
 fn step_title(run: &Run, step: usize) -> RichText {
-    let stage = run.steps.get(step).and_then(|record| run.stages.get(record.stage));
+    let stage = run.steps.get(step).and_then(|record| run.stages.get(record.iteration.stage));
     let stage = stage.filter(|_| run.stages.len() > 1).map_or_else(String::new, |s| format!(", ramp {s} px"));
     RichText::new(format!("Step {step}{stage}"))
 }

@@ -137,7 +137,7 @@ fn curve(plot: &mut PlotUi<'_>, index: usize, fit: &Contestant, is_log: bool) {
         .iter()
         .copied()
         .enumerate()
-        .partition(|(step, _)| fit.steps.get(*step).is_some_and(|step| step.accepted));
+        .partition(|(step, _)| fit.steps.get(*step).is_some_and(|step| step.iteration.accepted));
     let only =
         |points: Vec<(usize, [f64; 2])>| -> Vec<[f64; 2]> { points.into_iter().map(|(_, at)| at).collect() };
     let line = Line::new("", PlotPoints::from(points));

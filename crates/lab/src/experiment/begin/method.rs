@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord, Preset, Stage};
+use backlit_tracking::fit::{Fit, FitOptions, FitView, Preset, Stage};
+use backlit_tracking::optimize::Iteration;
 use backlit_tracking::particles::{Generation, Part, ParticleFilter};
 use backlit_tracking::search::{
     Hypothesis, Rated, SearchOptions, WithoutStart, WithoutStartError, search, standing, without_start,
@@ -106,7 +107,7 @@ pub enum Step<'a> {
     /// It has gone on by a step.
     Downhill {
         /// The step.
-        record: &'a IterationRecord,
+        record: &'a Iteration<Pose>,
         /// What the fit looks at.
         stage: &'a Stage,
     },

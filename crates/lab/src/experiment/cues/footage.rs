@@ -7,6 +7,7 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture, JointKeypoint, WatchedCamera};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use backlit_tracking::statistics::normal_vector;
 use glam::{DVec2, DVec3};
 use image::imageops::grayscale;
 use rand::RngExt;
@@ -72,7 +73,7 @@ pub fn film(
     let plates: Vec<Plate> = cameras.iter().map(|camera| Plate::new(&room, camera, 1)).collect();
     let mut random = Pcg64Mcg::seed_from_u64(options.seed);
     let frame_seed = |frame: usize| options.seed.wrapping_add(1 + frame as u64);
-    let offsets = KEYPOINTS.map(|_| normal(&mut random) * OFFSET_M);
+    let offsets = KEYPOINTS.map(|_| normal_vector(&mut random) * OFFSET_M);
     let count = (options.seconds * DRAWN_RATE).ceil() as usize;
     let mut frames = Vec::with_capacity(count.div_ceil(every));
     for frame in (0..count).step_by(every) {
@@ -130,7 +131,8 @@ fn keypoints(
         let Some(limb) = model.limb_index(name) else { continue };
         let turn = joints.world_rotations()[model.limbs()[limb].rotation];
         let place = joints.ends()[limb] + turn * *offset;
-        let (noise, is_wrong, doubt) = (normal(random), random.random_bool(WRONG), random.random::<f64>());
+        let (noise, is_wrong, doubt) =
+            (normal_vector(random), random.random_bool(WRONG), random.random::<f64>());
         let anywhere = joints.ends()[random.random_range(0..joints.ends().len())];
         let Some(pixel) = camera.project(if is_wrong { anywhere } else { place }) else { continue };
         let is_hidden = hidden(figure, camera, place);
@@ -155,13 +157,4 @@ fn hidden(figure: &Figure, camera: &Camera, joint: DVec3) -> bool {
     let way = joint - camera.centre();
     let hit = figure.intersect(camera.centre(), way.normalize());
     hit.is_some_and(|hit| hit < way.length() - 0.14)
-}
-
-/// Three normally distributed numbers (Box and Muller).
-fn normal(random: &mut Pcg64Mcg) -> DVec3 {
-    let mut one = || {
-        let (u, v): (f64, f64) = (random.random(), random.random());
-        (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-    };
-    DVec3::new(one(), one(), one())
 }

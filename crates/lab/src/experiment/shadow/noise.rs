@@ -6,7 +6,7 @@
 //! channels are independent, which those of a camera are not.
 
 use backlit_tracking::segment::BETA;
-use rand::RngExt;
+use backlit_tracking::statistics::normal;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
@@ -121,12 +121,6 @@ fn estimated(frames: usize, random: &mut Pcg64Mcg) -> (f64, f64) {
     let degrees = frames.saturating_sub(1).max(1);
     let squares: f64 = (0..degrees).map(|_| normal(random).powi(2)).sum();
     (normal(random) / (frames as f64).sqrt(), (squares / degrees as f64).sqrt())
-}
-
-/// A normally distributed number (Box and Muller).
-fn normal(random: &mut Pcg64Mcg) -> f64 {
-    let [u, v]: [f64; 2] = [random.random(), random.random()];
-    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::camera::{Camera, up_of};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitView};
 use crate::silhouette::{Label, Mask};
+use crate::statistics::upper_median;
 use crate::visual_hull::{HullOptions, HullView, VisualHull};
 
 /// Cubes along the hull's longest side.
@@ -138,8 +139,7 @@ impl Place {
         }
         let [a, b] = [self.to_cameras, self.up.cross(self.to_cameras)].map(|axis| {
             let mut along: Vec<f64> = slice.iter().map(|point| point.dot(axis)).collect();
-            along.sort_by(f64::total_cmp);
-            axis * along[along.len() / 2]
+            axis * upper_median(&mut along).unwrap_or(0.0)
         });
         a + b + self.up * height
     }

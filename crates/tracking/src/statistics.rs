@@ -1,0 +1,100 @@
+//! Medians, quantiles, normal deviates and sums of logarithms.
+
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+/// What a list of numbers is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statistics {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Half lie below.
+    pub median: f64,
+    /// 95 % lie below.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Statistics {
+    /// Of any numbers; `None` of an empty list.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let max = *sorted.last()?;
+        Some(Self {
+            mean: sorted.iter().sum::<f64>() / sorted.len() as f64,
+            median: quantile(&sorted, 0.5),
+            p95: quantile(&sorted, 0.95),
+            max,
+            count: sorted.len(),
+        })
+    }
+}
+
+/// Linear between the two nearest ranks of sorted values, of which there is at least one.
+fn quantile(sorted: &[f64], fraction: f64) -> f64 {
+    let rank = fraction * (sorted.len() - 1) as f64;
+    let (low, high) = (rank.floor() as usize, rank.ceil() as usize);
+    sorted[low] + (sorted[high] - sorted[low]) * (rank - low as f64)
+}
+
+/// The mean; `None` of an empty list.
+pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let (sum, count) =
+        values.into_iter().fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// The median, the mean of the two middle values where their number is even; `None` of an empty list. Sorts the values.
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    let upper = upper_median(values)?;
+    let middle = values.len() / 2;
+    Some(if values.len() % 2 == 1 { upper } else { 0.5 * (values[middle - 1] + upper) })
+}
+
+/// The median, the larger of the two middle values where their number is even; `None` of an empty list. Sorts the values.
+pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// A number of the standard normal distribution (G. Box and M. Muller 1958).
+pub fn normal(random: &mut impl Rng) -> f64 {
+    let (u, v): (f64, f64) = (random.random(), random.random());
+    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+}
+
+/// Three numbers of the standard normal distribution.
+pub fn normal_vector(random: &mut impl Rng) -> DVec3 {
+    DVec3::new(normal(random), normal(random), normal(random))
+}
+
+/// ln Σ exp.
+pub fn log_sum_exp(logs: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    largest + logs.map(|log| (log - largest).exp()).sum::<f64>().ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_of_a_ladder() {
+        let values: Vec<f64> = (0..=100).rev().map(f64::from).collect();
+        let found = Statistics::of(&values).unwrap();
+        assert_eq!((found.mean, found.median, found.p95, found.max), (50.0, 50.0, 95.0, 100.0));
+        assert_eq!((Statistics::of(&[]), median(&mut []), mean([])), (None, None, None));
+        assert_eq!(
+            (median(&mut [4.0, 1.0, 2.0, 9.0]), upper_median(&mut [4.0, 1.0, 2.0, 9.0])),
+            (Some(3.0), Some(4.0))
+        );
+    }
+}
