@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use backlit_cli::{first_look, output};
+use backlit_cli::output;
 use backlit_formats::images;
 use backlit_take::source::TakeSource;
 use image::DynamicImage;
@@ -35,7 +35,7 @@ pub(crate) fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::R
         .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
     let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };
     output::complain(&format!("No window: {no_window:#}. Going on without one."));
-    first_look::print(path)?;
+    backlit_cli::print_robust_track(path)?;
     let options = PictureOptions { track: true, ..PictureOptions::default() };
     let (picture, _) = headless_picture(opening(), &options)?;
     let file = PathBuf::from(PICTURE);

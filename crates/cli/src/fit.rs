@@ -9,6 +9,7 @@ use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::export::ending_text;
 use backlit_formats::model_file;
 use backlit_formats::pose_file;
+use backlit_runs::track::TakeReader;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::{Fit, FitView, Preset, SolverSummary};
 use backlit_tracking::optimize::Termination;
@@ -20,7 +21,7 @@ use serde::Serialize;
 use super::evidence::{self, PictureKind};
 use super::fit_options::{MODEL_HELP, SolverArguments};
 use super::output;
-use super::own_body;
+use super::person;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 
@@ -121,7 +122,8 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
         let footage = take_options::open(take)?;
         let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
         let views = footage.fit_views(&cameras, frame)?;
-        own_body::check_silhouettes(&footage, &cameras, &[frame])?;
+        let reader = TakeReader::of_silhouettes(footage.clone(), cameras.clone());
+        person::check_silhouettes(&reader, &[frame])?;
         let start = arguments.start.pose(&footage, &cameras, frame, &arguments.solver.options()?)?;
         return Ok(Problem { model: Arc::clone(footage.take().model()), views, start });
     }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::time::Duration;
 
 use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
@@ -20,11 +19,10 @@ use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use clap::{Args, ValueEnum};
-use indicatif::ProgressBar;
 
 use super::fit_body_report::{self, BodyReport};
-use super::output;
 use super::take_options::{self, FrameRange, PartArguments};
+use crate::{output, progress};
 
 const NOTES: &str = "\
 Sizes and the poses of all chosen frames are found together: from the silhouettes, from the proportions and \
@@ -225,8 +223,7 @@ fn of_spheres(
         let frame = frames.iter().find(|frame| frame.frame == *number)?;
         Some(PosedViews { frame: *number, views: frame.views.clone(), pose: pose.clone() })
     });
-    let spinner = ProgressBar::new_spinner();
-    spinner.enable_steady_tick(Duration::from_millis(200));
+    let spinner = progress::spinner();
     let options = SphereBodyOptions { spheres, levels, ..SphereBodyOptions::default() };
     let posed = posed.collect();
     let cancel = CancelToken::new();
@@ -245,8 +242,7 @@ fn follow_and_fit(
     joints: impl Fn(usize) -> ReferenceJoints,
     options: &BodyFitOptions,
 ) -> anyhow::Result<(BodyFit, Vec<BodyFrame>)> {
-    let spinner = ProgressBar::new_spinner();
-    spinner.enable_steady_tick(Duration::from_millis(200));
+    let spinner = progress::spinner();
     let cancel = CancelToken::new();
     let (size, frames) = approach(
         followed,

@@ -10,7 +10,7 @@
 //! | `evidence` | silhouettes and grey levels from a folder |
 //! | `import` | `backlit import` |
 //! | `track` | `backlit track` |
-//! | `track_report`, `track_files` | what a track is worth, and the files with it |
+//! | `track_report`, `track_files` | how good a track is, and the files with it |
 //! | `export` | `backlit export` |
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
@@ -20,36 +20,34 @@
 //! | `cameras` | `backlit cameras` |
 //! | `recognise` | `backlit recognise` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
-//! | `take_options` | options that choose frames, cameras and start |
-//! | `reference_options` | options that name keypoints to compare with |
-//! | `own_body` | a start and sizes where the take has none |
+//! | `take_options` | options that choose frames, cameras, start and keypoints to compare with |
+//! | `follow_options` | options that choose how frames are followed |
+//! | `person` | a start and sizes where the take has none |
+//! | `progress` | progress on the terminal |
 //! | `interrupt` | Ctrl+C |
 //! | `table` | tables for people |
 //! | `output` | standard output and folders |
-//! | `first_look` | a take tracked and judged, where `backlit TAKE` finds no display |
 
 mod background;
 mod cameras;
 mod command;
-mod each_frame;
 mod evidence;
 mod experiment;
 mod export;
-pub mod first_look;
 mod fit;
 mod fit_body;
 mod fit_body_report;
 mod fit_options;
+mod follow_options;
 mod import;
 pub mod interrupt;
 mod observability;
 pub mod output;
-mod own_body;
+mod person;
 mod prior;
+mod progress;
 mod recognise;
-mod reference_options;
 mod render;
-mod resume;
 mod silhouettes;
 mod sphere_tree;
 mod sync;
@@ -60,3 +58,4 @@ mod track_files;
 mod track_report;
 
 pub use command::Command;
+pub use track::print_robust_track;

@@ -28,6 +28,28 @@ pub fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
+/// Prints what a command has found: as JSON or as text.
+///
+/// # Errors
+/// Standard output cannot be written to.
+pub(crate) fn print_result<T: Serialize>(
+    json: bool,
+    value: &T,
+    text: impl FnOnce() -> String,
+) -> anyhow::Result<()> {
+    if json { print_json(value) } else { print(&text()) }
+}
+
+/// A number with so many digits, or a dash.
+pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
+}
+
+/// A factor as the change that it makes: "+3.0 %".
+pub(crate) fn percent_change(factor: f64) -> String {
+    format!("{:+.1} %", 100.0 * (factor - 1.0))
+}
+
 /// Prints a line on standard error. What it repeats of a file cannot steer the terminal.
 pub fn complain(line: &str) {
     // Where standard error is closed there is nobody to tell.

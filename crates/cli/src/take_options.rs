@@ -2,19 +2,20 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::trc::Axes;
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use clap::Args;
-
 use clap::error::ErrorKind;
 
-use super::{output, own_body};
+use crate::{output, person};
 
 /// Which part of a take.
 #[derive(Debug, Clone, Args)]
@@ -153,8 +154,8 @@ impl StartArguments {
         match self.known_pose(take, frame)? {
             Some(pose) => Ok(pose),
             None => {
-                let found = own_body::search_start(footage, cameras, frame, fit)?;
-                Ok(self.with_noise(take.model(), found.pose().clone()))
+                let found = person::search_start(footage, cameras, frame, fit)?;
+                Ok(self.with_noise(take.model(), found))
             }
         }
     }
@@ -190,24 +191,57 @@ pub(crate) fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
     take.reference().map(|reference| reference.joints(frame)).unwrap_or_default()
 }
 
+/// Keypoints of another tool.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "What to compare with")]
+pub(crate) struct ReferenceArguments {
+    /// Keypoints to measure joint errors against, instead of the take's: a TRC of another tool, or a table
+    /// frame,joint,x,y,z. Neither start nor fit uses them
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
+    /// Which of the file's axes are the world's x, y and z, as zxy or x-zy [default: xyz, or zxy of a file whose Y is up, whichever
+    /// puts the markers before the cameras]
+    #[arg(long, value_name = "AXES", requires = "reference", allow_hyphen_values = true, value_parser = axes)]
+    reference_axes: Option<Axes>,
+    /// Which frame number of the file is frame 0 of the take [default: that of the first row; for a CSV, 0]
+    #[arg(long, value_name = "N", requires = "reference")]
+    reference_first: Option<u64>,
+}
+
+impl ReferenceArguments {
+    /// The take with these keypoints, if any are named.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub(crate) fn take(&self, take: &Take) -> anyhow::Result<Option<Take>> {
+        let Some(path) = &self.reference else { return Ok(None) };
+        let judge = take.with_reference(path, self.reference_axes, self.reference_first);
+        judge.map(Some).context("--reference")
+    }
+}
+
+fn axes(text: &str) -> Result<Axes, &'static str> {
+    Axes::parse(text).ok_or("expected three letters that turn the file's axes, as zxy or x-zy")
+}
+
 /// Opens a take: its folder or its take file.
 ///
 /// # Errors
 /// What is wrong with it, by file, line, camera and frame.
-pub(crate) fn open(path: &Path) -> anyhow::Result<Footage> {
+pub(crate) fn open(path: &Path) -> anyhow::Result<Arc<Footage>> {
     if path.is_dir() && !path.join("take.toml").exists() {
         bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
     }
-    Ok(Footage::new(told(Take::open(path)?)))
+    Ok(Arc::new(Footage::new(told(Take::open(path)?))))
 }
 
 /// The same with another body in place of the take's, if one is named: a file, or a built-in one.
 ///
 /// # Errors
 /// As [`open`]; or the body cannot be read, or has not the limbs that the take's start and reference name.
-pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Footage> {
+pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Arc<Footage>> {
     let Some(model) = model else { return open(path) };
-    Ok(Footage::new(told(Take::open_with_model(path, model_file::resolve(model)?)?)))
+    Ok(Arc::new(Footage::new(told(Take::open_with_model(path, model_file::resolve(model)?)?))))
 }
 
 /// Says what a take that was opened reads outside its own folder, and what is missing in its footage.

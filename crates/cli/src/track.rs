@@ -1,36 +1,35 @@
 //! `backlit track`: frame after frame through a take.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
 use backlit_formats::take::BodySizes;
-use backlit_formats::{Footage, Take, prior_file};
+use backlit_formats::{Footage, Take};
+use backlit_runs::person::PersonSearch;
+use backlit_runs::track::{
+    Smoothing, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun,
+};
+use backlit_take::builtin;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::{Cue, CueOptions, FrameCues};
+use backlit_tracking::cues::Cue;
 use backlit_tracking::filter::Innovation;
-use backlit_tracking::fit::{FitOptions, Preset};
-use backlit_tracking::residual::learnt_prior::LearntPrior;
-use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch, tune};
-use clap::{Args, ValueEnum};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::{FrameEstimate, KalmanOptions, Motion};
+use clap::Args;
+use indicatif::ProgressBar;
 
-use super::each_frame::each_frame;
-use super::fit_options::SolverArguments;
-use super::interrupt::{self, Interrupted};
-use super::output;
-use super::own_body;
-use super::reference_options::ReferenceArguments;
-use super::resume::Earlier;
-use super::take_options::{self, PartArguments, StartArguments};
-use super::track_files::Writer;
-use super::track_report::{Smoothing, TrackReport};
+use crate::follow_options::FollowArguments;
+use crate::interrupt::{self, Interrupted};
+use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
+use crate::track_files::{Earlier, Writer};
+use crate::track_report::TrackReport;
+use crate::{output, person, progress};
 
-/// Frames that the filter's noise is estimated from, at most: a filter keeps a third of a megabyte of each.
-const TUNED_FRAMES: usize = 600;
-
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Writes to the folder of --out:
   track.json    of every frame: pose, joints (metres, world), cost, overlap, iterations
   poses.csv     the poses as a table
@@ -59,7 +58,7 @@ Examples:
 
 /// What `backlit track` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct TrackArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
@@ -91,134 +90,6 @@ pub struct TrackArguments {
     pub(crate) follow: FollowArguments,
 }
 
-/// How frames are followed.
-#[derive(Debug, Args)]
-pub(crate) struct FollowArguments {
-    /// The fit of a frame.
-    #[command(flatten)]
-    pub(crate) solver: SolverArguments,
-    /// Let a prior learnt from motion say which poses are likely: a file of backlit prior, or people, the one that comes
-    /// with the program
-    #[arg(long, value_name = "FILE")]
-    pub(crate) prior: Option<PathBuf>,
-    /// How motion is carried from frame to frame [default: velocity, with the report preset still]
-    #[arg(long, value_enum)]
-    pub(crate) motion: Option<MotionWord>,
-    /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
-    /// and root (m/s^1.5)
-    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
-    pub(crate) noise: Option<Vec<f64>>,
-    /// Smooth every frame by only so many frames after it, as a live track with that delay could
-    #[arg(long, value_name = "FRAMES")]
-    pub(crate) lag: Option<usize>,
-    /// When to look for other poses than the one downhill, in the first frame and after a lost one
-    /// [default: poor, with the report preset never]
-    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
-    pub(crate) search: Option<SearchWord>,
-}
-
-impl FollowArguments {
-    /// The fit of a frame, with its prior if it has one.
-    ///
-    /// # Errors
-    /// Options that contradict each other, or a prior that cannot be read.
-    pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
-        let mut fit = self.solver.options()?;
-        if let Some(path) = &self.prior {
-            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read_or_built_in(path)?)));
-        }
-        Ok(fit)
-    }
-
-    /// A tracker through a take that starts from this pose.
-    ///
-    /// # Errors
-    /// Options that contradict each other.
-    pub(crate) fn tracker(&self, take: &Take, start: Pose) -> anyhow::Result<Tracker> {
-        self.tracker_with(take, start, self.noise()?)
-    }
-
-    /// Whether a Kalman filter follows the motion.
-    pub(crate) fn is_kalman(&self) -> bool {
-        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
-    }
-
-    /// The Kalman filter's noise.
-    fn noise(&self) -> anyhow::Result<KalmanOptions> {
-        let default = KalmanOptions::default();
-        match self.noise.as_deref() {
-            None => Ok(default),
-            Some(_) if !self.is_kalman() => bail!("--noise is for --motion kalman or smoothed"),
-            Some(&[measurement_deviation, turn_acceleration, move_acceleration]) => {
-                Ok(KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, ..default })
-            }
-            Some(numbers) => bail!("--noise has {} numbers; expected three: R,TURN,MOVE", numbers.len()),
-        }
-    }
-
-    fn tracker_with(&self, take: &Take, start: Pose, noise: KalmanOptions) -> anyhow::Result<Tracker> {
-        let default = match self.solver.preset {
-            Preset::Report => SearchWord::Never,
-            Preset::Robust => SearchWord::Poor,
-        };
-        let tracker = Tracker::new(Arc::clone(take.model()), self.fit()?, start)?;
-        let search = self.search.unwrap_or(default).into();
-        let motion = match self.motion {
-            None => Motion::of_preset(Some(self.solver.preset)),
-            Some(MotionWord::Still) => Motion::Still,
-            Some(MotionWord::Velocity) => Motion::Velocity,
-            Some(MotionWord::Kalman | MotionWord::Smoothed) => Motion::Kalman(noise),
-        };
-        Ok(tracker.with_motion(motion, take.frame_rate())?.with_search(search))
-    }
-
-    /// How later frames smooth earlier ones, if they do.
-    ///
-    /// # Errors
-    /// A lag of what is not smoothed.
-    pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
-        let is_smoothed = self.motion == Some(MotionWord::Smoothed);
-        if self.lag.is_some() && !is_smoothed {
-            bail!("--lag is for --motion smoothed");
-        }
-        Ok(is_smoothed.then_some(Smoothing { lag: self.lag }))
-    }
-}
-
-/// When to look for other poses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SearchWord {
-    /// Never
-    Never,
-    /// Where the fit overlaps poorly: IoU below 0.9
-    Poor,
-    /// Always
-    Always,
-}
-
-impl From<SearchWord> for WhenToSearch {
-    fn from(word: SearchWord) -> Self {
-        match word {
-            SearchWord::Never => Self::Never,
-            SearchWord::Poor => Self::WhenPoor,
-            SearchWord::Always => Self::Always,
-        }
-    }
-}
-
-/// How motion is carried from frame to frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MotionWord {
-    /// Start from the last pose
-    Still,
-    /// Start where the motion between the last two frames leads
-    Velocity,
-    /// Pose and velocity by the iterated extended Kalman filter
-    Kalman,
-    /// The same, and earlier frames smoothed by later ones at the end
-    Smoothed,
-}
-
 /// Tracks, writes and prints.
 ///
 /// # Errors
@@ -226,59 +97,34 @@ pub(crate) enum MotionWord {
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
-    let mut earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
-    let mut footage = open(arguments, earlier.as_ref())?;
+    let earlier = match arguments.resume {
+        true => Some(Earlier::read(&arguments.out, arguments.model.as_deref())?),
+        false => None,
+    };
+    let footage = open(arguments, earlier.as_ref())?;
     let known_notes = footage.take().notes();
     let all_frames = arguments.part.frames(footage.take())?;
-    let cameras = arguments.part.cameras(footage.take())?;
-    let frames = match &earlier {
-        Some(earlier) => earlier.frames_left(footage.take(), &cameras, &all_frames)?,
-        None => &all_frames,
-    };
-    if let Some(earlier) = &mut earlier
-        && !frames.is_empty()
-    {
-        earlier.recall(smoothing)?;
-    }
-    let fit = arguments.follow.fit()?;
-    let (start, begun) = if let Some(earlier) = &earlier {
-        (earlier.last_pose(), earlier.begun.clone())
-    } else {
-        let known = arguments.start.known_pose(footage.take(), frames[0])?;
-        own_body::check_silhouettes(&footage, &cameras, frames)?;
-        // A body that is named has its sizes.
-        let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
-        output::make_folder(&arguments.out)?;
-        let (start, body, begun) = own_body::begin(&footage, &cameras, frames, &fit, known, sizes, &cancel)?;
-        if let Some(body) = body {
-            footage = Footage::new(Take::open_with_model(&arguments.take, body)?);
-        }
-        (start, Some(begun))
-    };
-    let take = footage.take();
+    let prepared = Prepared::new(arguments, footage, &all_frames, earlier, smoothing, &cancel)?;
+    let Prepared { reader, frames, start, begun, earlier } = prepared;
+    let take = reader.footage.take();
     let judge = arguments.reference.take(take)?;
-    let part = Followed { footage: &footage, cameras: &cameras, frames, cues: &arguments.cues };
     let known = earlier.as_ref().and_then(Earlier::noise);
-    let mut tracker = tracker(arguments, part, start, known, &cancel)?;
-    let mut report = TrackReport::new(take, &cameras, smoothing);
+    let plan = plan(arguments, &reader, start, frames, known, &cancel)?;
+    let renderer = plan.fit.renderer;
+    let mut report = TrackReport::new(take, &reader.cameras);
+    let mut run = TrackRun::new(reader.clone(), plan).remembering();
     if let Some(earlier) = earlier {
-        tracker = earlier.go_on(&footage, &cameras, &arguments.cues, tracker, &mut report)?;
+        run = earlier.go_on(take, run, &mut report)?;
     }
     let mut writer = Writer::new(&arguments.out, take);
-    let tracked = follow(part, tracker, &mut report, &cancel, |report| {
-        writer.now_and_then(report);
-        Ok(())
+    let tracked = follow(take, &mut run, frames.len(), &mut report, &cancel, |run, report| {
+        writer.now_and_then(report, run);
     });
     // What cannot be smoothed or measured, as where the footage is gone, is written as it is.
-    let mut smoothed = Ok(());
-    if smoothing.is_some() {
-        let (done, renderer) = (report.frames(), fit.renderer);
-        smoothed = report.smooth(take).map_err(anyhow::Error::from).and_then(|()| {
-            each_frame(&footage, &cameras, &done, |frame, views, _| {
-                report.measure_overlap(take, frame, &views, renderer);
-                Ok(())
-            })
-        });
+    let mut smoothed = report.not_smoothed.map_or(Ok(()), |error| Err(error.into()));
+    if smoothing.is_some() && smoothed.is_ok() {
+        let done: Vec<usize> = report.track.frames.keys().copied().collect();
+        smoothed = measure_overlaps(&reader, &done, renderer, &mut [&mut report]);
     }
     take_options::tell_news(take, &known_notes);
     report.finish(take);
@@ -287,74 +133,128 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     if let Some(judge) = &judge {
         report.judge(judge);
     }
-    if !report.track().frames.is_empty() {
-        writer.at_the_end(&report)?;
+    let done = report.track.frames.len();
+    if done > 0 {
+        writer.at_the_end(&report, run.resume_point().as_ref())?;
     }
     if let Err(error) = tracked {
-        let (done, all, folder) = (report.track().frames.len(), all_frames.len(), arguments.out.display());
+        let (all, folder) = (all_frames.len(), arguments.out.display());
         return Err(match done {
             0 => error,
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
         });
     }
     smoothed.context("what was tracked is written")?;
-    if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
+    output::print_result(arguments.json, &report.summary(), || report.text())
 }
 
 /// The take, with the body of an earlier track if that is gone on with.
 ///
 /// # Errors
 /// A take or a body that cannot be read.
-fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Footage> {
+fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Arc<Footage>> {
     let Some(earlier) = earlier else {
         return take_options::open_with_model(&arguments.take, arguments.model.as_deref());
     };
     let take = Take::open_with_model(&arguments.take, earlier.written.model.clone())?;
-    Ok(Footage::new(take_options::told(take)))
+    Ok(Arc::new(Footage::new(take_options::told(take))))
 }
 
-/// The tracker that these frames are followed with. Noise that is `known` from an earlier track is not estimated again.
+/// What is known before the first frame is tracked.
+struct Prepared<'a> {
+    reader: Arc<TakeReader>,
+    frames: &'a [usize],
+    start: Pose,
+    /// What was found from the silhouettes.
+    begun: Option<person::Begun>,
+    earlier: Option<Earlier>,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(
+        arguments: &TrackArguments,
+        footage: Arc<Footage>,
+        all_frames: &'a [usize],
+        earlier: Option<Earlier>,
+        smoothing: Option<Smoothing>,
+        cancel: &CancelToken,
+    ) -> anyhow::Result<Self> {
+        let cameras = arguments.part.cameras(footage.take())?;
+        let mut reader = TakeReader::of_silhouettes(footage, cameras);
+        let take = reader.footage.take();
+        if let Some(mut earlier) = earlier {
+            let frames = earlier.frames_left(take, &reader.cameras, all_frames)?;
+            if !frames.is_empty() {
+                earlier.recall(&arguments.out, smoothing)?;
+            }
+            reader.cues.clone_from(&arguments.cues);
+            let (start, begun) = (earlier.last_pose(), earlier.begun.clone());
+            return Ok(Self { reader: Arc::new(reader), frames, start, begun, earlier: Some(earlier) });
+        }
+        let start = arguments.start.known_pose(take, all_frames[0])?;
+        person::check_silhouettes(&reader, all_frames)?;
+        // A body that is named has its sizes.
+        let sizes = arguments.model.is_none() && take.sizes() == BodySizes::Fit;
+        output::make_folder(&arguments.out)?;
+        let (model, fit) = (Arc::clone(take.model()), arguments.follow.fit()?);
+        let search = PersonSearch { model, fit, start, frames: all_frames.to_vec(), sizes };
+        let (found, begun) = person::find(&reader, search, cancel)?;
+        if !Arc::ptr_eq(&found.model, reader.footage.take().model()) {
+            let take = Take::open_with_model(&arguments.take, (*found.model).clone())?;
+            reader.footage = Arc::new(Footage::new(take));
+        }
+        reader.cues.clone_from(&arguments.cues);
+        let (start, begun) = (found.start, Some(begun));
+        Ok(Self { reader: Arc::new(reader), frames: all_frames, start, begun, earlier: None })
+    }
+}
+
+/// How the frames are followed. Noise that is `known` from an earlier track is not estimated again.
 ///
 /// # Errors
-/// Options that contradict each other or the take, or pictures that cannot be had while the noise is tuned.
-fn tracker(
+/// Options that contradict each other or the take, or pictures that cannot be read while the noise is tuned.
+fn plan(
     arguments: &TrackArguments,
-    part: Followed<'_>,
+    reader: &Arc<TakeReader>,
     start: Pose,
+    frames: &[usize],
     known: Option<KalmanOptions>,
     cancel: &CancelToken,
-) -> anyhow::Result<Tracker> {
-    let (follow, take) = (&arguments.follow, part.footage.take());
-    let mut noise = known.unwrap_or(follow.noise()?);
+) -> anyhow::Result<TrackPlan> {
+    let (follow, take) = (&arguments.follow, reader.footage.take());
+    let mut plan = follow.plan(take, start.clone(), frames)?;
     if arguments.tune && !follow.is_kalman() {
         bail!("--tune is for --motion kalman or smoothed");
     }
-    if arguments.tune && known.is_none() {
-        let tracker = follow.tracker_with(take, start.clone(), noise)?;
-        noise = tuned(Followed { cues: &[], ..part }, tracker, noise, cancel)?;
-    }
-    let tracker = follow.tracker_with(take, start, noise)?;
-    if arguments.cues.is_empty() {
-        return Ok(tracker);
+    if let Some(noise) = known {
+        plan.motion = Motion::Kalman(noise);
+    } else if arguments.tune {
+        plan.motion = Motion::Kalman(tuned(&plan, reader, follow.noise()?, cancel)?);
     }
     if arguments.cues.contains(&Cue::Keypoints) && take.keypoint_order()?.is_none() {
         bail!("--cues keypoints: the take has no keypoints of a body (`keypoints` of its cameras)");
     }
-    Ok(tracker.with_cues(CueOptions::default().only(&arguments.cues))?)
+    plan.cues.clone_from(&arguments.cues);
+    plan.tracker(start)?;
+    Ok(plan)
 }
 
 /// Tracks once to learn by which noise the frames are most likely, and says so.
 fn tuned(
-    part: Followed<'_>,
-    tracker: Tracker,
+    plan: &TrackPlan,
+    reader: &TakeReader,
     noise: KalmanOptions,
     cancel: &CancelToken,
 ) -> anyhow::Result<KalmanOptions> {
-    let mut report = TrackReport::new(part.footage.take(), part.cameras, None).with_beliefs();
-    let part = Followed { frames: &part.frames[..part.frames.len().min(TUNED_FRAMES)], ..part };
-    follow(part, tracker, &mut report, cancel, |_| Ok(()))?;
-    let found =
-        tune(report.track(), noise).context("--tune needs ten frames or more that follow one another")?;
+    let silhouettes = TakeReader::of_silhouettes(reader.footage.clone(), reader.cameras.clone());
+    let progress = progress::bar(plan.legs[0].frames.len());
+    let found = plan.tune(Arc::new(silhouettes), noise, cancel, |estimate| {
+        progress.set_message(overlap_text(estimate));
+        progress.inc(1);
+    });
+    progress.finish_and_clear();
+    let found = found.map_err(|ending| ended(ending).unwrap_or(Interrupted.into()))?;
+    let found = found.context("--tune needs ten frames or more that follow one another")?;
     let ratio = |innovation: Innovation| innovation.ratio().unwrap_or(f64::NAN);
     let KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, .. } = found.noise;
     eprintln!(
@@ -366,59 +266,126 @@ fn tuned(
     Ok(found.noise)
 }
 
-/// Which frames of which cameras are followed, and by what besides silhouettes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Followed<'a> {
-    pub(crate) footage: &'a Footage,
-    /// Indices in the take.
-    pub(crate) cameras: &'a [usize],
-    pub(crate) frames: &'a [usize],
-    /// None: silhouettes alone.
-    pub(crate) cues: &'a [Cue],
-}
-
-/// Whether any of these cues is one of pictures.
-pub(crate) fn wants_pictures(cues: &[Cue]) -> bool {
-    cues.iter().any(|cue| *cue != Cue::Keypoints)
-}
-
 fn cue(text: &str) -> Result<Cue, &'static str> {
     // Edges were measured to do more harm than good (docs/chapter6.md).
     let offered = [Cue::Keypoints, Cue::Flow, Cue::Stereo];
     offered.into_iter().find(|cue| cue.name() == text).ok_or("expected keypoints, flow or stereo")
 }
 
-/// Tracks these frames into a report, with a progress bar on a terminal. While one is fitted, the next is read
-/// and segmented; the results do not depend on it.
+fn overlap_text(estimate: &FrameEstimate) -> String {
+    estimate.iou().map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
+}
+
+/// The error of a run that did not track all its frames.
+fn ended(ending: TrackEnding) -> Option<anyhow::Error> {
+    match ending {
+        TrackEnding::Whole => None,
+        TrackEnding::Cancelled => Some(Interrupted.into()),
+        TrackEnding::Failed { frame, error: error @ TrackError::Fit(_) } => {
+            Some(anyhow::Error::from(error).context(format!("frame {frame}")))
+        }
+        TrackEnding::Failed { error, .. } => Some(error.into()),
+    }
+}
+
+/// Tracks so many frames into a report, with a progress bar on a terminal.
 ///
 /// # Errors
-/// The first picture that cannot be had, what `after_frame` returns, or [`Interrupted`]. The report has what was tracked before.
+/// The first picture that cannot be read, or [`Interrupted`]. The report has what was tracked before.
 pub(crate) fn follow(
-    part: Followed<'_>,
-    mut tracker: Tracker,
+    take: &Take,
+    run: &mut TrackRun<TakeReader>,
+    frames: usize,
     report: &mut TrackReport,
     cancel: &CancelToken,
-    mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
+    mut after_step: impl FnMut(&TrackRun<TakeReader>, &TrackReport),
 ) -> anyhow::Result<()> {
-    let Followed { footage, cameras, frames, cues } = part;
-    let wants_pictures = wants_pictures(cues);
+    let progress = progress::bar(frames);
+    let mut ending = None;
     let mut began = Instant::now();
-    each_frame(footage, cameras, frames, |frame, views, progress| {
-        let seen = match cues {
-            [] => FrameCues::default(),
-            _ => footage.cues(cameras, frame, wants_pictures)?,
-        };
-        let estimate = tracker
-            .track_frame_with_cues(frame, views, seen, cancel)
-            .with_context(|| format!("frame {frame}"))?;
-        // A frame that was broken off is no frame.
-        anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
-        report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
-        report.memory = tracker.memory();
-        began = Instant::now();
-        progress.set_message(report.progress_text());
-        after_frame(report)
+    while ending.is_none() {
+        run.step(cancel, &mut |message| {
+            if let TrackMessage::Done(how) = message {
+                ending = Some(how);
+                return;
+            }
+            take_in(take, message, report, began.elapsed().as_secs_f64() * 1e3, &progress);
+            began = Instant::now();
+        });
+        after_step(run, report);
+    }
+    progress.finish_and_clear();
+    match ending.and_then(ended) {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}
+
+/// Takes what a run tells into a report.
+pub(crate) fn take_in<F>(
+    take: &Take,
+    message: TrackMessage<F>,
+    report: &mut TrackReport,
+    time_ms: f64,
+    progress: &ProgressBar,
+) {
+    match message {
+        TrackMessage::Frame { estimate, is_final } => {
+            progress.set_message(overlap_text(&estimate));
+            progress.inc(1);
+            report.add(take, *estimate, is_final, time_ms);
+        }
+        TrackMessage::Revised(known) => known.into_iter().for_each(|one| report.keep(take, one)),
+        TrackMessage::NotSmoothed(error) => {
+            report.not_smoothed.get_or_insert(error);
+        }
+        TrackMessage::Taken(..) | TrackMessage::Joined { .. } | TrackMessage::Done(_) => {}
+    }
+}
+
+/// Measures the overlaps of frames again in these reports, as after smoothing has moved their poses.
+///
+/// # Errors
+/// The first picture that cannot be read.
+pub(crate) fn measure_overlaps(
+    reader: &TakeReader,
+    frames: &[usize],
+    renderer: RendererKind,
+    reports: &mut [&mut TrackReport],
+) -> anyhow::Result<()> {
+    let (footage, cameras) = (reader.footage.clone(), reader.cameras.clone());
+    let model = Arc::clone(footage.take().model());
+    let silhouettes = Arc::new(TakeReader::of_silhouettes(footage, cameras));
+    progress::each_frame(&silhouettes, frames, |frame, read| {
+        for report in &mut *reports {
+            if let Some(estimate) = report.track.frames.get_mut(&frame) {
+                estimate.measure_overlap(&model, renderer, &read.0);
+            }
+        }
+        Ok(())
     })
+}
+
+/// A take tracked with the robust preset and judged in words, for a terminal without a display: the built-in one without a
+/// path.
+///
+/// # Errors
+/// It cannot be opened, or has nothing that can be tracked.
+pub fn print_robust_track(path: Option<&Path>) -> anyhow::Result<()> {
+    let footage = match path {
+        Some(path) => take_options::open(path)?,
+        None => Arc::new(Footage::new(builtin::open()?)),
+    };
+    let take = footage.take();
+    output::print(&format!("Tracking \"{}\" with the robust preset.\n\n", take.name()))?;
+    let (frames, cameras) = (0..take.frame_count(), (0..take.rig().count()).collect());
+    let reader = TakeReader::of_silhouettes(footage.clone(), cameras);
+    let start = StartArguments::none().pose(&footage, &reader.cameras, 0, &FitOptions::default())?;
+    let plan = TrackPlan::of_frames(take, start, frames.collect());
+    let mut report = TrackReport::new(take, &reader.cameras);
+    let mut run = TrackRun::new(Arc::new(reader), plan);
+    follow(take, &mut run, take.frame_count(), &mut report, &CancelToken::new(), |_, _| {})?;
+    output::print(&report.text())
 }
 
 #[cfg(test)]
@@ -427,21 +394,19 @@ mod tests {
 
     #[test]
     fn what_was_tracked_before_ctrl_c_stays() {
-        let take =
-            Take::open(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/take")).unwrap();
-        let start = take.start().unwrap().clone();
-        let tracker = Tracker::new(take.model().clone(), FitOptions::default(), start).unwrap();
-        let (footage, cancel) = (Footage::new(take), CancelToken::new());
-        let mut report = TrackReport::new(footage.take(), &[0, 1], None);
-        let frames: Vec<usize> = (0..10).collect();
-        let part = Followed { footage: &footage, cameras: &[0, 1], frames: &frames, cues: &[] };
-        let error = follow(part, tracker, &mut report, &cancel, |report| {
-            if report.track().frames.len() == 3 {
+        let take = builtin::open().unwrap();
+        let (start, cancel) = (take.start().unwrap().clone(), CancelToken::new());
+        let plan = TrackPlan::of_frames(&take, start, (0..10).collect());
+        let reader = Arc::new(TakeReader::of_silhouettes(Arc::new(Footage::new(take)), vec![0, 1]));
+        let take = reader.footage.take();
+        let mut report = TrackReport::new(take, &[0, 1]);
+        let mut run = TrackRun::new(reader.clone(), plan);
+        let error = follow(take, &mut run, 10, &mut report, &cancel, |_, report| {
+            if report.track.frames.len() == 3 {
                 cancel.cancel();
             }
-            Ok(())
         });
         assert!(error.unwrap_err().downcast_ref::<Interrupted>().is_some());
-        assert_eq!(report.track().frames.len(), 3);
+        assert_eq!(report.track.frames.len(), 3);
     }
 }

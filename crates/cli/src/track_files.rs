@@ -1,23 +1,27 @@
-//! The files that `backlit track` writes, and those of them that are read again.
+//! The files that `backlit track` writes, and those of them that are read again, also by `--resume`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use anyhow::{Context, ensure};
+use backlit_formats::export::resume_file::{self, Resume};
 use backlit_formats::export::track_read::{self, WrittenTrack};
-use backlit_formats::export::{self, TrackExport, resume_file};
+use backlit_formats::export::{self, TrackExport};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
-use backlit_tracking::body::builtin;
+use backlit_runs::track::{EarlierFrames, Smoothing, TakeReader, TrackRun};
+use backlit_tracking::body::{Pose, builtin};
+use backlit_tracking::track::{FrameEstimate, KalmanOptions};
 use serde::Deserialize;
 
-use super::output;
-use super::own_body::Begun;
-use super::track_report::TrackReport;
+use crate::output;
+use crate::person::Begun;
+use crate::track_report::TrackReport;
 
 /// The body, where it is no built-in one.
 const BODY: &str = "body.toml";
 /// What `--resume` goes on from.
-pub(crate) const RESUME: &str = "resume.json";
+const RESUME: &str = "resume.json";
 /// What `--json` prints.
 const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
@@ -27,14 +31,14 @@ const MAX_SUMMARY: u64 = 1 << 20;
 ///
 /// # Errors
 /// The folder is not writable; the message names the file.
-pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow::Result<()> {
-    let cameras: Vec<&str> = report.cameras().iter().map(String::as_str).collect();
+fn write(folder: &Path, take: &Take, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
+    let cameras: Vec<&str> = report.cameras.iter().map(String::as_str).collect();
     let export = TrackExport {
         name: take.name(),
         frame_rate: take.frame_rate(),
         model: take.model(),
         cameras: &cameras,
-        track: report.track(),
+        track: &report.track,
     };
     let summary = serde_json::to_string_pretty(&report.summary())? + "\n";
     let mut others = vec![(SUMMARY, summary.as_bytes())];
@@ -44,8 +48,8 @@ pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow:
     }
     // After the take's last frame there is nothing to go on with.
     let has_ended =
-        report.track().frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
-    let resume = report.resume_point().filter(|_| !has_ended).map(|resume| resume_file::to_text(&resume));
+        report.track.frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
+    let resume = resume.filter(|_| !has_ended).map(resume_file::to_text);
     if let Some(resume) = &resume {
         others.push((RESUME, resume.as_bytes()));
     }
@@ -77,11 +81,11 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes what there is if it is time to. What cannot be written is told once; the track goes on.
-    pub(crate) fn now_and_then(&mut self, report: &TrackReport) {
+    pub(crate) fn now_and_then(&mut self, report: &TrackReport, run: &TrackRun<TakeReader>) {
         if self.written.elapsed() <= WRITE_EVERY {
             return;
         }
-        if let Err(error) = self.write(report)
+        if let Err(error) = self.write(report, run.resume_point().as_ref())
             && !self.is_told
         {
             output::complain(&format!("{error:#}; the track goes on, and is written at its end"));
@@ -90,28 +94,147 @@ impl<'a> Writer<'a> {
         self.written = Instant::now();
     }
 
-    fn write(&self, report: &TrackReport) -> anyhow::Result<()> {
+    fn write(&self, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
         output::make_folder(self.folder)?;
-        write(self.folder, self.take, report)
+        write(self.folder, self.take, report, resume)
     }
 
     /// Writes all there is; where that cannot be, into a folder for temporary files.
     ///
     /// # Errors
     /// It could not be written where it was wanted; the message says where it is, if anywhere.
-    pub(crate) fn at_the_end(&self, report: &TrackReport) -> anyhow::Result<()> {
-        let Err(error) = self.write(report) else { return Ok(()) };
+    pub(crate) fn at_the_end(&self, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
+        let Err(error) = self.write(report, resume) else { return Ok(()) };
         let other = std::env::temp_dir().join(format!("backlit-track-{}", std::process::id()));
         let elsewhere = Writer { folder: &other, ..*self };
-        Err(match elsewhere.write(report) {
+        Err(match elsewhere.write(report, resume) {
             Ok(()) => error.context(format!("the results are in {}", other.display())),
             Err(_) => error,
         })
     }
 }
 
+/// A track that was stopped.
+#[derive(Debug)]
+pub(crate) struct Earlier {
+    pub(crate) written: WrittenTrack,
+    /// What was found before it began.
+    pub(crate) begun: Option<Begun>,
+    /// What its tracker knew; not read where no frame is left.
+    resume: Option<Resume>,
+}
+
+impl Earlier {
+    /// Reads it from the folder of the results.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read.
+    pub(crate) fn read(folder: &Path, model: Option<&str>) -> anyhow::Result<Self> {
+        let path = folder.join("track.json");
+        let written = read(&path, model).context("--resume")?;
+        ensure!(!written.track.frames.is_empty(), "--resume: {} has no frame to go on from", path.display());
+        Ok(Self { written, begun: begun(folder), resume: None })
+    }
+
+    /// Reads what the tracker knew after its last frame.
+    ///
+    /// # Errors
+    /// It is not there or cannot be read, is of another frame, or of a track that was smoothed in another way.
+    pub(crate) fn recall(&mut self, folder: &Path, smoothing: Option<Smoothing>) -> anyhow::Result<()> {
+        let path = folder.join(RESUME);
+        let resume = resume_file::read(&path, &self.written.model).context("--resume")?;
+        let last = self.written.track.frames.keys().next_back().copied();
+        ensure!(
+            last == Some(resume.memory.last.frame),
+            "--resume: {} is of frame {}; expected the last frame of track.json",
+            path.display(),
+            resume.memory.last.frame
+        );
+        let was = resume.smoothing.as_ref().map(|waiting| Smoothing { lag: waiting.lag });
+        ensure!(
+            was == smoothing,
+            "--resume: the track was smoothed in another way; expected the same --motion and --lag"
+        );
+        self.resume = Some(resume);
+        Ok(())
+    }
+
+    /// The noise of its Kalman filter, if it had one.
+    pub(crate) fn noise(&self) -> Option<KalmanOptions> {
+        Some(self.resume.as_ref()?.memory.filter.as_ref()?.noise)
+    }
+
+    /// The run and the report as they were.
+    ///
+    /// # Errors
+    /// Other options than the earlier track's, or pictures of its last frame that cannot be read.
+    pub(crate) fn go_on(
+        self,
+        take: &Take,
+        run: TrackRun<TakeReader>,
+        report: &mut TrackReport,
+    ) -> anyhow::Result<TrackRun<TakeReader>> {
+        let mut track = self.written.track;
+        let Some(Resume { memory, smoothing }) = self.resume else {
+            track.frames.into_values().for_each(|estimate| report.keep(take, estimate));
+            return Ok(run);
+        };
+        let waiting = smoothing.into_iter().flat_map(|smoothing| smoothing.frames).map(|waiting| {
+            let known = track.frames.remove(&waiting.frame);
+            let known = known.unwrap_or_else(|| FrameEstimate::of_pose(waiting.frame, waiting.pose.clone()));
+            (known, waiting)
+        });
+        let waiting: Vec<_> = waiting.collect();
+        for (known, waiting) in &waiting {
+            let newest = FrameEstimate { pose: waiting.pose.clone(), ..known.clone() };
+            report.track.frames.insert(newest.frame, newest);
+        }
+        track.frames.into_values().for_each(|estimate| report.keep(take, estimate));
+        run.resuming(EarlierFrames { memory, waiting }).context("--resume")
+    }
+
+    /// The frames that it has not tracked, of those that are wanted.
+    ///
+    /// # Errors
+    /// It is of another take, other cameras, or other frames.
+    pub(crate) fn frames_left<'a>(
+        &self,
+        take: &Take,
+        cameras: &[usize],
+        frames: &'a [usize],
+    ) -> anyhow::Result<&'a [usize]> {
+        let written = &self.written;
+        let (name, rate) = (take.name(), take.frame_rate());
+        ensure!(
+            written.name == name && written.frame_rate == rate,
+            "--resume: the track is of \"{}\" with {} frames a second; expected \"{name}\" with {rate}",
+            written.name,
+            written.frame_rate
+        );
+        let names: Vec<&str> = cameras.iter().map(|&camera| take.rig().cameras()[camera].name()).collect();
+        ensure!(
+            written.cameras == names,
+            "--resume: the track is of the cameras {}; expected {}",
+            written.cameras.join(", "),
+            names.join(", ")
+        );
+        let done = written.track.frames.len();
+        ensure!(
+            done <= frames.len() && written.track.frames.keys().eq(&frames[..done]),
+            "--resume: the track is not of the first {done} of these frames; expected the same --frames"
+        );
+        Ok(&frames[done..])
+    }
+
+    /// The pose of its last frame.
+    pub(crate) fn last_pose(&self) -> Pose {
+        let last = self.written.track.frames.values().next_back();
+        last.map_or_else(|| Pose::rest(&self.written.model), |last| last.pose.clone())
+    }
+}
+
 /// What was found before an earlier track into this folder began.
-pub(crate) fn begun(folder: &Path) -> Option<Begun> {
+fn begun(folder: &Path) -> Option<Begun> {
     #[derive(Deserialize)]
     struct OfBegun {
         begun: Option<Begun>,
@@ -154,18 +277,18 @@ mod tests {
     fn results_are_not_lost_with_their_folder() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/take");
         let take = Take::open(&path).unwrap();
-        let mut report = TrackReport::new(&take, &[0], None);
+        let mut report = TrackReport::new(&take, &[0]);
         let estimate =
             FrameEstimate { overlap: vec![None], ..FrameEstimate::of_pose(0, take.start().unwrap().clone()) };
-        report.add(&take, estimate, 1.0).unwrap();
+        report.add(&take, estimate, true, 1.0);
         let folder = std::env::temp_dir().join(format!("backlit-vanished-{}", std::process::id()));
         let out = folder.join("results");
-        Writer::new(&out, &take).at_the_end(&report).unwrap();
+        Writer::new(&out, &take).at_the_end(&report, None).unwrap();
         fs::remove_dir_all(&folder).unwrap();
-        Writer::new(&out, &take).at_the_end(&report).unwrap();
+        Writer::new(&out, &take).at_the_end(&report, None).unwrap();
         assert!(out.join("track.json").is_file());
 
-        let error = Writer::new(&out.join("track.json"), &take).at_the_end(&report).unwrap_err();
+        let error = Writer::new(&out.join("track.json"), &take).at_the_end(&report, None).unwrap_err();
         let message = format!("{error:#}");
         let elsewhere = message.strip_prefix("the results are in ").unwrap().split(':').next().unwrap();
         assert!(message.contains("track.json"), "{message}");

@@ -1,1 +1,4 @@
 //! Long work on a take, without a window: what the command line and the inspector both drive.
+
+pub mod person;
+pub mod track;

@@ -1,17 +1,22 @@
 //! `backlit experiment footage`: a take tracked from many starts, and how many of them end at the keypoints.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
 
 use anyhow::{Context, bail};
+use backlit_runs::track::{TakeReader, TrackEnding, TrackMessage, TrackRun};
 use backlit_tracking::cancel::CancelToken;
 use clap::Args;
+use indicatif::ProgressBar;
 use serde::Serialize;
 
-use crate::each_frame::each_frame;
-use crate::output;
+use crate::follow_options::FollowArguments;
+use crate::output::{self, number};
+use crate::progress::each_frame;
 use crate::table::Table;
 use crate::take_options::{self, PartArguments, StartArguments};
-use crate::track::FollowArguments;
+use crate::track::{measure_overlaps, take_in};
 use crate::track_report::{TrackReport, TrackSummary};
 
 /// What `backlit experiment footage` is told.
@@ -63,41 +68,42 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
     let take = footage.take();
     let (frames, cameras) = (arguments.part.frames(take)?, arguments.part.cameras(take)?);
-    let mut starts = Vec::new();
+    let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras));
+    let (cancel, mut starts) = (CancelToken::new(), Vec::new());
     for seed in (arguments.start.seed..).take(arguments.starts as usize) {
         let fit = arguments.follow.solver.options()?;
         let start = StartArguments { seed, ..arguments.start.clone() };
-        let start = start.pose(&footage, &cameras, frames[0], &fit)?;
-        starts.push((
-            seed,
-            arguments.follow.tracker(take, start)?,
-            TrackReport::new(take, &cameras, smoothing),
-        ));
+        let start = start.pose(&footage, &reader.cameras, frames[0], &fit)?;
+        let run = TrackRun::new(reader.clone(), arguments.follow.plan(take, start, &frames)?);
+        starts.push((seed, run, TrackReport::new(take, &reader.cameras)));
     }
-    each_frame(&footage, &cameras, &frames, |frame, views, _| {
-        for (seed, tracker, report) in &mut starts {
-            let began = std::time::Instant::now();
-            let estimate = tracker
-                .track_frame(frame, views.clone(), &CancelToken::new())
-                .with_context(|| format!("seed {seed}, frame {frame}"))?;
-            report.add(take, estimate, began.elapsed().as_secs_f64() * 1e3)?;
+    let hidden = ProgressBar::hidden();
+    each_frame(&reader, &frames, |_, read| {
+        for (seed, run, report) in &mut starts {
+            let (began, mut failed) = (Instant::now(), None);
+            run.step_with(read, &cancel, &mut |message| match message {
+                TrackMessage::Done(TrackEnding::Failed { frame, error }) => failed = Some((frame, error)),
+                message => take_in(take, message, report, began.elapsed().as_secs_f64() * 1e3, &hidden),
+            });
+            if let Some((frame, error)) = failed {
+                return Err(error).with_context(|| format!("seed {seed}, frame {frame}"));
+            }
         }
         Ok(())
     })?;
     if smoothing.is_some() {
+        for (_, run, report) in &mut starts {
+            run.end(TrackEnding::Whole, &mut |message| take_in(take, message, report, 0.0, &hidden));
+            report.not_smoothed.map_or(Ok(()), Err)?;
+        }
         let renderer = arguments.follow.solver.options()?.renderer;
-        starts.iter_mut().try_for_each(|(_, _, report)| report.smooth(take))?;
-        each_frame(&footage, &cameras, &frames, |frame, views, _| {
-            starts
-                .iter_mut()
-                .for_each(|(_, _, report)| report.measure_overlap(take, frame, &views, renderer));
-            Ok(())
-        })?;
+        let mut reports: Vec<&mut TrackReport> = starts.iter_mut().map(|(_, _, report)| report).collect();
+        measure_overlaps(&reader, &frames, renderer, &mut reports)?;
     }
     let mut report = Report { within_mm: arguments.within_mm, held: 0, starts: Vec::new() };
     for (seed, _, mut track) in starts {
         track.finish(take);
-        let Some(errors) = track.errors().overall() else {
+        let Some(errors) = track.errors.overall() else {
             bail!("the take has no reference keypoints in these frames to compare with");
         };
         let held = errors.max <= arguments.within_mm;
@@ -111,23 +117,22 @@ fn text(report: &Report) -> String {
     let titles = ["seed", "error, mm: mean", "max", "without offsets", "IoU", "lost", "jitter, mm", "held"];
     let mut table = Table::new(titles);
     for start in &report.starts {
-        let [mean, max, without] = start.track.errors_mm().map(|mm| number(mm, 1));
+        let errors = start.track.joint_error_mm.as_ref();
+        let without = errors.and_then(|errors| errors.without_offsets.as_ref()).map(|errors| errors.mean);
+        let (mean, max) = (errors.map(|errors| errors.overall.mean), errors.map(|errors| errors.overall.max));
+        let [mean, max, without] = [mean, max, without].map(|mm| number(mm, 1));
         let held = if start.held { "yes" } else { "no" };
         table.row([
             start.seed.to_string(),
             mean,
             max,
             without,
-            number(start.track.iou(), 3),
-            start.track.lost().to_string(),
-            number(start.track.jitter_mm(), 1),
+            number(start.track.iou.mean, 3),
+            start.track.lost.to_string(),
+            number(start.track.jitter_mm, 1),
             held.to_owned(),
         ]);
     }
     let (held, count, within) = (report.held, report.starts.len(), report.within_mm);
     format!("{}\n{held} of {count} starts stay within {within} mm everywhere\n", table.to_text())
-}
-
-fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
 }

@@ -1,0 +1,144 @@
+//! Options that choose how frames are followed.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::bail;
+use backlit_formats::{Take, prior_file};
+use backlit_runs::track::{Smoothing, TrackPlan};
+use backlit_tracking::body::Pose;
+use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::residual::learnt_prior::LearntPrior;
+use backlit_tracking::track::{KalmanOptions, Motion, WhenToSearch};
+use clap::{Args, ValueEnum};
+
+use crate::fit_options::SolverArguments;
+
+/// How frames are followed.
+#[derive(Debug, Args)]
+pub(crate) struct FollowArguments {
+    /// The fit of a frame.
+    #[command(flatten)]
+    pub(crate) solver: SolverArguments,
+    /// Let a prior learnt from motion say which poses are likely: a file of backlit prior, or people, the one that comes
+    /// with the program
+    #[arg(long, value_name = "FILE")]
+    pub(crate) prior: Option<PathBuf>,
+    /// How motion is carried from frame to frame [default: velocity, with the report preset still]
+    #[arg(long, value_enum)]
+    pub(crate) motion: Option<MotionWord>,
+    /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
+    /// and root (m/s^1.5)
+    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
+    pub(crate) noise: Option<Vec<f64>>,
+    /// Smooth every frame by only so many frames after it, as a live track with that delay could
+    #[arg(long, value_name = "FRAMES")]
+    pub(crate) lag: Option<usize>,
+    /// When to look for other poses than the one downhill, in the first frame and after a lost one
+    /// [default: poor, with the report preset never]
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
+    pub(crate) search: Option<SearchWord>,
+}
+
+impl FollowArguments {
+    /// The fit of a frame, with its prior if it has one.
+    ///
+    /// # Errors
+    /// Options that contradict each other, or a prior that cannot be read.
+    pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
+        let mut fit = self.solver.options()?;
+        if let Some(path) = &self.prior {
+            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read_or_built_in(path)?)));
+        }
+        Ok(fit)
+    }
+
+    /// How these frames of a take are followed from this pose.
+    ///
+    /// # Errors
+    /// Options that contradict each other.
+    pub(crate) fn plan(&self, take: &Take, start: Pose, frames: &[usize]) -> anyhow::Result<TrackPlan> {
+        let default = match self.solver.preset {
+            Preset::Report => SearchWord::Never,
+            Preset::Robust => SearchWord::Poor,
+        };
+        let noise = self.noise()?;
+        let motion = match self.motion {
+            None => Motion::of_preset(Some(self.solver.preset)),
+            Some(MotionWord::Still) => Motion::Still,
+            Some(MotionWord::Velocity) => Motion::Velocity,
+            Some(MotionWord::Kalman | MotionWord::Smoothed) => Motion::Kalman(noise),
+        };
+        Ok(TrackPlan {
+            fit: Arc::new(self.fit()?),
+            motion,
+            search: self.search.unwrap_or(default).into(),
+            smoothing: self.smoothing()?,
+            ..TrackPlan::of_frames(take, start, frames.to_vec().into())
+        })
+    }
+
+    /// Whether a Kalman filter follows the motion.
+    pub(crate) fn is_kalman(&self) -> bool {
+        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
+    }
+
+    /// The Kalman filter's noise.
+    pub(crate) fn noise(&self) -> anyhow::Result<KalmanOptions> {
+        let default = KalmanOptions::default();
+        match self.noise.as_deref() {
+            None => Ok(default),
+            Some(_) if !self.is_kalman() => bail!("--noise is for --motion kalman or smoothed"),
+            Some(&[measurement_deviation, turn_acceleration, move_acceleration]) => {
+                Ok(KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, ..default })
+            }
+            Some(numbers) => bail!("--noise has {} numbers; expected three: R,TURN,MOVE", numbers.len()),
+        }
+    }
+
+    /// How later frames smooth earlier ones, if they do.
+    ///
+    /// # Errors
+    /// A lag of what is not smoothed.
+    pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
+        let is_smoothed = self.motion == Some(MotionWord::Smoothed);
+        if self.lag.is_some() && !is_smoothed {
+            bail!("--lag is for --motion smoothed");
+        }
+        Ok(is_smoothed.then_some(Smoothing { lag: self.lag }))
+    }
+}
+
+/// When to look for other poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SearchWord {
+    /// Never
+    Never,
+    /// Where the fit overlaps poorly: IoU below 0.9
+    Poor,
+    /// Always
+    Always,
+}
+
+impl From<SearchWord> for WhenToSearch {
+    fn from(word: SearchWord) -> Self {
+        match word {
+            SearchWord::Never => Self::Never,
+            SearchWord::Poor => Self::WhenPoor,
+            SearchWord::Always => Self::Always,
+        }
+    }
+}
+
+/// How motion is carried from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MotionWord {
+    /// Start from the last pose
+    Still,
+    /// Start where the motion between the last two frames leads
+    Velocity,
+    /// Pose and velocity by the iterated extended Kalman filter
+    Kalman,
+    /// The same, and earlier frames smoothed by later ones at the end
+    Smoothed,
+}

@@ -1,0 +1,499 @@
+//! A track run: frame after frame of a take is read, segmented and fitted, in one direction, or from two key poses towards
+//! each other. The command line and the inspector both drive it and hear of it by [`TrackMessage`]s.
+
+mod reading;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use backlit_formats::export::resume_file::{Resume, WaitingFrames};
+use backlit_formats::{FootageError, Take};
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body_fit::survey::{self, Survey};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{Cue, CueOptions, CueOptionsError, FrameCues};
+use backlit_tracking::fit::{FitError, FitOptions, FitView};
+use backlit_tracking::posing;
+use backlit_tracking::track::join::{self, Source};
+use backlit_tracking::track::{
+    FrameEstimate, KalmanOptions, MemoryError, Motion, MotionError, Smoother, SmoothingError, Track, Tracker,
+    TrackerMemory, Tuned, WaitingFrame, WhenToSearch, tune,
+};
+
+pub use reading::{FrameReader, ReadAhead, TakeReader};
+
+/// Most frames from which the filter's noise is estimated: a filter keeps a third of a megabyte of each.
+const TUNED_FRAMES: usize = 600;
+
+/// How frames are followed.
+#[derive(Debug, Clone)]
+pub struct TrackPlan {
+    /// The body.
+    pub model: Arc<Model>,
+    /// The fit of a frame.
+    pub fit: Arc<FitOptions>,
+    /// Frames a second.
+    pub frame_rate: f64,
+    /// How motion is carried from frame to frame.
+    pub motion: Motion,
+    /// When other poses than the one downhill are looked for.
+    pub search: WhenToSearch,
+    /// What else pulls at limbs that the silhouettes do not hold.
+    pub cues: Vec<Cue>,
+    /// How later frames smooth earlier ones, if they do.
+    pub smoothing: Option<Smoothing>,
+    /// Key poses on the way.
+    pub keys: BTreeMap<usize, Pose>,
+    /// What becomes of them.
+    pub at_keys: KeyUse,
+    /// Tracked one after the other. Two legs are tracks of the same frames from both sides, which are joined.
+    pub legs: VecDeque<Leg>,
+}
+
+/// How later frames smooth earlier ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Smoothing {
+    /// How many frames after each count; all if `None`.
+    pub lag: Option<usize>,
+}
+
+/// What becomes of a key pose on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeyUse {
+    /// It stays as it was set, and the track goes on from it.
+    Keep,
+    /// The fit of its frame begins there.
+    Begin,
+    /// The fit of its frame begins there, turned to face the other way.
+    BeginTurned,
+}
+
+/// A track in one direction.
+#[derive(Debug, Clone)]
+pub struct Leg {
+    /// The pose before its first frame is fitted.
+    pub start: Pose,
+    /// The neighbour of the first frame if the start is that neighbour's fitted pose.
+    pub continues: Option<usize>,
+    /// The frames in their order.
+    pub frames: VecDeque<usize>,
+}
+
+/// What a run tells while it goes on.
+#[derive(Debug)]
+pub enum TrackMessage<F> {
+    /// A frame was taken up: this was read of it.
+    Taken(usize, Arc<F>),
+    /// A frame was tracked. `is_final` is false where it will be smoothed by later frames.
+    Frame {
+        /// What was found.
+        estimate: Box<FrameEstimate>,
+        /// Whether no later frame smooths it.
+        is_final: bool,
+    },
+    /// Frames that were tracked before are now known better: smoothed by later ones, or joined with another track.
+    Revised(Vec<FrameEstimate>),
+    /// Two tracks were joined.
+    Joined {
+        /// The last frame of the forward track.
+        frame: usize,
+        /// How far apart the joints of both tracks are there.
+        distance_m: f64,
+        /// Whether that is near enough to be one movement.
+        meets: bool,
+    },
+    /// Frames cannot be smoothed.
+    NotSmoothed(SmoothingError),
+    /// The run is over.
+    Done(TrackEnding),
+}
+
+/// How a run ends.
+#[derive(Debug)]
+pub enum TrackEnding {
+    /// All frames were tracked.
+    Whole,
+    /// It was stopped.
+    Cancelled,
+    /// A frame cannot be tracked.
+    Failed {
+        /// The frame.
+        frame: usize,
+        /// Why.
+        error: TrackError,
+    },
+}
+
+/// Why frames cannot be tracked.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what each variant is")]
+pub enum TrackError {
+    #[error(transparent)]
+    Footage(#[from] FootageError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Cues(#[from] CueOptionsError),
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+/// Frames of an earlier run that a track goes on from.
+#[derive(Debug)]
+pub struct EarlierFrames {
+    /// What the tracker knew after its last frame.
+    pub memory: TrackerMemory,
+    /// The frames that waited to be smoothed, and what is known of them.
+    pub waiting: Vec<(FrameEstimate, WaitingFrame)>,
+}
+
+impl TrackPlan {
+    /// Follows these frames of a take from a pose as the robust preset does.
+    #[must_use]
+    pub fn of_frames(take: &Take, start: Pose, frames: VecDeque<usize>) -> Self {
+        Self {
+            model: Arc::clone(take.model()),
+            fit: Arc::default(),
+            frame_rate: take.frame_rate(),
+            motion: Motion::default(),
+            search: WhenToSearch::default(),
+            cues: Vec::new(),
+            smoothing: None,
+            keys: BTreeMap::new(),
+            at_keys: KeyUse::Begin,
+            legs: [Leg { start, continues: None, frames }].into(),
+        }
+    }
+
+    /// A tracker that begins with this pose.
+    ///
+    /// # Errors
+    /// A pose that is not the body's, or options out of range.
+    pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
+        let tracker = Tracker::new(self.model.clone(), (*self.fit).clone(), start)?;
+        let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
+        Ok(match &self.cues[..] {
+            [] => tracker,
+            cues => tracker.with_cues(CueOptions::default().only(cues))?,
+        })
+    }
+
+    /// Tracks some frames once to find the noise that makes them most likely. `None` if there are too few of them, or the run
+    /// was cancelled.
+    ///
+    /// # Errors
+    /// A frame that cannot be tracked.
+    pub fn tune<R: FrameReader>(
+        &self,
+        reader: Arc<R>,
+        noise: KalmanOptions,
+        cancel: &CancelToken,
+        mut on_frame: impl FnMut(&FrameEstimate),
+    ) -> Result<Option<Tuned>, TrackEnding> {
+        let mut plan =
+            Self { motion: Motion::Kalman(noise), cues: Vec::new(), smoothing: None, ..self.clone() };
+        plan.legs.iter_mut().for_each(|leg| leg.frames.truncate(TUNED_FRAMES));
+        let (mut run, mut track, mut ending) = (TrackRun::new(reader, plan), Track::default(), None);
+        while ending.is_none() {
+            run.step(cancel, &mut |message| match message {
+                TrackMessage::Frame { estimate, .. } => {
+                    on_frame(&estimate);
+                    track.frames.insert(estimate.frame, *estimate);
+                }
+                TrackMessage::Done(how) => ending = Some(how),
+                _ => {}
+            });
+        }
+        match ending {
+            Some(TrackEnding::Whole) | None => Ok(tune(&track, noise)),
+            Some(other) => Err(other),
+        }
+    }
+}
+
+/// Looks at the silhouettes of at most `most` of some frames. Frames that cannot be read count as empty: they are reported
+/// when it is their turn.
+pub fn survey<R: FrameReader>(reader: &R, frames: &[usize], most: usize, cancel: &CancelToken) -> Survey {
+    let views = |frame: usize| -> Result<Vec<FitView>, Infallible> {
+        let read = if cancel.is_cancelled() { None } else { reader.read(frame).ok() };
+        Ok(read.map_or_else(Vec::new, |read| reader.views(&read)))
+    };
+    let Ok(found) = survey::survey(&survey::spread(frames, most), views);
+    found
+}
+
+/// A track being made. It reads ahead on other threads and keeps the estimates of few frames.
+#[derive(Debug)]
+pub struct TrackRun<R: FrameReader> {
+    reader: Arc<R>,
+    plan: TrackPlan,
+    tracker: Option<Tracker>,
+    ahead: Option<ReadAhead<R>>,
+    /// Of the leg that is being tracked, if it is to be joined with the other.
+    kept: Track,
+    /// Smooths the leg's frames by later ones, where that is asked for.
+    smoother: Option<Smoother>,
+    /// Legs that are whole, if they are to be joined.
+    whole: Vec<Track>,
+    joins: bool,
+    /// Whether [`resume_point`](Self::resume_point) is asked for.
+    remembers: bool,
+    /// What the tracker knew after the newest frame.
+    memory: Option<TrackerMemory>,
+    /// The frames that waited when the rest was smoothed.
+    waiting: Option<Vec<WaitingFrame>>,
+}
+
+impl<R: FrameReader> TrackRun<R> {
+    /// A run that has not begun.
+    #[must_use]
+    pub fn new(reader: Arc<R>, plan: TrackPlan) -> Self {
+        Self {
+            joins: plan.legs.len() > 1,
+            smoother: plan.smoothing.map(|smoothing| Smoother::new(smoothing.lag)),
+            reader,
+            plan,
+            tracker: None,
+            ahead: None,
+            kept: Track::default(),
+            whole: Vec::new(),
+            remembers: false,
+            memory: None,
+            waiting: None,
+        }
+    }
+
+    /// Remembers after every frame what is needed to go on after it.
+    #[must_use]
+    pub fn remembering(self) -> Self {
+        Self { remembers: true, ..self }
+    }
+
+    /// Goes on from the frames of an earlier run, as if nothing had stopped it.
+    ///
+    /// # Errors
+    /// Other options than the earlier run's, or pictures of its last frame that cannot be read.
+    pub fn resuming(mut self, earlier: EarlierFrames) -> Result<Self, TrackError> {
+        let Some(leg) = self.plan.legs.front() else { return Ok(self) };
+        let EarlierFrames { memory, waiting } = earlier;
+        let last = memory.last.frame;
+        let begins_flow = memory.cues.as_ref().is_some_and(|cues| cues.before.is_some());
+        let noise = memory.filter.as_ref().map(|filter| filter.noise);
+        self.memory = Some(memory.clone());
+        let mut tracker = self.plan.tracker(leg.start.clone())?.with_memory(memory)?;
+        if begins_flow && self.plan.cues.iter().any(|cue| *cue != Cue::Keypoints) {
+            let read = self.reader.read(last)?;
+            tracker = tracker.with_pictures_before(&self.reader.views(&read), self.reader.cues(&read)?);
+        }
+        self.tracker = Some(tracker);
+        if let Some((smoother, noise)) = self.smoother.take().zip(noise) {
+            let (known, waiting) = waiting.into_iter().unzip();
+            self.smoother = Some(smoother.with_waiting(known, waiting, noise, self.plan.frame_rate));
+        }
+        Ok(self)
+    }
+
+    /// What is needed to go on after the newest frame, if there is one.
+    #[must_use]
+    pub fn resume_point(&self) -> Option<Resume> {
+        let waiting = self.waiting.clone().or_else(|| Some(self.smoother.as_ref()?.waiting()));
+        let lag = self.plan.smoothing.and_then(|smoothing| smoothing.lag);
+        let smoothing = waiting.map(|frames| WaitingFrames { lag, frames });
+        Some(Resume { memory: self.memory.clone()?, smoothing })
+    }
+
+    /// Tracks the next frame, or ends. After [`TrackMessage::Done`] there is nothing left to do.
+    pub fn step(&mut self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+        if cancel.is_cancelled() {
+            return self.end(TrackEnding::Cancelled, tell);
+        }
+        let Some(frame) = self.plan.legs.front_mut().and_then(|leg| leg.frames.pop_front()) else {
+            self.end_leg(tell);
+            self.plan.legs.pop_front();
+            if self.plan.legs.is_empty() {
+                if self.joins {
+                    self.join(cancel, tell);
+                }
+                tell(TrackMessage::Done(TrackEnding::Whole));
+            }
+            return;
+        };
+        match self.read(frame, cancel) {
+            Ok(read) => self.take_up(frame, &read, cancel, tell),
+            Err(error) => self.end(TrackEnding::Failed { frame, error: error.into() }, tell),
+        }
+    }
+
+    /// Tracks the next frame, which somebody else has read.
+    pub fn step_with(
+        &mut self,
+        read: &Arc<R::Frame>,
+        cancel: &CancelToken,
+        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+    ) {
+        if let Some(frame) = self.plan.legs.front_mut().and_then(|leg| leg.frames.pop_front()) {
+            self.take_up(frame, read, cancel, tell);
+        }
+    }
+
+    /// Ends the run: smooths what has not been smoothed yet.
+    pub fn end(&mut self, ending: TrackEnding, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+        self.end_leg(tell);
+        tell(TrackMessage::Done(ending));
+    }
+
+    fn read(&mut self, frame: usize, cancel: &CancelToken) -> Result<Arc<R::Frame>, FootageError> {
+        let to_come = || self.plan.legs.iter().flat_map(|leg| leg.frames.iter().copied());
+        let ahead = self.ahead.get_or_insert_with(|| {
+            let order = std::iter::once(frame).chain(to_come()).collect();
+            ReadAhead::new(self.reader.clone(), order, cancel.clone())
+        });
+        ahead.get(frame)
+    }
+
+    fn take_up(
+        &mut self,
+        frame: usize,
+        read: &Arc<R::Frame>,
+        cancel: &CancelToken,
+        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+    ) {
+        tell(TrackMessage::Taken(frame, read.clone()));
+        match self.track(frame, read, cancel) {
+            // A cancelled fit is not finished.
+            Ok(_) if cancel.is_cancelled() => {}
+            Ok(mut estimate) => {
+                if estimate.cost.is_some() {
+                    estimate.rms = self.reader.rms(read, &estimate.pose, estimate.rms);
+                }
+                if self.remembers {
+                    self.memory = self.tracker.as_ref().and_then(Tracker::memory);
+                }
+                self.keep(estimate, tell);
+            }
+            Err(error) => self.end(TrackEnding::Failed { frame, error }, tell),
+        }
+    }
+
+    fn track(
+        &mut self,
+        frame: usize,
+        read: &R::Frame,
+        cancel: &CancelToken,
+    ) -> Result<FrameEstimate, TrackError> {
+        let (plan, views) = (&self.plan, self.reader.views(read));
+        if let Some(key) = plan.keys.get(&frame) {
+            let start = match plan.at_keys {
+                KeyUse::Keep => {
+                    self.tracker = Some(plan.tracker(key.clone())?.continuing_from(frame));
+                    let mut kept = FrameEstimate::of_pose(frame, key.clone());
+                    kept.measure_overlap(&plan.model, plan.fit.renderer, &views);
+                    return Ok(kept);
+                }
+                KeyUse::Begin => key.clone(),
+                KeyUse::BeginTurned => posing::turn_round(&plan.model, key),
+            };
+            self.tracker = Some(plan.tracker(start)?);
+        }
+        if self.tracker.is_none()
+            && let Some(leg) = plan.legs.front()
+        {
+            let tracker = plan.tracker(leg.start.clone())?;
+            self.tracker = Some(match leg.continues {
+                Some(neighbour) => tracker.continuing_from(neighbour),
+                None => tracker,
+            });
+        }
+        let cues = if plan.cues.is_empty() { FrameCues::default() } else { self.reader.cues(read)? };
+        match &mut self.tracker {
+            Some(tracker) => Ok(tracker.track_frame_with_cues(frame, views, cues, cancel)?),
+            None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }.into()),
+        }
+    }
+
+    /// Tells of a frame, and of earlier ones that are smoothed by it.
+    fn keep(&mut self, estimate: FrameEstimate, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+        // A key pose that was set by hand is not smoothed.
+        let is_key = self.plan.at_keys == KeyUse::Keep && self.plan.keys.contains_key(&estimate.frame);
+        if self.joins && !is_key {
+            let plain = FrameEstimate { belief: None, ..estimate.clone() };
+            self.kept.frames.insert(plain.frame, plain);
+        }
+        let smoother = self.smoother.as_mut().filter(|_| !is_key);
+        let (is_final, again) = (smoother.is_none(), smoother.map(|smoother| (smoother, estimate.clone())));
+        tell(TrackMessage::Frame { estimate: Box::new(estimate), is_final });
+        if let Some((smoother, estimate)) = again {
+            let known = smoother.push(estimate);
+            self.revise(known, tell);
+        }
+    }
+
+    fn revise(
+        &mut self,
+        known: Result<Vec<FrameEstimate>, SmoothingError>,
+        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+    ) {
+        match known {
+            Err(error) => tell(TrackMessage::NotSmoothed(error)),
+            Ok(known) if known.is_empty() => {}
+            Ok(known) => {
+                if self.joins {
+                    self.kept.frames.extend(known.iter().map(|one| (one.frame, one.clone())));
+                }
+                tell(TrackMessage::Revised(known));
+            }
+        }
+    }
+
+    fn end_leg(&mut self, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+        if let Some(mut smoother) = self.smoother.take() {
+            self.waiting = self.remembers.then(|| smoother.waiting());
+            self.revise(smoother.finish(), tell);
+            self.smoother = self.plan.smoothing.map(|smoothing| Smoother::new(smoothing.lag));
+        }
+        self.tracker = None;
+        self.whole.push(std::mem::take(&mut self.kept));
+    }
+
+    /// Joins the two legs. What lies between them is fitted again.
+    fn join(&self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+        let [forward, backward] = &self.whole[..] else { return };
+        let Some(join) = join::join(&self.plan.model, forward, backward) else { return };
+        let mut joined = Vec::with_capacity(join.sources.len());
+        for (frame, source) in &join.sources {
+            if cancel.is_cancelled() {
+                return;
+            }
+            let (from, to) = (forward.frames.get(frame), backward.frames.get(frame));
+            let cost = |one: &FrameEstimate| one.cost.unwrap_or(f64::INFINITY);
+            let best = || from.into_iter().chain(to).min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            joined.extend(match source {
+                Source::Forward => from.cloned(),
+                Source::Backward => to.cloned(),
+                Source::Blended(pose) => match self.track_again(*frame, pose, cancel) {
+                    Ok(again) if !again.is_lost() => Some(again),
+                    _ => best().cloned(),
+                },
+            });
+        }
+        tell(TrackMessage::Revised(joined));
+        let (frame, distance_m, meets) = (join.frame, join.distance_m, join.meets());
+        tell(TrackMessage::Joined { frame, distance_m, meets });
+    }
+
+    fn track_again(
+        &self,
+        frame: usize,
+        pose: &Pose,
+        cancel: &CancelToken,
+    ) -> Result<FrameEstimate, TrackError> {
+        let read = self.reader.read(frame)?;
+        let mut tracker = self.plan.tracker(pose.clone())?.continuing_from(frame.saturating_sub(1));
+        let mut again = tracker.track_frame(frame, self.reader.views(&read), cancel)?;
+        again.rms = self.reader.rms(&read, &again.pose, again.rms);
+        Ok(again)
+    }
+}

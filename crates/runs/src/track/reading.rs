@@ -1,0 +1,179 @@
+//! Frames of a take, read ahead of the one that is being fitted.
+
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+
+use backlit_formats::{Footage, FootageError};
+use backlit_tracking::body::Pose;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{Cue, FrameCues};
+use backlit_tracking::fit::FitView;
+
+/// Frames that are read ahead.
+const AHEAD: usize = 3;
+
+/// Reads the frames of a take for a fit. Threads share it.
+pub trait FrameReader: Send + Sync + 'static {
+    /// What is read of a frame.
+    type Frame: std::fmt::Debug + Send + Sync + 'static;
+
+    /// Reads and segments a frame.
+    ///
+    /// # Errors
+    /// A picture that cannot be read, where a frame is of no use without it.
+    fn read(&self, frame: usize) -> Result<Self::Frame, FootageError>;
+
+    /// The cameras that a fit uses, with their evidence.
+    fn views(&self, frame: &Self::Frame) -> Vec<FitView>;
+
+    /// What the frame has beside the silhouettes, in the order of its views.
+    ///
+    /// # Errors
+    /// A file that holds no keypoints.
+    fn cues(&self, frame: &Self::Frame) -> Result<FrameCues, FootageError>;
+
+    /// Root mean square residual of a pose, grey levels, where it is measured in another way than the tracker does.
+    fn rms(&self, frame: &Self::Frame, pose: &Pose, tracked: Option<f64>) -> Option<f64> {
+        let _ = (frame, pose);
+        tracked
+    }
+}
+
+/// Reads the cameras of a take as its files say, all with the same weight.
+#[derive(Debug)]
+pub struct TakeReader {
+    /// The take.
+    pub footage: Arc<Footage>,
+    /// Indices of the cameras.
+    pub cameras: Vec<usize>,
+    /// What is read beside the silhouettes.
+    pub cues: Vec<Cue>,
+}
+
+impl TakeReader {
+    /// Reads silhouettes alone.
+    #[must_use]
+    pub fn of_silhouettes(footage: Arc<Footage>, cameras: Vec<usize>) -> Self {
+        Self { footage, cameras, cues: Vec::new() }
+    }
+}
+
+impl FrameReader for TakeReader {
+    type Frame = (Vec<FitView>, FrameCues);
+
+    fn read(&self, frame: usize) -> Result<Self::Frame, FootageError> {
+        let views = self.footage.fit_views(&self.cameras, frame)?;
+        let pictures = self.cues.iter().any(|cue| *cue != Cue::Keypoints);
+        let cues = match self.cues[..] {
+            [] => FrameCues::default(),
+            _ => self.footage.cues(&self.cameras, frame, pictures)?,
+        };
+        Ok((views, cues))
+    }
+
+    fn views(&self, frame: &Self::Frame) -> Vec<FitView> {
+        frame.0.clone()
+    }
+
+    fn cues(&self, frame: &Self::Frame) -> Result<FrameCues, FootageError> {
+        Ok(frame.1.clone())
+    }
+}
+
+/// Frames in a given order, read by the machine's idle cores.
+#[derive(Debug)]
+pub struct ReadAhead<R: FrameReader> {
+    reader: Arc<R>,
+    frames: VecDeque<usize>,
+    coming: VecDeque<(usize, Receiver<Result<R::Frame, FootageError>>)>,
+    cancel: CancelToken,
+}
+
+impl<R: FrameReader> ReadAhead<R> {
+    /// The frames in this order, until `cancel`.
+    #[must_use]
+    pub fn new(reader: Arc<R>, frames: VecDeque<usize>, cancel: CancelToken) -> Self {
+        Self { reader, frames, coming: VecDeque::new(), cancel }
+    }
+
+    /// A frame; the next ones are begun. It is read here if it is out of order, or if reading it ahead panicked.
+    ///
+    /// # Errors
+    /// As [`FrameReader::read`].
+    pub fn get(&mut self, frame: usize) -> Result<Arc<R::Frame>, FootageError> {
+        if self.coming.is_empty() {
+            // Nothing else is read while the caller waits for this frame.
+            self.frames.pop_front_if(|next| *next == frame);
+        }
+        let ahead = self.coming.pop_front_if(|(next, _)| *next == frame);
+        let read = ahead.and_then(|(_, coming)| coming.recv().ok());
+        let read = read.unwrap_or_else(|| self.reader.read(frame))?;
+        while self.coming.len() < AHEAD
+            && let Some(next) = self.frames.pop_front()
+        {
+            self.begin(next);
+        }
+        Ok(Arc::new(read))
+    }
+
+    fn begin(&mut self, frame: usize) {
+        let (sender, receiver) = channel();
+        let (reader, cancel) = (self.reader.clone(), self.cancel.clone());
+        rayon::spawn(move || {
+            if cancel.is_cancelled() {
+                return;
+            }
+            // After a panic the frame is read again by the thread that wants it, which then reports the panic.
+            if let Ok(read) = catch_unwind(AssertUnwindSafe(|| reader.read(frame))) {
+                // There is no receiver once the run has ended.
+                let _ = sender.send(read);
+            }
+        });
+        self.coming.push_back((frame, receiver));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every frame is empty; reading frame 5 ahead panics.
+    struct Empty(std::sync::Mutex<Vec<usize>>);
+
+    impl FrameReader for Empty {
+        type Frame = usize;
+
+        fn read(&self, frame: usize) -> Result<usize, FootageError> {
+            let mut read = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            read.push(frame);
+            let count = read.iter().filter(|one| **one == frame).count();
+            drop(read);
+            assert!(frame != 5 || count > 1, "read for the first time");
+            Ok(frame)
+        }
+
+        fn views(&self, _frame: &usize) -> Vec<FitView> {
+            Vec::new()
+        }
+
+        fn cues(&self, _frame: &usize) -> Result<FrameCues, FootageError> {
+            Ok(FrameCues::default())
+        }
+    }
+
+    #[test]
+    fn frames_come_in_the_order_in_which_they_are_asked_for() {
+        let reader = Arc::new(Empty(std::sync::Mutex::default()));
+        let cancel = CancelToken::new();
+        let mut ahead = ReadAhead::new(reader, [3, 2, 1, 0, 5, 4].into(), cancel.clone());
+        // The fourth is skipped: those that were read ahead do not fit any more.
+        for frame in [3, 2, 1, 5, 4] {
+            if frame == 4 {
+                cancel.cancel();
+            }
+            assert_eq!(*ahead.get(frame).unwrap(), frame);
+        }
+    }
+}
