@@ -1,32 +1,20 @@
 //! Work on many frames, one kind at a time: the tracker, the search for other poses that fit a frame, and the fit of the
-//! body's own sizes.
+//! body's own sizes. A job sends what is to be done with its results, see [`Applied`].
 //!
 //! | file | holds |
 //! |---|---|
-//! | `update` | begun, stopped, what was found taken in |
-//! | `job`, [`read_ahead`] | the fit of frame after frame |
-//! | `poses_job`, `body_job`, `person_job` | the search, a body from several frames, and both where nothing is known |
+//! | `update` | begun, stopped, results taken in |
+//! | `job` | the tracker's run |
+//! | `body` | a body's sizes, a body of spheres, a person, from several frames |
 //! | `background_job` | plates learnt again without the tracked body |
-//! | `spheres` | a body of spheres, in the place of the sizes |
-//! | `body` | which frames say something of the sizes, and what is said of them |
-//! | `survey` | whether the silhouettes can be a person's at all |
-//! | `keys` | the key poses around a frame |
 //! | `choices` | how it tracks, in the Solver section |
 //! | `other_poses` | what a search has found, in the Refit section |
 
 mod background_job;
 mod body;
-mod body_job;
 pub(crate) mod choices;
 mod job;
-mod keys;
 mod other_poses;
-mod person_job;
-mod pose_words;
-mod poses_job;
-mod read_ahead;
-mod spheres;
-mod survey;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -38,26 +26,26 @@ use std::time::Instant;
 use backlit_document::Estimate;
 use backlit_document::history::Gesture;
 use backlit_jobs::{Priority, Task};
-use backlit_tracking::body_fit::{BodyFit, Person};
-use backlit_tracking::body_spheres::SphereBody;
+use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 
-use crate::context::Context;
 use crate::context::activity::TrackingProgress;
 use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
-use crate::session::{BelievedJoints, FrameData, HeldLimbs};
-use keys::keys_around;
-use poses_job::OtherPose;
+use crate::context::{Context, Requests};
+use update::{joined, keys_around};
 
 /// The feature.
 #[derive(Debug)]
 pub(crate) struct Tracking {
-    task: Task<(), Found>,
-    work: Option<Work>,
+    task: Task<(), Applied>,
+    work: Option<TrackingWork>,
     /// All frames of a track are one undoable act.
     gesture: Option<Gesture>,
+    /// Frames of the track that the document does not have yet.
+    tracked: Vec<(usize, Arc<Estimate>)>,
     other_poses: BTreeMap<usize, OtherPoses>,
     /// Whether the screen follows the tracker.
     follows: bool,
@@ -65,58 +53,47 @@ pub(crate) struct Tracking {
     newest: Option<usize>,
     /// When it went on last.
     shown: Option<Instant>,
-    /// How far the search for a person is.
-    at: Option<String>,
     /// All frames are tracked as soon as the person is found.
     tracks_then: bool,
-    /// What was found has become the document's: it is tracked next.
+    /// The person was found and is the document's: all frames are tracked next.
     tracks_next: bool,
 }
 
 /// What is being done.
-#[derive(Debug, Clone, Copy)]
-enum Work {
+#[derive(Debug, Clone)]
+enum TrackingWork {
     Track(TrackingProgress),
-    /// Of other poses, for a frame.
+    /// Other poses are looked for in a frame.
     Search(usize),
-    FitBody,
-    /// A body of spheres is made.
-    Spheres,
-    /// A person is found: where they stand, their own sizes.
-    Person,
-    /// Plates are learnt without the body.
-    Background,
+    /// Something that changes nothing when it is stopped; how far it is, in words.
+    Make(String),
 }
 
-/// What the jobs say.
-#[derive(Debug)]
-enum Found {
-    /// A frame was read.
-    Loaded(Arc<FrameData>),
-    /// A frame was tracked.
-    Tracked(usize, Arc<Estimate>),
-    /// What was tracked before is now known better: smoothed by later frames, or joined with another track.
-    Revised(Vec<(usize, Arc<Estimate>)>),
-    /// What the Kalman filter believed of frames.
-    Believed(Vec<(usize, BelievedJoints)>),
-    /// What held the limbs of frames.
-    Held(Vec<(usize, HeldLimbs)>),
-    /// Two tracks were joined after this frame; so far apart were their joints there.
-    Joined { frame: usize, distance_m: f64, meets: bool },
-    /// Poses that fit a frame, best first.
-    Poses(usize, Vec<OtherPose>),
-    /// The body's own sizes.
-    Body(Box<BodyFit>),
-    /// A body of spheres.
-    Spheres(Box<SphereBody>),
-    /// Where the person stands in a frame, and the body; what is said of it.
-    Person { frame: usize, person: Box<Person>, said: String },
-    /// Plates learnt without the body.
-    Plates(background_job::Plates),
-    /// How far it is, in words.
-    At(String),
-    /// It cannot go on; why.
-    Refused(String),
+/// What is done with a result of a job, on the window's thread.
+type Applied = Box<dyn FnOnce(&mut Tracking, &Context<'_>, &mut Requests) + Send>;
+
+fn applied(apply: impl FnOnce(&mut Tracking, &Context<'_>, &mut Requests) + Send + 'static) -> Applied {
+    Box::new(apply)
+}
+
+/// The work cannot go on; why, in a sentence.
+fn refused(why: String) -> Applied {
+    applied(move |_, _, requests| requests.complain(why))
+}
+
+/// How far the work is, in words.
+fn told(text: String) -> Applied {
+    applied(move |tracking, _, _| tracking.work = Some(TrackingWork::Make(text)))
+}
+
+/// A pose that a search has found.
+#[derive(Debug, Clone)]
+struct OtherPose {
+    pose: Pose,
+    /// Where it comes from.
+    origin: Origin,
+    /// Root mean square residual in grey levels, as the views and the timeline measure it.
+    rms: Option<f64>,
 }
 
 /// What a search has found for a frame.
@@ -134,11 +111,11 @@ impl Default for Tracking {
             task: Task::new(Priority::TRACK),
             work: None,
             gesture: None,
+            tracked: Vec::new(),
             other_poses: BTreeMap::new(),
             follows: false,
             newest: None,
             shown: None,
-            at: None,
             tracks_then: false,
             tracks_next: false,
         }
@@ -163,7 +140,7 @@ impl Tracking {
 
     /// How far the tracker is.
     pub(crate) fn progress(&self) -> Option<TrackingProgress> {
-        self.work.and_then(|work| if let Work::Track(progress) = work { Some(progress) } else { None })
+        if let Some(TrackingWork::Track(progress)) = self.work { Some(progress) } else { None }
     }
 
     /// Asks the work to end; what it has found stays.
@@ -178,36 +155,21 @@ impl Tracking {
 
     /// What is being done, for the status bar.
     pub(crate) fn sentence(&self) -> Option<String> {
-        let tracking = match self.work? {
-            Work::Search(_) => {
+        let tracking = match self.work.as_ref()? {
+            TrackingWork::Search(_) => {
                 return Some("Looking for other poses that fit this frame. Esc stops it.".to_owned());
             }
-            Work::FitBody => {
-                let text = "Fitting the body to several frames. Esc stops it; nothing is changed then.";
-                return Some(text.to_owned());
-            }
-            Work::Spheres => {
-                let at = self.at.as_deref().unwrap_or("Making a body of spheres");
-                return Some(format!("{at}. Esc stops it; nothing is changed then."));
-            }
-            Work::Person => {
-                let at = self.at.as_deref().unwrap_or("Looking for the person");
-                return Some(format!("{at}. Esc stops it; nothing is changed then."));
-            }
-            Work::Background => {
-                let at = self.at.as_deref().unwrap_or("Learning the background without the body");
-                return Some(format!("{at}. Esc stops it; nothing is changed then."));
-            }
-            Work::Track(progress) => progress,
+            TrackingWork::Make(at) => return Some(format!("{at}. Esc stops it; nothing is changed then.")),
+            TrackingWork::Track(progress) => progress,
         };
-        let way = match tracking.between {
+        let direction = match tracking.between {
             Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
             None if tracking.backwards => " back".to_owned(),
             None => String::new(),
         };
         let rate = tracking.rate();
         let rate = rate.map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
-        Some(format!("Tracking{way}, {} of {} frames{rate}.", tracking.done, tracking.total))
+        Some(format!("Tracking{direction}, {} of {} frames{rate}.", tracking.done, tracking.total))
     }
 
     /// Why a command cannot be used now.

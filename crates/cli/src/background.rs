@@ -10,7 +10,7 @@ use clap::Args;
 
 use crate::{output, take_options, track_files};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 A background that was learnt from the footage has gaps where the subject was always near. Once a body is \
 tracked, only the pixels of that body are left out, and more of the background is learnt. Writes one plate \
 for each camera to the folder of --out. Name the plates as `background` in take.toml, or put them in the \
@@ -21,7 +21,7 @@ Example:
 
 /// What `backlit background` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct BackgroundArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,

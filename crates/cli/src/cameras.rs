@@ -8,10 +8,11 @@ use backlit_formats::calibration::{self, Calibration, CalibrationOptions};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use super::fit_options::above_zero;
 use super::output;
 use super::table::Table;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Reads all calibrations that a take can name; docs/formats.md lists them. If lenses and places are in two \
 files, give both, or one with the other in the same folder.
 
@@ -22,7 +23,7 @@ Examples:
 
 /// What `backlit cameras` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct CameraArguments {
     /// Calibration: a file, or a folder with one in it
     file: PathBuf,
@@ -35,7 +36,7 @@ pub struct CameraArguments {
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u64; 2]>,
     /// Metres in one unit of a file that does not say its unit
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = length)]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
     metres_per_unit: f64,
     /// Format to write
     #[arg(long, value_name = "FORMAT", requires = "out", value_parser = PossibleValuesParser::new(Format::ALL.map(Format::name)))]
@@ -115,9 +116,4 @@ fn size(text: &str) -> Result<[u64; 2], String> {
         Some([side(width)?, side(height)?])
     });
     sides.ok_or_else(|| "expected width and height, such as 1920x1080".to_owned())
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
 }

@@ -50,13 +50,13 @@ pub(crate) mod waiting;
 
 use clap::{Args, Subcommand};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The \
 same options give the same numbers. docs/report.md has the report's figures beside ours.";
 
 /// What `backlit experiment` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct ExperimentArguments {
     #[command(subcommand)]
     experiment: Experiment,

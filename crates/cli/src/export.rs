@@ -10,10 +10,10 @@ use backlit_tracking::camera::up_of;
 use clap::Args;
 use glam::DVec3;
 
-use super::take_options::FrameRange;
+use super::take_options::FrameSpan;
 use crate::{output, track_files};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Writes to the folder of --out one file a format, named after TRACK:
   bvh  joints and angles for Blender, MotionBuilder, Maya: y up, centimetres
   trc  markers for OpenSim: y up, metres
@@ -33,7 +33,7 @@ const PROJECT: &str = "backlit";
 
 /// What `backlit export` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct ExportArguments {
     /// Track: the track.json that `backlit track` wrote, or its folder; or a project, NAME.backlit, whose poses are written as
     /// they are, those set by hand included
@@ -61,7 +61,7 @@ pub struct ExportArguments {
     unit: Option<Unit>,
     /// Frames: A..B, A.., ..B, A..=B or one frame [default: all]
     #[arg(long, value_name = "FRAMES")]
-    frames: Option<FrameRange>,
+    frames: Option<FrameSpan>,
     /// What joints are called: ours, opensim or mixamo
     #[arg(long, default_value = "ours", value_parser = names)]
     names: Names,
@@ -83,10 +83,10 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
         (Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?), None)
     };
     let range = match arguments.frames {
-        Some(FrameRange { first, past: Some(past) }) if past <= first => {
+        Some(FrameSpan { first, past: Some(past) }) if past <= first => {
             anyhow::bail!("--frames: there is no frame from {first} up to {past}")
         }
-        Some(FrameRange { first, past }) => Some(first..=past.map_or(usize::MAX, |past| past - 1)),
+        Some(FrameSpan { first, past }) => Some(first..=past.map_or(usize::MAX, |past| past - 1)),
         None => None,
     };
     let options = MotionOptions {

@@ -25,7 +25,7 @@ use super::person;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 A folder of masks or grey levels holds NAME.png for every camera NAME, of the camera's size:
   --masks        white is the subject, black background, middle grey unknown
   --measurement  grey levels of D as they are, 0 subject … 255 background; the ramp says how far
@@ -40,7 +40,7 @@ Examples:
 
 /// What `backlit fit` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct FitArguments {
     /// Take: its folder or its take.toml; gives model, cameras and silhouettes
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
@@ -110,11 +110,8 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
         pose_file::write(path, &model, &summary.pose)?;
     }
     let times = arguments.timing.then(|| Times::of(&times_us)).flatten();
-    if arguments.json {
-        output::print_json(&Answer::new(&model, &summary, start_rms, times)?)
-    } else {
-        output::print(&text(&summary, start_cost, start_rms, times))
-    }
+    let answer = FitAnswer::new(&model, &summary, start_rms, times)?;
+    output::print_result(arguments.json, &answer, || text(&summary, start_cost, start_rms, times))
 }
 
 fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
@@ -174,15 +171,15 @@ impl Times {
 
 /// The answer as JSON has it.
 #[derive(Debug, Serialize)]
-struct Answer {
+struct FitAnswer {
     initial_cost: f64,
     initial_rms: f64,
     cost: f64,
     rms: f64,
     /// Cost at the start, then after every iteration.
     costs: Vec<f64>,
-    iterations: Vec<AnswerIteration>,
-    termination: AnswerTermination,
+    iterations: Vec<IterationAnswer>,
+    termination: TerminationAnswer,
     empty_cameras: Vec<String>,
     pose: serde_json::Value,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -190,7 +187,7 @@ struct Answer {
 }
 
 #[derive(Debug, Serialize)]
-struct AnswerIteration {
+struct IterationAnswer {
     stage: usize,
     cost: f64,
     rms: f64,
@@ -203,25 +200,25 @@ struct AnswerIteration {
 }
 
 #[derive(Debug, Serialize)]
-struct AnswerTermination {
+struct TerminationAnswer {
     reason: &'static str,
     words: String,
 }
 
-impl From<Termination> for AnswerTermination {
+impl From<Termination> for TerminationAnswer {
     fn from(termination: Termination) -> Self {
         Self { reason: termination.name(), words: ending_text(termination) }
     }
 }
 
-impl Answer {
+impl FitAnswer {
     fn new(
         model: &Model,
         summary: &SolverSummary,
         initial_rms: f64,
         us_per_iteration: Option<Times>,
     ) -> anyhow::Result<Self> {
-        let iterations = summary.iterations.iter().map(|record| AnswerIteration {
+        let iterations = summary.iterations.iter().map(|record| IterationAnswer {
             stage: record.stage,
             cost: record.cost,
             rms: record.rms,

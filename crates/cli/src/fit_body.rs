@@ -21,10 +21,11 @@ use backlit_tracking::search::start;
 use clap::{Args, ValueEnum};
 
 use super::fit_body_report::{self, BodyReport};
-use super::take_options::{self, FrameRange, PartArguments};
+use super::fit_options::above_zero;
+use super::take_options::{self, FrameSpan, PartArguments};
 use crate::{output, progress};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Sizes and the poses of all chosen frames are found together: from the silhouettes, from the proportions and \
 girths of people, and from the take's reference keypoints in these frames if it has any. Silhouettes that \
 are surely too wide all round are not mistaken for girth. Left and right share their sizes. The body is \
@@ -42,7 +43,7 @@ Examples:
 
 /// What `backlit fit-body` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct FitBodyArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
@@ -76,7 +77,7 @@ pub struct FitBodyArguments {
     hold: Option<HoldWord>,
     /// How much the proportions of people count [default, for a body built as the built-in full one:
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", value_parser = above_zero)]
     proportions: Option<f64>,
     /// Make a body of spheres, about N in all: one tree for each limb, carved from the silhouettes and fitted to them; for
     /// --renderer sphere-tree
@@ -108,7 +109,7 @@ enum HoldWord {
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum FrameChoice {
     List(Vec<usize>),
-    Range(FrameRange),
+    Range(FrameSpan),
 }
 
 impl FromStr for FrameChoice {
@@ -154,14 +155,6 @@ impl FitBodyArguments {
     }
 }
 
-/// A finite number above 0.
-fn factor(text: &str) -> anyhow::Result<f64> {
-    match text.parse() {
-        Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(factor),
-        _ => bail!("expected a number above 0"),
-    }
-}
-
 /// Finds the sizes, writes and prints.
 ///
 /// # Errors
@@ -176,8 +169,8 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         Some(argument) => Arc::new(model_file::resolve(argument)?),
         None => Arc::clone(take.model()),
     };
-    let part = PartArguments { frames: None, every: 1, cameras: arguments.cameras.clone() };
-    let (cameras, chosen) = (part.cameras(take)?, arguments.frames(take)?);
+    let cameras = take_options::camera_indices(take, arguments.cameras.as_deref()).context("--cameras")?;
+    let chosen = arguments.frames(take)?;
     let joints = |frame: usize| match arguments.without_keypoints {
         true => ReferenceJoints::new(),
         false => joints_of(take, &model, frame),
@@ -205,11 +198,8 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         model_file::write(out, spheres.as_ref().map_or(&fit.model, |spheres| &spheres.model))?;
     }
     let report = BodyReport::new(&fit, spheres.as_ref());
-    if arguments.json {
-        output::print_json(&report)
-    } else {
-        output::print(&fit_body_report::text(&fit, spheres.as_ref(), arguments.out.as_deref()))
-    }
+    let text = || fit_body_report::text(&fit, spheres.as_ref(), arguments.out.as_deref());
+    output::print_result(arguments.json, &report, text)
 }
 
 /// The fitted person as spheres, from the frames of the fit.
@@ -310,8 +300,8 @@ fn acquired(
 ) -> anyhow::Result<Acquired> {
     let first = frames.iter().copied().min().unwrap_or(0);
     let views = footage.fit_views(cameras, first)?;
-    let found = acquire(model, &views, &AcquireOptions::default(), &CancelToken::new());
-    found.with_context(|| format!("frame {first}: no first body can be grown"))
+    let acquired = acquire(model, &views, &AcquireOptions::default(), &CancelToken::new());
+    acquired.with_context(|| format!("frame {first}: no first body can be grown"))
 }
 
 /// The take's reference keypoints of a frame, by the limbs of another body with the same names.
@@ -346,7 +336,7 @@ mod tests {
     fn frames_are_a_list_or_a_range() {
         assert_eq!("3, 40,85".parse(), Ok(FrameChoice::List(vec![3, 40, 85])));
         assert_eq!("7".parse(), Ok(FrameChoice::List(vec![7])));
-        let range = FrameRange { first: 2, past: Some(9) };
+        let range = FrameSpan { first: 2, past: Some(9) };
         assert_eq!("2..9".parse(), Ok(FrameChoice::Range(range)));
         for text in ["", "a", "1,,2", "-1", "1..2,3"] {
             assert!(text.parse::<FrameChoice>().is_err(), "{text}");

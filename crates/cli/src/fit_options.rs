@@ -131,3 +131,9 @@ fn not_negative(text: &str) -> anyhow::Result<f64> {
         _ => bail!("expected a finite number, 0 or more"),
     }
 }
+
+/// Reads a finite number above 0.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}

@@ -11,10 +11,11 @@ use backlit_tracking::cancel::CancelToken;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use super::fit_options::above_zero;
 use super::output;
 use super::table::Table;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Looks for videos or numbered pictures, a calibration, plates, masks and keypoints in the folders and files \
 that are named, gives each camera its own by names and numbers, and writes a take: take.toml, the cameras \
 for its pictures, and backgrounds that are learnt from the footage where there is no plate. Projects of \
@@ -37,7 +38,7 @@ Examples:
 
 /// What `backlit import` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct ImportArguments {
     /// Folders and files: a project, footage, a calibration
     #[arg(required = true, value_name = "PATH")]
@@ -245,11 +246,6 @@ fn text(found: &Found) -> String {
         out += &format!("left out: {name}: {why}\n");
     }
     out
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
-    value.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 fn picture_size(text: &str) -> Result<PictureSize, String> {

@@ -18,7 +18,7 @@ use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Singular values of JᵀJ come from the silhouettes alone, without priors, from every pixel and with the ramp \
 of the last stage. \"Known to\" is one standard deviation at the joint that moves most.
 
@@ -28,7 +28,7 @@ Examples:
 
 /// What `backlit observability` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct ObservabilityArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
@@ -58,17 +58,7 @@ pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let options = arguments.solver.options()?;
     let footage = take_options::open(&arguments.take)?;
     let all: Vec<usize> = (0..footage.cameras().len()).collect();
-    let used = match &arguments.cameras {
-        None => all.clone(),
-        Some(names) => {
-            let rig = footage.take().rig();
-            let found: Result<Vec<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
-            let mut found = found?;
-            found.sort_unstable();
-            found.dedup();
-            found
-        }
-    };
+    let used = take_options::camera_indices(footage.take(), arguments.cameras.as_deref())?;
     let model = Arc::clone(footage.take().model());
     let views = footage.fit_views(&all, arguments.frame)?;
     let start = arguments.start.pose(&footage, &used, arguments.frame, &options)?;
@@ -83,11 +73,9 @@ pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let information = FrameInformation::new(&model, &views, &options, &pose)?;
     let shown = information.observe(&used);
     let subsets = information.compare_subsets(shown.noise);
-    if arguments.json {
-        output::print_json(&Answer::new(&shown, &subsets))
-    } else {
-        output::print(&text(&shown, &subsets))
-    }
+    output::print_result(arguments.json, &ObservabilityAnswer::new(&shown, &subsets), || {
+        text(&shown, &subsets)
+    })
 }
 
 /// One standard deviation at the joint that moves most; degrees where none moves.
@@ -133,20 +121,20 @@ fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
 
 /// The answer as JSON has it; what is without bound is null.
 #[derive(Debug, Serialize)]
-struct Answer {
+struct ObservabilityAnswer {
     columns: usize,
     null: usize,
     null_below: f64,
     lever_m: f64,
     pixel_deviation: f64,
     together: f64,
-    directions: Vec<AnswerDirection>,
-    joints: Vec<AnswerJoint>,
-    subsets: Vec<AnswerSubset>,
+    directions: Vec<DirectionAnswer>,
+    joints: Vec<JointAnswer>,
+    subsets: Vec<SubsetAnswer>,
 }
 
 #[derive(Debug, Serialize)]
-struct AnswerDirection {
+struct DirectionAnswer {
     value: f64,
     relative: f64,
     null: bool,
@@ -157,7 +145,7 @@ struct AnswerDirection {
 }
 
 #[derive(Debug, Serialize)]
-struct AnswerJoint {
+struct JointAnswer {
     joint: String,
     deviation_m: Option<f64>,
     /// Row by row, m²; of what is seen.
@@ -165,7 +153,7 @@ struct AnswerJoint {
 }
 
 #[derive(Debug, Serialize)]
-struct AnswerSubset {
+struct SubsetAnswer {
     /// Counted from one.
     cameras: Vec<usize>,
     null: usize,
@@ -179,9 +167,9 @@ fn bounded(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-impl Answer {
+impl ObservabilityAnswer {
     fn new(shown: &Observability, subsets: &[SubsetFigures]) -> Self {
-        let direction = |direction: &Direction| AnswerDirection {
+        let direction = |direction: &Direction| DirectionAnswer {
             value: direction.value,
             relative: direction.relative,
             null: direction.is_null,
@@ -190,7 +178,7 @@ impl Answer {
             deviation: bounded(direction.deviation),
             step: direction.step.as_slice().to_vec(),
         };
-        let subset = |set: &SubsetFigures| AnswerSubset {
+        let subset = |set: &SubsetFigures| SubsetAnswer {
             cameras: set.cameras.iter().map(|camera| camera + 1).collect(),
             null: set.null_count,
             smallest: set.smallest,
@@ -198,7 +186,7 @@ impl Answer {
             worst_m: bounded(set.worst.1),
             middle_m: bounded(set.median_m),
         };
-        let joints = shown.joints.iter().map(|joint| AnswerJoint {
+        let joints = shown.joints.iter().map(|joint| JointAnswer {
             joint: joint_name(&shown.model, joint.limb.into()),
             deviation_m: bounded(joint.worst_deviation_m()),
             covariance: joint.covariance.as_slice().to_vec(),

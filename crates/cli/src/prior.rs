@@ -11,7 +11,7 @@ use serde_json::json;
 use super::output;
 use super::table::Table;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Learns how people hold their trunk, arms and legs, and how they move from pose to pose, from the BVH files \
 of a folder and its subfolders, each as it is and mirrored. Joints may have the names of the CMU database, \
 of Mixamo, or those that backlit export writes. `backlit track --prior FILE` uses what was learnt, `--prior \
@@ -23,7 +23,7 @@ Examples:
 
 /// What `backlit prior` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct PriorArguments {
     /// Folder of motion files (BVH)
     #[arg(long, value_name = "DIR")]

@@ -20,7 +20,7 @@ use super::export::Up;
 use super::table::Table;
 use crate::{output, track_files};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Names motions by what the joints do over time: in tracks of `backlit track`, in BVH files with the joint names \
 of the CMU recordings, or in those that `backlit export` writes of the full body with its own names. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
 sitting and bending, from 72 recordings of the CMU motion capture database (mocap.cs.cmu.edu). A folder to \
@@ -35,7 +35,7 @@ Examples:
 
 /// What `backlit recognise` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct RecogniseArguments {
     /// Tracks to name: track.json or its folder, or BVH files
     #[arg(value_name = "TRACK", required_unless_present_any = ["train", "test"], conflicts_with_all = ["train", "test"])]

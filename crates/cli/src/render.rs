@@ -19,7 +19,7 @@ use super::output;
 /// Largest Jacobian of one camera, bytes: a full-HD picture of the full body is half of it.
 const MAX_JACOBIAN_BYTES: usize = 2 << 30;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Writes to the folder of --out, for every camera NAME:
   NAME.png             the prediction, grey: 0 subject … 255 background
   NAME.prediction.npy  with --npy: the same unrounded, height × width doubles
@@ -37,7 +37,7 @@ Example:
 
 /// What `backlit render` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct RenderArguments {
     /// Body model.
     #[arg(long, help = MODEL_HELP)]

@@ -12,7 +12,7 @@ use image::DynamicImage;
 use super::output;
 use super::take_options::{self, PartArguments};
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Writes to the folder of --out:
   NAME/frame_000000.png  the silhouette of camera NAME: white subject, black background,
                          grey 128 unknown, shadow 32 (background) or 96 (weighs nothing)
@@ -23,7 +23,7 @@ Example:
 
 /// What `backlit silhouettes` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct SilhouetteArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,

@@ -11,7 +11,7 @@ use clap::Args;
 use super::output;
 use super::table::Table;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 The mesh must be closed: the surface of a solid, without holes. The spheres of every level cover the whole \
 surface, and each sphere's parent covers every part that the sphere covers. Errors are those of the union of \
 a level's spheres, in the mesh's unit: how far it stands out of the mesh (greatest and mean), how far its \
@@ -26,7 +26,7 @@ Examples:
 
 /// What `backlit sphere-tree` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct SphereTreeArguments {
     /// Mesh: .obj, .ply, .stl, .gltf or .glb
     mesh: PathBuf,

@@ -14,7 +14,7 @@ use super::output;
 use super::table::Table;
 use super::take_options;
 
-const NOTES: &str = "\
+const AFTER_HELP: &str = "\
 Finds how far each camera of a take must be shifted against the first one, from the motion of its \
 silhouettes: at the same moment, two cameras agree on the planes through both that touch the person. The \
 cameras must be calibrated and the person must move. Where no offset can be found, the reason is printed. \
@@ -27,7 +27,7 @@ Examples:
 
 /// What `backlit sync` is told.
 #[derive(Debug, Args)]
-#[command(after_help = NOTES)]
+#[command(after_help = AFTER_HELP)]
 pub struct SyncArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,

@@ -1,5 +1,6 @@
 //! Options that choose a part of a take: which frames, which cameras, where to begin.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::trc::Axes;
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::RigError;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
@@ -23,7 +25,7 @@ use crate::{output, person};
 pub(crate) struct PartArguments {
     /// Frames A to B, without B: A..B, A.., ..B; or with B: A..=B; or one frame K [default: all]
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    pub(crate) frames: Option<FrameRange>,
+    pub(crate) frames: Option<FrameSpan>,
     /// Use only every Kth frame
     #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
@@ -58,26 +60,31 @@ impl PartArguments {
     /// # Errors
     /// A name that no camera has.
     pub(crate) fn cameras(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
-        let rig = take.rig();
-        let Some(names) = &self.cameras else { return Ok((0..rig.count()).collect()) };
-        let indices: Result<Vec<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
-        let mut indices = indices.context("--cameras")?;
-        indices.sort_unstable();
-        indices.dedup();
-        Ok(indices)
+        camera_indices(take, self.cameras.as_deref()).context("--cameras")
     }
+}
+
+/// Indices of the cameras with these names, in the take's order; of all without names.
+///
+/// # Errors
+/// A name that no camera has.
+pub(crate) fn camera_indices(take: &Take, names: Option<&[String]>) -> Result<Vec<usize>, RigError> {
+    let rig = take.rig();
+    let Some(names) = names else { return Ok((0..rig.count()).collect()) };
+    let indices: Result<BTreeSet<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
+    Ok(indices?.into_iter().collect())
 }
 
 /// Frames `first` to `past`, which is left out; without it to the end.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct FrameRange {
+pub(crate) struct FrameSpan {
     /// The first frame.
     pub(crate) first: usize,
     /// One past the last frame.
     pub(crate) past: Option<usize>,
 }
 
-impl FromStr for FrameRange {
+impl FromStr for FrameSpan {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -297,7 +304,7 @@ mod tests {
 
     #[test]
     fn ranges_are_read() {
-        let range = |text: &str| text.parse::<FrameRange>().ok().map(|range| (range.first, range.past));
+        let range = |text: &str| text.parse::<FrameSpan>().ok().map(|range| (range.first, range.past));
         assert_eq!(range("3..7"), Some((3, Some(7))));
         assert_eq!(range("3..=7"), Some((3, Some(8))));
         assert_eq!(range("3.."), Some((3, None)));

@@ -1,84 +1,28 @@
 //! A track run: frame after frame of a take is read, segmented and fitted, in one direction, or from two key poses towards
 //! each other. The command line and the inspector both drive it and hear of it by [`TrackMessage`]s.
 
+mod plan;
 mod reading;
 
-use std::collections::{BTreeMap, VecDeque};
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use backlit_formats::FootageError;
 use backlit_formats::export::resume_file::{Resume, WaitingFrames};
-use backlit_formats::{FootageError, Take};
-use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::survey::{self, Survey};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::{Cue, CueOptions, CueOptionsError, FrameCues};
-use backlit_tracking::fit::{FitError, FitOptions, FitView};
+use backlit_tracking::cues::{Cue, CueOptionsError, FrameCues};
+use backlit_tracking::fit::{FitError, FitView};
 use backlit_tracking::posing;
 use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{
-    FrameEstimate, KalmanOptions, MemoryError, Motion, MotionError, Smoother, SmoothingError, Track, Tracker,
-    TrackerMemory, Tuned, WaitingFrame, WhenToSearch, tune,
+    FrameEstimate, MemoryError, MotionError, Smoother, SmoothingError, Track, Tracker, TrackerMemory,
+    WaitingFrame,
 };
 
+pub use plan::{KeyUse, Leg, Smoothing, TrackPlan};
 pub use reading::{FrameReader, ReadAhead, TakeReader};
-
-/// Most frames from which the filter's noise is estimated: a filter keeps a third of a megabyte of each.
-const TUNED_FRAMES: usize = 600;
-
-/// How frames are followed.
-#[derive(Debug, Clone)]
-pub struct TrackPlan {
-    /// The body.
-    pub model: Arc<Model>,
-    /// The fit of a frame.
-    pub fit: Arc<FitOptions>,
-    /// Frames a second.
-    pub frame_rate: f64,
-    /// How motion is carried from frame to frame.
-    pub motion: Motion,
-    /// When other poses than the one downhill are looked for.
-    pub search: WhenToSearch,
-    /// What else pulls at limbs that the silhouettes do not hold.
-    pub cues: Vec<Cue>,
-    /// How later frames smooth earlier ones, if they do.
-    pub smoothing: Option<Smoothing>,
-    /// Key poses on the way.
-    pub keys: BTreeMap<usize, Pose>,
-    /// What becomes of them.
-    pub at_keys: KeyUse,
-    /// Tracked one after the other. Two legs are tracks of the same frames from both sides, which are joined.
-    pub legs: VecDeque<Leg>,
-}
-
-/// How later frames smooth earlier ones.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Smoothing {
-    /// How many frames after each count; all if `None`.
-    pub lag: Option<usize>,
-}
-
-/// What becomes of a key pose on the way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KeyUse {
-    /// It stays as it was set, and the track goes on from it.
-    Keep,
-    /// The fit of its frame begins there.
-    Begin,
-    /// The fit of its frame begins there, turned to face the other way.
-    BeginTurned,
-}
-
-/// A track in one direction.
-#[derive(Debug, Clone)]
-pub struct Leg {
-    /// The pose before its first frame is fitted.
-    pub start: Pose,
-    /// The neighbour of the first frame if the start is that neighbour's fitted pose.
-    pub continues: Option<usize>,
-    /// The frames in their order.
-    pub frames: VecDeque<usize>,
-}
 
 /// What a run tells while it goes on.
 #[derive(Debug)]
@@ -92,10 +36,12 @@ pub enum TrackMessage<F> {
         /// Whether no later frame smooths it.
         is_final: bool,
     },
-    /// Frames that were tracked before are now known better: smoothed by later ones, or joined with another track.
+    /// Frames that were tracked before are now smoothed by later ones.
     Revised(Vec<FrameEstimate>),
     /// Two tracks were joined.
     Joined {
+        /// All their frames.
+        estimates: Vec<FrameEstimate>,
         /// The last frame of the forward track.
         frame: usize,
         /// How far apart the joints of both tracks are there.
@@ -148,70 +94,6 @@ pub struct EarlierFrames {
     pub memory: TrackerMemory,
     /// The frames that waited to be smoothed, and what is known of them.
     pub waiting: Vec<(FrameEstimate, WaitingFrame)>,
-}
-
-impl TrackPlan {
-    /// Follows these frames of a take from a pose as the robust preset does.
-    #[must_use]
-    pub fn of_frames(take: &Take, start: Pose, frames: VecDeque<usize>) -> Self {
-        Self {
-            model: Arc::clone(take.model()),
-            fit: Arc::default(),
-            frame_rate: take.frame_rate(),
-            motion: Motion::default(),
-            search: WhenToSearch::default(),
-            cues: Vec::new(),
-            smoothing: None,
-            keys: BTreeMap::new(),
-            at_keys: KeyUse::Begin,
-            legs: [Leg { start, continues: None, frames }].into(),
-        }
-    }
-
-    /// A tracker that begins with this pose.
-    ///
-    /// # Errors
-    /// A pose that is not the body's, or options out of range.
-    pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
-        let tracker = Tracker::new(self.model.clone(), (*self.fit).clone(), start)?;
-        let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
-        Ok(match &self.cues[..] {
-            [] => tracker,
-            cues => tracker.with_cues(CueOptions::default().only(cues))?,
-        })
-    }
-
-    /// Tracks some frames once to find the noise that makes them most likely. `None` if there are too few of them, or the run
-    /// was cancelled.
-    ///
-    /// # Errors
-    /// A frame that cannot be tracked.
-    pub fn tune<R: FrameReader>(
-        &self,
-        reader: Arc<R>,
-        noise: KalmanOptions,
-        cancel: &CancelToken,
-        mut on_frame: impl FnMut(&FrameEstimate),
-    ) -> Result<Option<Tuned>, TrackEnding> {
-        let mut plan =
-            Self { motion: Motion::Kalman(noise), cues: Vec::new(), smoothing: None, ..self.clone() };
-        plan.legs.iter_mut().for_each(|leg| leg.frames.truncate(TUNED_FRAMES));
-        let (mut run, mut track, mut ending) = (TrackRun::new(reader, plan), Track::default(), None);
-        while ending.is_none() {
-            run.step(cancel, &mut |message| match message {
-                TrackMessage::Frame { estimate, .. } => {
-                    on_frame(&estimate);
-                    track.frames.insert(estimate.frame, *estimate);
-                }
-                TrackMessage::Done(how) => ending = Some(how),
-                _ => {}
-            });
-        }
-        match ending {
-            Some(TrackEnding::Whole) | None => Ok(tune(&track, noise)),
-            Some(other) => Err(other),
-        }
-    }
 }
 
 /// Looks at the silhouettes of at most `most` of some frames. Frames that cannot be read count as empty: they are reported
@@ -479,9 +361,8 @@ impl<R: FrameReader> TrackRun<R> {
                 },
             });
         }
-        tell(TrackMessage::Revised(joined));
         let (frame, distance_m, meets) = (join.frame, join.distance_m, join.meets());
-        tell(TrackMessage::Joined { frame, distance_m, meets });
+        tell(TrackMessage::Joined { estimates: joined, frame, distance_m, meets });
     }
 
     fn track_again(

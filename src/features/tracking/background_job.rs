@@ -12,21 +12,21 @@ use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_ui::style::format;
 
-use super::Found;
+use super::{Applied, applied, refused, told};
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::unavailable::{Why, because};
 use crate::context::{Context, Requests};
 
 /// The folder of the plates, in the take's; of each further time it has a number.
 const FOLDER: &str = "background without body";
-/// So many times a background can be learnt again before somebody has to tidy up.
+/// How often a background can be learnt again before the user has to remove old folders.
 const MOST_FOLDERS: usize = 1000;
 /// Of fewer frames a pixel is not free often enough.
 const FEWEST_POSES: usize = 2;
 
 /// Plates that were learnt.
 #[derive(Debug, Default)]
-pub(super) struct Plates {
+struct Plates {
     /// By camera.
     files: BTreeMap<usize, PathBuf>,
     /// What is still unknown: cameras' names, and the share of their pixels.
@@ -60,11 +60,11 @@ impl BackgroundJob {
     }
 
     /// Learns a camera's plate and writes it.
-    fn learn(&mut self, camera: usize, out: &Outbox<Found>) -> Result<(), PlateError> {
+    fn learn(&mut self, camera: usize, out: &Outbox<Applied>) -> Result<(), PlateError> {
         let name = self.footage.cameras[camera].name().to_owned();
         let all = self.plates.files.len() + 1 + self.waiting.len();
         let number = self.plates.files.len() + 1;
-        out.send(Found::At(format!("Learning the background without the body: {name}, {number} of {all}")));
+        out.send(told(format!("Learning the background without the body: {name}, {number} of {all}")));
         let learnt = plate_without_body(self.footage.take(), camera, &self.model, &self.poses, out.cancel())?;
         let folder = match &self.folder {
             Some(folder) => folder.clone(),
@@ -82,17 +82,18 @@ impl BackgroundJob {
     }
 }
 
-impl Job<Found> for BackgroundJob {
-    fn step(&mut self, out: &Outbox<Found>) -> Step {
+impl Job<Applied> for BackgroundJob {
+    fn step(&mut self, out: &Outbox<Applied>) -> Step {
         let Some(camera) = self.waiting.pop_front() else {
-            out.send(Found::Plates(std::mem::take(&mut self.plates)));
+            let plates = std::mem::take(&mut self.plates);
+            out.send(applied(move |_, _, requests| take_in(plates, requests)));
             return Step::Done;
         };
         match self.learn(camera, out) {
             Ok(()) => Step::Again,
             Err(PlateError::Cancelled) => Step::Done,
             Err(error) => {
-                out.send(Found::Refused(format!("The background cannot be learnt: {error}.")));
+                out.send(refused(format!("The background cannot be learnt: {error}.")));
                 Step::Done
             }
         }
@@ -133,7 +134,7 @@ fn poses(context: &Context<'_>) -> BTreeMap<usize, Pose> {
 }
 
 /// The plates take the place of the take's: one act.
-pub(super) fn take_in(plates: Plates, requests: &mut Requests) {
+fn take_in(plates: Plates, requests: &mut Requests) {
     let Plates { files, unknown } = plates;
     let folder = files.values().next().and_then(|path| path.parent()).map(Path::to_owned);
     requests.edit(Edit::SetPlates(files));

@@ -1,19 +1,72 @@
-//! Fitting the body's own sizes, and what is said of them.
+//! A person, a body's own sizes, a body of spheres: made from several frames, then taken into the document.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_tracking::body::{Pose, SizeKind};
-use backlit_tracking::body_fit::{BodyFit, frames as choice};
+use backlit_jobs::{Job, Outbox, Step};
+use backlit_runs::person::{PersonSearch, PersonSearchError};
+use backlit_runs::track::FrameReader;
+use backlit_tracking::body::{Model, Pose, SizeKind};
+use backlit_tracking::body_fit::{
+    BodyFit, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, Person, fit_body, frames as choice,
+};
+use backlit_tracking::body_spheres::{
+    PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
+};
+use backlit_tracking::fit::{Evidence, FitOptions};
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::silhouette::Label;
+use backlit_ui::style::format;
 
+use super::job::WindowReader;
+use super::{Applied, applied, refused, told};
 use crate::context::command::{Command, HistoryCommand};
-use crate::context::{Context, Requests};
+use crate::context::command_button::next_gesture;
+use crate::context::view_settings::ViewSettings;
+use crate::context::{Context, Request, Requests};
 
 /// Frames that a body is fitted to: more of one movement say little more.
 pub(super) const SIZE_FRAMES: usize = 8;
 /// Frames that limbs are carved from: each view takes away what the others could not see.
 pub(super) const SPHERE_FRAMES: usize = 12;
+/// A sphere stands for at least this many pixels of the subject in a view.
+const PIXELS_A_SPHERE: usize = 25;
+/// The fewest spheres of a body.
+const FEWEST: usize = 120;
+/// What a notice offers.
+const UNDO: Option<Command> = Some(Command::History(HistoryCommand::Undo));
+
+/// Frames with poses, of which a body is made: one frame is read a step, then all are used at once.
+#[derive(Debug)]
+pub(super) struct BodyJob {
+    pub(super) reader: WindowReader,
+    /// Frames that are still to be read, each with its pose.
+    pub(super) waiting: VecDeque<(usize, Pose)>,
+    pub(super) read: Vec<PosedViews>,
+    /// Makes a body of this one, and says what came of it.
+    pub(super) make: fn(&Arc<Model>, Vec<PosedViews>, &Outbox<Applied>),
+}
+
+impl Job<Applied> for BodyJob {
+    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+        if out.cancel().is_cancelled() {
+            return Step::Done;
+        }
+        if let Some((frame, pose)) = self.waiting.pop_front() {
+            match self.reader.read(frame) {
+                Ok(read) => self.read.push(PosedViews { frame, views: read.views(), pose }),
+                Err(error) => {
+                    out.send(refused(format!("The body cannot be made: {error}.")));
+                    return Step::Done;
+                }
+            }
+            return Step::Again;
+        }
+        (self.make)(&self.reader.fit.model, std::mem::take(&mut self.read), out);
+        Step::Done
+    }
+}
 
 /// The frames that a body is made of, with their poses: at most so many of those that have poses of their own, or else the one
 /// on the screen.
@@ -27,19 +80,31 @@ pub(super) fn frames(context: &Context<'_>, most: usize) -> VecDeque<(usize, Pos
     chosen.into_iter().map(|frame| (frame, document.pose_at(frame).clone())).collect()
 }
 
-/// The fitted body becomes the document's.
-pub(super) fn take_in(fit: &BodyFit, context: &Context<'_>, requests: &mut Requests) {
+/// The body's own lengths and radii.
+pub(super) fn sizes(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Applied>) {
+    let start =
+        |PosedViews { frame, views, pose }| BodyFrame { frame, views, start: pose, joints: Vec::new() };
+    let frames = frames.into_iter().map(start).collect();
+    let options = BodyFitOptions::default().with_proportions(CLOTHED);
+    match fit_body(Arc::clone(model), frames, None, &options, out.cancel(), |_| {}) {
+        Ok(fit) => out.send(applied(move |_, context, requests| take_in_sizes(&fit, context, requests))),
+        Err(BodyFitError::Cancelled) => {}
+        Err(error) => out.send(refused(format!("The body cannot be fitted: {error}."))),
+    }
+}
+
+fn take_in_sizes(fit: &BodyFit, context: &Context<'_>, requests: &mut Requests) {
     let before = &context.document().model;
     let model = Arc::new(fit.model.clone().renamed(before.name()));
     let is_other = model != *before;
     requests.edit(Edit::SetBody(model));
     if is_other {
-        requests.inform(said_of(fit), Some(Command::History(HistoryCommand::Undo)));
+        requests.inform(sizes_text(fit), UNDO);
     }
 }
 
 /// "Fitted the body to 8 frames: IoU 0.890, scaled as a whole 0.877. Hardly seen: length of neck, radius of hip. …"
-fn said_of(fit: &BodyFit) -> String {
+fn sizes_text(fit: &BodyFit) -> String {
     let count = fit.frames.len();
     let mut said = format!("Fitted the body to {count} {}", if count == 1 { "frame" } else { "frames" });
     if let [Some(before), Some(after)] = fit.iou {
@@ -60,4 +125,107 @@ fn said_of(fit: &BodyFit) -> String {
         many => format!(" {many} of {} sizes are hardly seen.", fit.sizes.len()),
     };
     format!("{said}.{hardly} Run or track again with it.")
+}
+
+/// Limbs carved from all silhouettes, and spheres in them.
+pub(super) fn spheres(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Applied>) {
+    let (options, fit) = (sphere_options(&frames), FitOptions::default());
+    let tell = |what: &str| out.send(told(format!("Making a body of spheres: {what}")));
+    match sphere_body(model, frames, &options, &fit, out.cancel(), tell) {
+        Ok(body) => out.send(applied(move |_, context, requests| take_in_spheres(&body, context, requests))),
+        Err(SphereBodyError::Cancelled) => {}
+        Err(error) => out.send(refused(format!("No body of spheres can be made: {error}."))),
+    }
+}
+
+/// No more spheres than the pictures can show.
+fn sphere_options(frames: &[PosedViews]) -> SphereBodyOptions {
+    let masks = frames.iter().flat_map(|frame| &frame.views).filter_map(|view| match &view.evidence {
+        Evidence::Mask(mask) => Some(mask),
+        Evidence::Measurement(_) => None,
+    });
+    let areas = masks.map(|mask| mask.labels().iter().filter(|label| **label == Label::Subject).count());
+    let (sum, count) = areas.fold((0, 0), |(sum, count), area| (sum + area, count + 1));
+    let usual = SphereBodyOptions::default();
+    let shown = sum / count.max(1) / PIXELS_A_SPHERE;
+    SphereBodyOptions { spheres: shown.clamp(FEWEST, usual.spheres), ..usual }
+}
+
+/// The body of spheres becomes the document's, drawn by its spheres: one act.
+fn take_in_spheres(body: &SphereBody, context: &Context<'_>, requests: &mut Requests) {
+    let (document, gesture) = (context.document(), Some(next_gesture(context.egui)));
+    let model = Arc::new(body.model.clone().renamed(document.model.name()));
+    let renderer = RendererKind::SphereTree { spheres: None };
+    let options = Box::new(FitOptions { renderer, ..(*document.fit).clone() });
+    requests.edits.push((Edit::SetBody(model), gesture));
+    requests.edits.push((Edit::SetFit { options, what: "Make body of spheres".to_owned() }, gesture));
+    let views = ViewSettings { spheres: true, sphere_level: None, ..context.views };
+    requests.request(Request::Views(views));
+    let count = body.spheres.last().copied().unwrap_or(0);
+    let mut said = format!("The body is {count} spheres in {} levels now", body.spheres.len());
+    if let Some([capsules, _, spheres]) = body.iou {
+        said.push_str(&format!(
+            ": IoU {spheres:.3} in the frames that it was made from, with capsules {capsules:.3}"
+        ));
+    }
+    requests.inform(format!("{said}. Run or track again with it."), UNDO);
+}
+
+/// A person found from nothing but silhouettes: a start, and the body's own sizes.
+#[derive(Debug)]
+pub(super) struct PersonJob {
+    pub(super) reader: WindowReader,
+    pub(super) search: Option<PersonSearch>,
+}
+
+impl Job<Applied> for PersonJob {
+    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+        let Some(search) = self.search.take() else { return Step::Done };
+        let (frame, reader) = (search.frames[0], &self.reader);
+        match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
+            _ if out.cancel().is_cancelled() => {}
+            Ok(person) => out.send(applied(move |tracking, context, requests| {
+                take_in_person(frame, &person, context, requests);
+                tracking.tracks_next = std::mem::take(&mut tracking.tracks_then);
+            })),
+            Err(PersonSearchError::Keypoints(error)) => {
+                out.send(refused(format!("The keypoints cannot be read: {error}.")));
+            }
+            Err(error) => out.send(refused(format!("Nobody was found: {error}."))),
+        }
+        Step::Done
+    }
+}
+
+/// The person who was found becomes the document's.
+fn take_in_person(frame: usize, person: &Person, context: &Context<'_>, requests: &mut Requests) {
+    let before = &context.document().model;
+    if *person.model != **before {
+        requests.edit(Edit::SetBody(Arc::new((*person.model).clone().renamed(before.name()))));
+    }
+    requests.edit(Edit::SetPose { frame, pose: person.start.clone(), what: "Find person".to_owned() });
+    requests.inform(person_text(person), UNDO);
+}
+
+/// "Found the person. Own sizes: IoU 0.893 in frames held out, only scaled 0.871."
+fn person_text(person: &Person) -> String {
+    let mut said = if person.search.is_some() { "Found the person." } else { "" }.to_owned();
+    for doubt in person.search.iter().flat_map(|found| &found.doubts) {
+        said += &format!(" {}.", format::capitalised(&doubt.to_string()));
+    }
+    match &person.sizes {
+        Some(Ok(own)) if own.is_taken() => {
+            if let [Some(scaled), Some(found)] = own.judged.iou {
+                said += &format!(" Own sizes: IoU {found:.3} in frames held out, only scaled {scaled:.3}.");
+            }
+        }
+        Some(Ok(own)) => {
+            let factor = format::percent(own.scaled.size - 1.0);
+            said +=
+                &format!(" The person’s own sizes were not trusted; the body is only scaled, by {factor}.");
+        }
+        Some(Err(error)) => said += &format!(" The person’s own sizes cannot be found: {error}."),
+        None => {}
+    }
+    said.trim_start().to_owned()
 }

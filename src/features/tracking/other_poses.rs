@@ -1,15 +1,15 @@
 //! Other poses that fit the frame, as a search has found them: a click gives the frame one of them.
 
 use backlit_document::edit::Edit;
+use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use egui::{RichText, TextStyle, Ui};
 
-use super::{Tracking, Work};
+use super::{Tracking, TrackingWork};
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::button;
 use crate::context::{Context, Requests};
-use crate::features::tracking::pose_words;
 
 /// Two poses whose rotations differ by less are the same, radians and metres.
 const SAME: f64 = 1e-6;
@@ -22,7 +22,7 @@ impl Tracking {
         ui.horizontal(|ui| {
             button(ui, context, requests, Command::Fit(FitCommand::SearchPoses));
             let hint = |text: &str| RichText::new(text.to_owned()).small().color(palette.text3);
-            if matches!(self.work, Some(Work::Search(searched)) if searched == frame) {
+            if matches!(self.work, Some(TrackingWork::Search(searched)) if searched == frame) {
                 ui.label(hint("Looking for other poses…"));
             } else if !self.other_poses.contains_key(&frame) {
                 ui.label(hint("for other poses that fit"));
@@ -36,7 +36,7 @@ impl Tracking {
                 && found.pose.local(shown).iter().all(|value| value.abs() < SAME);
             let rms = found.rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1));
             let best = if index == 0 { ", best" } else { "" };
-            let name = format!("Pose {}: {}, RMS {rms}{best}", index + 1, pose_words::origin(&found.origin));
+            let name = format!("Pose {}: {}, RMS {rms}{best}", index + 1, origin_text(&found.origin));
             let row = egui::Button::selectable(is_shown, (name, egui::Atom::grow())).truncate();
             let response = ui.add_sized([ui.available_width(), theme::size::ROW], row);
             let hover = "Give the frame this pose, as a key pose.\nRMS is in grey levels, as in the timeline. The order is by the \
@@ -51,5 +51,17 @@ impl Tracking {
                 .text_style(TextStyle::Small);
             ui.label(text.color(palette.text3));
         }
+    }
+}
+
+/// Where a pose comes from, for the middle of a line.
+fn origin_text(origin: &Origin) -> String {
+    match origin {
+        Origin::Start => "the start".to_owned(),
+        Origin::Trunk => "trunk turned or moved".to_owned(),
+        Origin::TurnedRound => "turned round".to_owned(),
+        Origin::Hull => "from the visual hull".to_owned(),
+        Origin::Chain { limb } => format!("{limb} searched"),
+        Origin::Pair { limbs: [one, other] } => format!("{one} and {other} searched"),
     }
 }

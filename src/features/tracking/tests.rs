@@ -1,23 +1,19 @@
 //! The tracker in the window.
 
-use std::sync::Arc;
-
+use backlit_document::Document;
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{CueChoice, TrackedBody, TrackingChoices};
 use backlit_take::demonstration::Demonstration;
-use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
-use backlit_tracking::body::{Kinematics, Pose, Sides};
-use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::body::{Kinematics, Pose, Sides, builtin};
 use backlit_tracking::cues::Cue;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 
-use super::read_ahead::ReadAhead;
+use super::keys_around;
 use crate::app::testing::{Breaks, errors, open_source, open_take, settle, small_take};
 use crate::context::command::{Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
-use crate::session::load_frame;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -99,21 +95,17 @@ fn a_track_is_turned_round_frame_by_frame_and_taken_back_at_once() {
 }
 
 #[test]
-fn frames_that_are_read_ahead_are_those_that_are_asked_for() {
-    let footage = Arc::new(Footage::new(Demonstration::TinySequence.take().unwrap(), None));
-    let measurement = Arc::new(footage.measurement().to_vec());
-    let order = [3, 2, 1, 0, 5, 4];
-    let cancel = CancelToken::new();
-    let mut reader = ReadAhead::new(footage.clone(), measurement.clone(), order.into(), cancel.clone());
-    let mask = |frame: usize| load_frame(&footage, &measurement, frame).cameras[0].mask.clone();
-    // The fourth is left out by whoever asks: those that are read ahead do not fit any more.
-    for frame in [3, 2, 1, 5, 4] {
-        if frame == 4 {
-            cancel.cancel();
-        }
-        let read = reader.get(frame);
-        assert_eq!((read.frame, &read.cameras[0].mask), (frame, &mask(frame)));
+fn keys_lie_around_a_frame() {
+    let mut document = Document::new(builtin::single_limb());
+    assert_eq!(keys_around(&document, 3), None);
+    for frame in [2, 8, 20] {
+        document.apply(Edit::SetKey { frame }).unwrap();
     }
+    let around = |frame| keys_around(&document, frame);
+    assert_eq!(around(1), None, "none before");
+    assert_eq!((around(2), around(7)), (Some((2, 8)), Some((2, 8))));
+    assert_eq!((around(8), around(20)), (Some((8, 20)), Some((8, 20))));
+    assert_eq!(around(21), None, "none after");
 }
 
 /// Silhouettes lose an arm, keypoints hold it, and which held which limb is known of every frame.

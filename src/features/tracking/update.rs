@@ -6,42 +6,29 @@ use std::time::{Duration, Instant};
 
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
-use backlit_jobs::{Job, News};
+use backlit_document::{Document, Estimate};
+use backlit_jobs::{Job, News, Outbox, Step};
+use backlit_runs::person::PersonSearch;
+use backlit_runs::track::Leg;
 use backlit_tracking::body::Pose;
-use backlit_tracking::body_fit::Person;
 use backlit_tracking::posing;
+use backlit_tracking::search::{self, SearchOptions};
 use backlit_ui::style::format;
 
-use super::background_job::{self, BackgroundJob};
-use super::body_job::{self, BodyJob};
-use super::job::{Leg, TrackInputs, TrackJob};
-use super::keys::keys_around;
-use super::person_job::PersonJob;
-use super::poses_job::{OtherPose, PosesJob};
-use super::{Found, OtherPoses, Tracking, Work, body, spheres};
+use super::background_job::BackgroundJob;
+use super::body::{self, BodyJob, PersonJob};
+use super::job::{TrackJob, TrackOrder, WindowReader, measured};
+use super::{Applied, OtherPose, OtherPoses, Tracking, TrackingWork, applied, refused};
 use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::session::playback::{FrameRange, PlaybackChange};
+use crate::session::prediction::FitInputs;
 
 /// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
 /// the tracker's time.
 const FOLLOW_EVERY: Duration = Duration::from_millis(100);
-
-/// Which frames are tracked.
-struct Way {
-    legs: VecDeque<Leg>,
-    backwards: bool,
-    between: Option<(usize, usize)>,
-    turns_round: bool,
-}
-
-impl Way {
-    fn on(legs: impl Into<VecDeque<Leg>>, backwards: bool) -> Self {
-        Self { legs: legs.into(), backwards, between: None, turns_round: false }
-    }
-}
 
 impl Tracking {
     /// Does a command. A fit that was going on has ended.
@@ -61,19 +48,17 @@ impl Tracking {
     fn track(&mut self, backwards: bool, context: &Context<'_>, requests: &mut Requests) {
         let (here, count) = (context.selection.frame, context.session.frame_count());
         let frames = if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
-        let legs = [leg(context, here, context.shown_pose(), frames)];
+        let mut leg = leg(context, here, context.shown_pose(), frames);
         let keys = other_keys(context, &[here]);
-        let mut way = Way::on(legs, backwards);
-        let stops = context.document().tracking.at_keys == AtKeys::Stop;
-        if stops && let Some(leg) = way.legs.front_mut() {
-            let free =
-                leg.frames.iter().position(|frame| keys.contains_key(frame)).unwrap_or(leg.frames.len());
-            if let Some(key) = leg.frames.get(free) {
-                requests.status(format!("The track will end before the key pose of frame {key}."));
-            }
+        if context.document().tracking.at_keys == AtKeys::Stop
+            && let Some(free) = leg.frames.iter().position(|frame| keys.contains_key(frame))
+        {
+            let key = leg.frames[free];
+            requests.status(format!("The track will end before the key pose of frame {key}."));
             leg.frames.truncate(free);
         }
-        self.begin_tracking(way, keys, context, requests);
+        let order = TrackOrder { legs: vec![leg], keys, turns_round: false };
+        self.begin_tracking(order, backwards, None, context, requests);
     }
 
     /// Tracks from the key pose before forwards and from the one after backwards, and joins the two.
@@ -81,9 +66,9 @@ impl Tracking {
         let document = context.document();
         let Some((first, last)) = keys_around(document, context.selection.frame) else { return };
         let leg = |key: usize, frames| leg(context, key, document.pose_at(key), frames);
-        let legs = [leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
-        let way = Way { between: Some((first, last)), ..Way::on(legs, false) };
-        self.begin_tracking(way, other_keys(context, &[first, last]), context, requests);
+        let legs = vec![leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
+        let order = TrackOrder { legs, keys: other_keys(context, &[first, last]), turns_round: false };
+        self.begin_tracking(order, false, Some((first, last)), context, requests);
     }
 
     /// Turns every pose that was found to face the other way, and fits each frame again from there; key poses are
@@ -91,12 +76,12 @@ impl Tracking {
     fn turn_round(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let document = context.document();
         let found = document.estimates.iter().filter(|(frame, _)| !document.keys.contains_key(*frame));
-        let poses: BTreeMap<usize, Pose> =
+        let keys: BTreeMap<usize, Pose> =
             found.map(|(frame, estimate)| (*frame, estimate.pose.clone())).collect();
-        if let Some((&first, start)) = poses.first_key_value() {
-            let leg = Leg { start: start.clone(), continues: None, frames: poses.keys().copied().collect() };
-            let way = Way { turns_round: true, ..Way::on([leg], false) };
-            self.begin_tracking(way, poses, context, requests);
+        if let Some((&first, start)) = keys.first_key_value() {
+            let leg = Leg { start: start.clone(), continues: None, frames: keys.keys().copied().collect() };
+            let order = TrackOrder { legs: vec![leg], keys, turns_round: true };
+            self.begin_tracking(order, false, None, context, requests);
             requests.request(Request::Follow(first));
         } else {
             self.gesture = Some(next_gesture(context.egui));
@@ -108,32 +93,21 @@ impl Tracking {
         }
     }
 
-    /// `keys` are the poses from which the fit of their frames begins.
     fn begin_tracking(
         &mut self,
-        way: Way,
-        keys: BTreeMap<usize, Pose>,
+        order: TrackOrder,
+        backwards: bool,
+        between: Option<(usize, usize)>,
         context: &Context<'_>,
         requests: &mut Requests,
     ) {
-        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
-        let document = context.document();
-        let Way { legs, backwards, between, turns_round } = way;
-        let total = legs.iter().map(|leg| leg.frames.len()).sum();
-        let asked = || legs.iter().flat_map(|leg| leg.frames.iter().copied());
-        let range = FrameRange::between(asked().min().unwrap_or(0), asked().max().unwrap_or(0));
-        let inputs = TrackInputs {
-            footage: take,
-            measurement: document.measurement.clone(),
-            fit,
-            choices: document.tracking,
-            keys,
-            turns_round,
-            legs,
-        };
-        let began = Instant::now();
-        let work = Work::Track(TrackingProgress { done: 0, total, backwards, between, range, began });
-        self.begin(work, context, TrackJob::new(inputs));
+        let Some(reader) = reader(context) else { return };
+        let asked: Vec<usize> = order.legs.iter().flat_map(|leg| leg.frames.iter().copied()).collect();
+        let [first, last] = [asked.iter().min(), asked.iter().max()].map(|frame| frame.copied().unwrap_or(0));
+        let (range, began) = (FrameRange::between(first, last), Instant::now());
+        let progress = TrackingProgress { done: 0, total: asked.len(), backwards, between, range, began };
+        let job = TrackJob::new(reader, &context.document().tracking, order);
+        self.begin(TrackingWork::Track(progress), context, job);
         self.gesture = Some(next_gesture(context.egui));
         (self.follows, self.newest, self.shown) = (true, None, None);
         requests.request(Request::Playback(PlaybackChange::Pause));
@@ -141,7 +115,7 @@ impl Tracking {
     }
 
     /// Begins work; what was under way is superseded.
-    fn begin(&mut self, work: Work, context: &Context<'_>, job: impl Job<Found> + 'static) {
+    fn begin(&mut self, work: TrackingWork, context: &Context<'_>, job: impl Job<Applied> + 'static) {
         self.task.begin(context.pool, (), |()| job);
         self.work = Some(work);
     }
@@ -150,32 +124,26 @@ impl Tracking {
     pub(crate) fn search_poses(&mut self, context: &Context<'_>) {
         let Some(fit) = context.fit_inputs() else { return };
         let start = context.shown_pose().clone();
-        self.begin(Work::Search(context.selection.frame), context, PosesJob { fit, start });
+        self.begin(TrackingWork::Search(context.selection.frame), context, SearchJob { fit, start });
     }
 
     /// Fits lengths and radii to the frames that have poses of their own, or makes a body of spheres from them.
     pub(crate) fn make_body(&mut self, command: FitCommand, context: &Context<'_>, requests: &mut Requests) {
-        let Some((footage, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
-        let measurement = context.document().measurement.clone();
-        let read = Vec::new();
-        if command == FitCommand::MakeSpheres {
-            let waiting = body::frames(context, body::SPHERE_FRAMES);
-            self.at = None;
-            let job = BodyJob { footage, measurement, fit, waiting, read, make: spheres::spheres };
-            self.begin(Work::Spheres, context, job);
-        } else {
-            let waiting = body::frames(context, body::SIZE_FRAMES);
-            let job = BodyJob { footage, measurement, fit, waiting, read, make: body_job::sizes };
-            self.begin(Work::FitBody, context, job);
-        }
+        let Some(reader) = reader(context) else { return };
+        let (most, make, what): (_, fn(&_, _, &_), _) = match command {
+            FitCommand::MakeSpheres => (body::SPHERE_FRAMES, body::spheres, "Making a body of spheres"),
+            _ => (body::SIZE_FRAMES, body::sizes, "Fitting the body to several frames"),
+        };
+        let job = BodyJob { reader, waiting: body::frames(context, most), read: Vec::new(), make };
+        self.begin(TrackingWork::Make(what.to_owned()), context, job);
         requests.request(Request::LeaveStep);
     }
 
     /// Learns the plates again without the body where it was tracked.
     fn learn_background(&mut self, context: &Context<'_>) {
         let Some(job) = BackgroundJob::new(context) else { return };
-        self.at = None;
-        self.begin(Work::Background, context, job);
+        let what = "Learning the background without the body".to_owned();
+        self.begin(TrackingWork::Make(what), context, job);
     }
 
     /// Tracks from the frame on the screen to the end. What is lacking is found first: a start, the person's own sizes.
@@ -203,32 +171,13 @@ impl Tracking {
         context: &Context<'_>,
         requests: &mut Requests,
     ) {
-        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
-        let (here, count) = (context.selection.frame, context.session.frame_count());
-        let (measurement, frames) = (context.document().measurement.clone(), (here..count).collect());
-        self.at = start.is_some().then(|| "Finding the person’s sizes".to_owned());
-        let job = PersonJob { footage: take, measurement, fit, start, frames, sizes };
-        self.begin(Work::Person, context, job);
+        let Some(reader) = reader(context) else { return };
+        let frames = (context.selection.frame..context.session.frame_count()).collect();
+        let what = if start.is_some() { "Finding the person’s sizes" } else { "Looking for the person" };
+        let (model, fit) = (reader.fit.model.clone(), (*reader.fit.fit).clone());
+        let search = Some(PersonSearch { model, fit, start, frames, sizes });
+        self.begin(TrackingWork::Make(what.to_owned()), context, PersonJob { reader, search });
         requests.request(Request::LeaveStep);
-    }
-
-    /// The person who was found becomes the document's.
-    fn person_found(
-        &mut self,
-        frame: usize,
-        person: &Person,
-        said: String,
-        context: &Context<'_>,
-        requests: &mut Requests,
-    ) {
-        let before = &context.document().model;
-        if *person.model != **before {
-            requests.edit(Edit::SetBody(Arc::new((*person.model).clone().renamed(before.name()))));
-        }
-        let what = "Find person".to_owned();
-        requests.edit(Edit::SetPose { frame, pose: person.start.clone(), what });
-        requests.inform(said, Some(Command::History(HistoryCommand::Undo)));
-        self.tracks_next = std::mem::take(&mut self.tracks_then);
     }
 
     /// Takes in what was found since the last frame of the window; all of a track is one undoable act.
@@ -237,32 +186,10 @@ impl Tracking {
             self.track(false, context, requests);
             return;
         }
-        let (mut track, mut has_ended) = (Vec::new(), false);
+        let mut has_ended = false;
         for news in self.task.poll() {
             match news {
-                News::Output(Found::Loaded(frame)) => requests.frames.push(frame),
-                News::Output(Found::Tracked(frame, estimate)) => {
-                    track.push((frame, estimate));
-                    self.newest = Some(frame);
-                    if let Some(Work::Track(progress)) = &mut self.work {
-                        progress.done += 1;
-                    }
-                }
-                News::Output(Found::Revised(found)) => track.extend(found),
-                News::Output(Found::Believed(found)) => requests.beliefs.extend(found),
-                News::Output(Found::Held(found)) => requests.held.extend(found),
-                News::Output(Found::Joined { frame, distance_m, meets }) => {
-                    joined(frame, distance_m, meets, requests);
-                }
-                News::Output(Found::Poses(frame, found)) => self.poses_found(frame, found, context, requests),
-                News::Output(Found::Body(fit)) => body::take_in(&fit, context, requests),
-                News::Output(Found::Spheres(body)) => spheres::take_in(&body, context, requests),
-                News::Output(Found::Person { frame, person, said }) => {
-                    self.person_found(frame, &person, said, context, requests);
-                }
-                News::Output(Found::Plates(plates)) => background_job::take_in(plates, requests),
-                News::Output(Found::At(text)) => self.at = Some(text),
-                News::Output(Found::Refused(why)) => requests.complain(why),
+                News::Output(apply) => apply(self, context, requests),
                 News::Ended => has_ended = true,
                 News::Failed(failure) => {
                     requests.failed("The tracker", &failure);
@@ -270,13 +197,23 @@ impl Tracking {
                 }
             }
         }
-        if !track.is_empty() {
+        if !self.tracked.is_empty() {
+            let track = std::mem::take(&mut self.tracked);
             requests.edits.push((Edit::AddTrack(track), self.gesture));
         }
         self.follow(context, requests);
-        if has_ended && let Some(Work::Track(progress)) = self.work.take() {
+        if has_ended && let Some(TrackingWork::Track(progress)) = self.work.take() {
             let undo = (progress.done > 0).then_some(Command::History(HistoryCommand::Undo));
             requests.inform(ending(&progress), undo);
+        }
+    }
+
+    /// A frame was tracked.
+    pub(super) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
+        self.tracked.push((frame, estimate));
+        self.newest = Some(frame);
+        if let Some(TrackingWork::Track(progress)) = &mut self.work {
+            progress.done += 1;
         }
     }
 
@@ -299,14 +236,14 @@ impl Tracking {
     }
 
     /// Other poses were found for a frame: by a search, or on the way of the tracker.
-    fn poses_found(
+    pub(super) fn poses_found(
         &mut self,
         frame: usize,
         found: Vec<OtherPose>,
         context: &Context<'_>,
         requests: &mut Requests,
     ) {
-        if matches!(self.work, Some(Work::Search(searched)) if searched == frame) {
+        if matches!(self.work, Some(TrackingWork::Search(searched)) if searched == frame) {
             let text = match found.len() {
                 0 | 1 => format!("Frame {frame}: no other pose was found that fits."),
                 2 => format!("Frame {frame}: two poses fit; see Refit."),
@@ -319,6 +256,59 @@ impl Tracking {
     }
 }
 
+/// The search for other poses that fit one frame.
+#[derive(Debug)]
+struct SearchJob {
+    /// The frame's data and the choices of the fit.
+    fit: FitInputs,
+    /// Where it begins.
+    start: Pose,
+}
+
+impl Job<Applied> for SearchJob {
+    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+        let fit = &self.fit;
+        let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Step::Done };
+        let (effort, views) = (SearchOptions::default(), fit.views());
+        match search::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
+            // Half a search has looked at half of the body.
+            Ok(_) if out.cancel().is_cancelled() => {}
+            Ok(found) => {
+                let poses = measured(fit, &found.found);
+                out.send(applied(move |tracking, context, requests| {
+                    tracking.poses_found(frame, poses, context, requests);
+                }));
+            }
+            Err(error) => out.send(refused(format!("Other poses cannot be looked for: {error}."))),
+        }
+        Step::Done
+    }
+}
+
+/// Reads frames as the document has it; `None` without a take.
+fn reader(context: &Context<'_>) -> Option<WindowReader> {
+    let (footage, fit) = context.session.take.clone().zip(context.fit_inputs())?;
+    let document = context.document();
+    Some(WindowReader {
+        footage,
+        measurement: document.measurement.clone(),
+        fit,
+        cues: document.tracking.cues,
+    })
+}
+
+/// The last key pose up to a frame and the first one after it. At the last key pose of the take, the one before it and
+/// itself.
+pub(super) fn keys_around(document: &Document, frame: usize) -> Option<(usize, usize)> {
+    let keys = &document.keys;
+    let before = |frame: usize| keys.range(..frame).next_back().map(|(key, _)| *key);
+    let after = keys.range(frame + 1..).next().map(|(key, _)| *key);
+    match after {
+        Some(after) => keys.range(..=frame).next_back().map(|(key, _)| (*key, after)),
+        None => keys.contains_key(&frame).then(|| before(frame).map(|first| (first, frame)))?,
+    }
+}
+
 /// The key poses, but for those of frames where a leg begins, from the pose on the screen.
 fn other_keys(context: &Context<'_>, begins: &[usize]) -> BTreeMap<usize, Pose> {
     let mut keys = (*context.document().keys).clone();
@@ -326,7 +316,7 @@ fn other_keys(context: &Context<'_>, begins: &[usize]) -> BTreeMap<usize, Pose> 
     keys
 }
 
-/// A way through these frames. A first frame that was fitted from this pose needs no second fit.
+/// A track of these frames. A first frame that was fitted from this pose needs no second fit.
 fn leg(context: &Context<'_>, from: usize, start: &Pose, mut frames: VecDeque<usize>) -> Leg {
     let found = context.document().estimates.get(&from);
     let is_fitted = frames.len() > 1 && found.is_some_and(|found| !found.lost && found.pose == *start);
@@ -371,7 +361,7 @@ fn ending(tracking: &TrackingProgress) -> String {
 }
 
 /// Says where two tracks were joined, and what to do where they do not meet.
-fn joined(frame: usize, distance_m: f64, meets: bool, requests: &mut Requests) {
+pub(super) fn joined(frame: usize, distance_m: f64, meets: bool, requests: &mut Requests) {
     let centimetres = format::number(100.0 * distance_m, 1);
     if meets {
         requests.status(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
