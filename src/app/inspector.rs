@@ -8,6 +8,7 @@ use backlit_document::history::History;
 use backlit_document::run::Run;
 use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
+use backlit_ui::style::theme;
 use egui::Ui;
 
 use super::refresh::Refresh;
@@ -204,9 +205,9 @@ impl Inspector {
     /// Hands the theme to egui when it has changed.
     pub(crate) fn apply_theme(&mut self, ui: &mut Ui) {
         if self.shell.shown_theme != Some(self.state.preferences.theme) {
-            backlit_ui::style::theme::apply(ui.ctx(), self.state.preferences.theme);
+            theme::apply(ui.ctx(), self.state.preferences.theme);
             // This frame has begun in the old one.
-            let style = ui.ctx().style_of(self.state.preferences.theme.to_egui());
+            let style = ui.ctx().style_of(theme::egui_theme(self.state.preferences.theme));
             ui.set_style(style);
             self.shell.shown_theme = Some(self.state.preferences.theme);
         }

@@ -221,7 +221,7 @@ struct Dock<'a> {
 impl Dock<'_> {
     fn palette(visuals: &Visuals) -> &'static Palette {
         let theme = if visuals.dark_mode { theme::Theme::Dark } else { theme::Theme::Light };
-        theme.palette()
+        theme::colours(theme)
     }
 
     /// Panes that stand behind this one.

@@ -8,8 +8,8 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitView};
 use backlit_tracking::observability::{Direction, FrameInformation, Observability, SubsetFigures};
-use backlit_ui::drawing::joint_name;
-use backlit_ui::style::format;
+use backlit_words::format;
+use backlit_words::joint::joint_name;
 use clap::Args;
 use serde::Serialize;
 

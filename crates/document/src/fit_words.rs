@@ -3,7 +3,7 @@
 use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_ui::style::format;
+use backlit_words::format;
 
 /// The preset whose choices these are, apart from the renderer, which is chosen by itself.
 pub fn preset_like(options: &FitOptions) -> Option<Preset> {

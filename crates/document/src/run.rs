@@ -6,7 +6,7 @@ use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::optimize::{Iteration, Termination};
-use backlit_ui::style::format;
+use backlit_words::format;
 
 use crate::CameraUse;
 use crate::runs::StepRef;

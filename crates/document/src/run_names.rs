@@ -4,7 +4,7 @@ use backlit_tracking::body::{Parameters, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::style::format;
+use backlit_words::format;
 
 use crate::fit_words as words;
 use crate::likely_poses;

@@ -1,4 +1,5 @@
 //! How everything looks: colours, sizes, and the form of every number.
 
-pub mod format;
 pub mod theme;
+
+pub use backlit_words::format;

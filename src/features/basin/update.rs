@@ -8,7 +8,6 @@ use backlit_jobs::News;
 use backlit_lab::experiment::frame_basin::{Frame, Report};
 use backlit_results::basin::{About, AnglesResult, MapResult, direction_name};
 use backlit_tracking::search::start;
-use backlit_ui::drawing::plot;
 use backlit_ui::style::format;
 use backlit_ui::style::theme::Theme;
 
@@ -199,7 +198,7 @@ impl Basin {
             }),
             (BasinView::Map, _, Some(map)) => requests.write(path, move || match kind {
                 FileKind::Csv => map.csv(),
-                FileKind::Png => Ok(plot::png(map.picture(theme))?),
+                FileKind::Png => Ok(backlit_plot::png(map.picture(theme))?),
                 FileKind::Json => map.json(),
             }),
             _ => requests.complain("There is no basin to write yet."),

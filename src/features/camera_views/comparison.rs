@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use backlit_ui::drawing::{Comparison, JointId, ViewMode};
+use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::{Theme, size};
 use egui::{
@@ -149,7 +150,7 @@ pub(crate) fn paint_wipe(painter: &Painter, rect: Rect, at: f32) {
 
 /// Names what is compared: in a wipe each side at its corner, in a blink both, the one that is seen now bright.
 pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
-    let palette = Theme::Dark.palette();
+    let palette = theme::colours(Theme::Dark);
     let font = TextStyle::Small.resolve(ui.style());
     let name = |mode: ViewMode, colour| painter.layout_no_wrap(mode.label().to_owned(), font.clone(), colour);
     let chip = |at: Rect, galley: Arc<Galley>| {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
+use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
@@ -53,7 +54,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     {
         return 0.0;
     }
-    let palette = Theme::Dark.palette();
+    let palette = theme::colours(Theme::Dark);
     let fonts = [TextStyle::Small, TextStyle::Monospace].map(|style| style.resolve(ui.style()));
     let [small, mono] = &fonts;
     let painter = ui.painter_at(layout.picture);

@@ -6,6 +6,7 @@ use backlit_ui::drawing::{
     Derivative, Legend, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode, limb_chains,
 };
 use backlit_ui::style::format;
+use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{
     JOINT, MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map,
 };
@@ -40,7 +41,7 @@ pub(crate) struct Item {
 
 impl Item {
     fn new(text: String, swatch: Swatch, painter: &Painter, font: &FontId) -> Self {
-        let galley = painter.layout_no_wrap(text, font.clone(), Theme::Dark.palette().text2);
+        let galley = painter.layout_no_wrap(text, font.clone(), theme::colours(Theme::Dark).text2);
         let indent = if swatch == Swatch::None { 0.0 } else { SWATCH + space::WIDGET - 2.0 };
         Self { swatch, indent, width: indent + galley.size().x, galley }
     }
@@ -115,7 +116,7 @@ impl Block {
         painter: &Painter,
         font: &FontId,
     ) -> Self {
-        let map = MapLegend::new(legend, input, Theme::Dark.palette());
+        let map = MapLegend::new(legend, input, theme::colours(Theme::Dark));
         let map_width = map.as_ref().map(|map| map.least_width(painter, font));
         let (mut places, rows) = loop {
             let widths: Vec<f32> = map_width.into_iter().chain(items.iter().map(|item| item.width)).collect();
@@ -144,7 +145,7 @@ impl Block {
 
     /// Paints it with the middle of its first row's left edge at `origin`, and says what it says.
     pub(crate) fn paint(&self, painter: &Painter, origin: Pos2, font: &FontId, words: &mut Vec<String>) {
-        let palette = Theme::Dark.palette();
+        let palette = theme::colours(Theme::Dark);
         for (item, [x, row]) in self.items.iter().zip(&self.places) {
             paint_swatch(painter, origin + vec2(*x, row * ROW), item.swatch, palette);
             let at = origin + vec2(x + item.indent, row * ROW - item.galley.size().y * 0.5);

@@ -6,6 +6,7 @@ use backlit_tracking::body::Model;
 use backlit_ui::drawing::{
     CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose, compose_over_footage, shows_footage,
 };
+use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{JOINT, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, size};
 use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
@@ -75,7 +76,7 @@ pub(crate) fn show(
     }
     if input.picture.frame.is_none() && seen.mode() == ViewMode::Footage {
         let font = TextStyle::Body.resolve(ui.style());
-        let colour = Theme::Dark.palette().text3;
+        let colour = theme::colours(Theme::Dark).text3;
         painter.text(rect.center(), Align2::CENTER_CENTER, "No picture for this frame", font, colour);
     }
     follow_pointer(ui, &response, &view, input, state, events);
@@ -197,7 +198,7 @@ fn paint_marks(
     if let Some(ray) = input.sight_ray {
         paint_sight_ray(painter, view, ray);
     }
-    paint_limits(painter, view, input.limits, Theme::Dark.palette());
+    paint_limits(painter, view, input.limits, theme::colours(Theme::Dark));
     paint_bodies(painter, view, &input.observed);
     // The selected joint lies on top of its neighbours.
     let (selected, others): (Vec<_>, Vec<_>) =
@@ -233,7 +234,7 @@ fn paint_marks(
         // Below is the legend.
         let mut free = painter.clip_rect();
         free.set_bottom(free.bottom() - state.legend_height);
-        paint_sides(painter, view, sides, free, Theme::Dark.palette(), &font);
+        paint_sides(painter, view, sides, free, theme::colours(Theme::Dark), &font);
         if let Some(face) = sides.face {
             let tip = Rect::from_center_size(view.screen_from_px(face.tip), vec2(size::ROW, size::ROW));
             let node = ui.interact(tip, id.with("face"), Sense::hover());
@@ -246,7 +247,7 @@ fn paint_marks(
     if !input.says_limits {
         return;
     }
-    for (at, words) in paint_limit_words(painter, view, input.limits, Theme::Dark.palette(), &font) {
+    for (at, words) in paint_limit_words(painter, view, input.limits, theme::colours(Theme::Dark), &font) {
         let node = ui.interact(at, id.with(("limit", words)), Sense::hover());
         node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{words}, {}", input.name)));
     }

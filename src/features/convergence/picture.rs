@@ -1,7 +1,7 @@
 //! The plot as a file.
 
 use backlit_document::run::Run;
-use backlit_ui::drawing::plot::png;
+use backlit_plot::png;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::Theme;
 use egui::{CentralPanel, Frame, Margin, RichText, Ui};
@@ -50,7 +50,7 @@ impl PlotFile {
         let steps =
             if preferences.rejected { "accepted steps are dots, rejected ones ×" } else { "accepted steps" };
         let subtitle = format!("{} over accepted steps; {steps}", label(preferences.quantity));
-        let palette = theme.palette();
+        let palette = theme::colours(*theme);
         let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(14, 10));
         CentralPanel::default().frame(frame).show(ui, |ui| {
             ui.label(RichText::new(title).text_style(theme::title()).color(palette.text));

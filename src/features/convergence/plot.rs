@@ -2,12 +2,12 @@
 
 use backlit_document::run::Run;
 use backlit_document::runs::StepRef;
-use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use backlit_plot::marks::{decade_marks, even_marks, step_marks};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{Palette, run_style, space};
-use backlit_ui::widgets::still_plot;
+use backlit_ui::widgets::{grid_marks, still_plot};
 use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 use egui_plot::{
     GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotResponse, PlotTransform, PlotUi,
@@ -139,8 +139,8 @@ impl<'a> Plot<'a> {
         let is_log = scale.preferences.is_log;
         let response = still_plot("convergence plot", area, palette)
             .y_axis_min_width(52.0)
-            .x_grid_spacer(step_marks)
-            .y_grid_spacer(move |input| if is_log { decade_marks(input) } else { even_marks(input) })
+            .x_grid_spacer(grid_marks(step_marks))
+            .y_grid_spacer(grid_marks(if is_log { decade_marks } else { even_marks }))
             .y_axis_formatter(move |mark, _| scale.mark(mark))
             .x_axis_formatter(|mark, _| format::number(mark.value, 0))
             .show(ui, |plot| {

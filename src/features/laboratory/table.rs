@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
+use backlit_plot::{Axis, Figure, Line};
 
 use super::Comparison;
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_jobs::{News, Pool};
+use backlit_plot::AsPicture;
 use backlit_tracking::body::Pose;
 use image::{DynamicImage, ImageFormat};
 

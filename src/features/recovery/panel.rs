@@ -112,7 +112,8 @@ fn picture(ui: &mut Ui, left: &Left) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{label}, {}", left.take)));
     ui.painter().rect_filled(rect, CornerRadius::ZERO, PICTURE_GROUND);
     let Some(image) = &left.picture else {
-        let (font, colour) = (egui::TextStyle::Small.resolve(ui.style()), theme::Theme::Dark.palette().text3);
+        let (font, colour) =
+            (egui::TextStyle::Small.resolve(ui.style()), theme::colours(theme::Theme::Dark).text3);
         ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "No picture", font, colour);
         return;
     };

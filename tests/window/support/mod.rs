@@ -18,7 +18,7 @@ pub(crate) fn harness_builder<State>(size: impl Into<Vec2>, theme: Theme) -> Har
     use_narrow_vectors();
     HarnessBuilder::default()
         .with_size(size)
-        .with_theme(theme.to_egui())
+        .with_theme(theme::egui_theme(theme))
         .with_context_setup(move |ctx| theme::apply(ctx, theme))
         .renderer(Painter::default())
 }

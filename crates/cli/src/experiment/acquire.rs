@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use backlit_formats::Take;
 use backlit_lab::experiment::acquire::{self, Options, Report, footage};
+use backlit_plot::Figure;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::OutputArguments;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use backlit_lab::experiment::Simulation;
-use backlit_ui::style::theme::Theme;
+use backlit_plot::Theme;
 use clap::{Args, ValueEnum};
 
 use crate::take_options::StartNoise;

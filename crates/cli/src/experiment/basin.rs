@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use backlit_formats::starts_file::{self, Start};
 use backlit_lab::experiment::basin::{self, Basin, Options, Report};
 use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 use serde::Serialize;
 

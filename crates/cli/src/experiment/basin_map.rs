@@ -9,7 +9,6 @@ use backlit_lab::experiment::basin_map::{Angle, BasinMap, Direction, Options};
 use backlit_results::basin::{MapResult, angle_name, direction_name};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot;
 
 use super::arguments::OutputArguments;
 use super::files::{self, ResultFiles};
@@ -66,7 +65,7 @@ pub(crate) fn run(
     for cell in all_of(map.len(), |index| map.run(index, &CancelToken::new()))? {
         result.add(cell);
     }
-    let png = plot::png(result.picture(output.theme.into()))?;
+    let png = backlit_plot::png(result.picture(output.theme.into()))?;
     let files = ResultFiles { json: result.json()?, csv: result.csv()?, png };
     files::finish_result(output, "basin-map", &files, &picture_of_letters(&result))
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use backlit_lab::experiment::begin::{self, Method, Options, Report, Row, footage};
 use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 use serde::Serialize;
 

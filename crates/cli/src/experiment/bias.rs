@@ -1,8 +1,8 @@
 //! `backlit experiment bias`: where fits go that begin at the truth.
 
 use backlit_lab::experiment::bias::{self, Options, Report};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{OutputArguments, PictureSize};

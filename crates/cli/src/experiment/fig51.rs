@@ -1,8 +1,8 @@
 //! `backlit experiment fig5.1`: one limb seen from the side, with three renderers.
 
 use backlit_lab::experiment::fig51::{self, Options, Part, Report};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{DataWord, OutputArguments};

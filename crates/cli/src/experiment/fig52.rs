@@ -1,8 +1,8 @@
 //! `backlit experiment fig5.2` and `fig5.3`: the upper body from many starts, before one camera and before two.
 
 use backlit_lab::experiment::fig52::{self, GOOD_MM, Options, Report, WayReport};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{DataWord, OutputArguments, StartArguments};

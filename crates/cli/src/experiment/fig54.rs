@@ -2,8 +2,8 @@
 
 use backlit_lab::experiment::fig54::{self, ITERATIONS, Options, Report, WayReport};
 use backlit_lab::experiment::{Simulation, fig55};
+use backlit_plot::Sheet;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Sheet;
 use clap::Args;
 
 use super::arguments::{OutputArguments, PictureSize, StartArguments};

@@ -4,8 +4,8 @@ use backlit_lab::experiment::Simulation;
 use backlit_lab::experiment::fig55::{self, FRAMES, Options, Report, Way, WayReport};
 use backlit_lab::experiment::looks::Look;
 use backlit_lab::experiment::sequence::Sequence;
+use backlit_plot::{Axis, Drawn, Figure, Line, Sheet};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Drawn, Figure, Line, Sheet};
 use clap::Args;
 
 use super::arguments::{OutputArguments, StartArguments};

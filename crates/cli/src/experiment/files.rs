@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use backlit_formats::atomic;
-use backlit_ui::drawing::plot::{AsPicture, png};
+use backlit_plot::{AsPicture, png};
 use serde::Serialize;
 
 use super::arguments::OutputArguments;

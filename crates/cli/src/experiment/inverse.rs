@@ -2,8 +2,8 @@
 
 use backlit_lab::experiment::fig52::GOOD_MM;
 use backlit_lab::experiment::inverse::{self, Options, Report};
+use backlit_plot::Figure;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::{DataWord, OutputArguments, StartArguments};

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use backlit_lab::experiment::no_start::{self, Group, Options, Report};
+use backlit_plot::Figure;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::statistics::Statistics;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::OutputArguments;

@@ -3,8 +3,8 @@
 use std::mem::discriminant;
 
 use backlit_lab::experiment::robustness::{self, Options, Report};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{OutputArguments, StartArguments};

@@ -2,8 +2,8 @@
 
 use backlit_lab::experiment::shadow::noise::NoiseCase;
 use backlit_lab::experiment::shadow::{self, Case, Found, JointErrors, Options, Report};
+use backlit_plot::Figure;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::OutputArguments;

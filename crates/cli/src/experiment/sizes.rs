@@ -3,9 +3,9 @@
 
 use backlit_lab::experiment::own_sizes::{self, BodyReport, Case};
 use backlit_lab::experiment::sizes::{self, Options, PersonReport, Report};
+use backlit_plot::Figure;
 use backlit_tracking::body::SizeKind;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::OutputArguments;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use backlit_lab::experiment::sync::{self, Options};
+use backlit_plot::Figure;
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 use serde_json::json;
 

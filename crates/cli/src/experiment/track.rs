@@ -1,8 +1,8 @@
 //! `backlit experiment track`: a movement followed at several speeds through noisy masks.
 
 use backlit_lab::experiment::track::{self, Options, Report};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
-use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::{Args, ValueEnum};
 
 use super::arguments::{OutputArguments, StartArguments};

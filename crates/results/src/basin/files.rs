@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use backlit_lab::experiment::FitChoice;
 use backlit_lab::experiment::basin_map::Cell;
 use backlit_lab::experiment::frame_basin::ChoiceReport;
-use backlit_ui::drawing::plot::{Axis, Figure, HeatMap, Line};
-use backlit_ui::style::theme::Theme;
+use backlit_plot::Theme;
+use backlit_plot::{AsPicture, Axis, Figure, HeatMap, Line};
 use image::RgbaImage;
 use serde::Serialize;
 

@@ -2,7 +2,7 @@
 
 use backlit_lab::experiment::basin_map::{self, Cell};
 use backlit_lab::experiment::frame_basin::{self, Frame, Report, Trial};
-use backlit_ui::style::format;
+use backlit_words::format;
 use serde::Serialize;
 
 /// What an experiment was about.

@@ -4,7 +4,9 @@ use backlit_tracking::body::{Kinematics, Model, Sides};
 use backlit_tracking::camera::Camera;
 use glam::{DVec2, DVec3};
 
-use super::joints::{JointId, draggable_joints};
+use backlit_words::joint::JointId;
+
+use super::joints::draggable_joints;
 
 /// The middle of the head on the topmost limb, from its first joint to its second.
 const HEAD_SHARE: f64 = 0.65;

@@ -9,51 +9,28 @@
 pub mod data_colours;
 mod style;
 
+use backlit_plot::colours::PageColours;
 use egui::{Color32, Stroke, TextStyle};
-use serde::{Deserialize, Serialize};
 
+pub use backlit_plot::Theme;
 pub use data_colours::{
     camera_colours, gradient_colour, gradient_map, motion_colours, residual_colour, residual_map, run_style,
 };
 pub use style::{apply, set_reduced_motion};
 
-/// Dark or light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Theme {
-    /// Light on dark; the first choice, since pictures are judged better in a dim surround.
-    #[default]
-    Dark,
-    /// Dark on light, for print, projectors and bright rooms.
-    Light,
+/// The colours of a theme.
+pub const fn colours(theme: Theme) -> &'static Palette {
+    match theme {
+        Theme::Dark => &DARK,
+        Theme::Light => &LIGHT,
+    }
 }
 
-impl Theme {
-    /// Both themes.
-    pub const ALL: [Self; 2] = [Self::Dark, Self::Light];
-
-    /// The theme's colours.
-    pub const fn palette(self) -> &'static Palette {
-        match self {
-            Self::Dark => &DARK,
-            Self::Light => &LIGHT,
-        }
-    }
-
-    /// The same choice in egui's words.
-    pub const fn to_egui(self) -> egui::Theme {
-        match self {
-            Self::Dark => egui::Theme::Dark,
-            Self::Light => egui::Theme::Light,
-        }
-    }
-
-    /// The other theme.
-    pub const fn toggled(self) -> Self {
-        match self {
-            Self::Dark => Self::Light,
-            Self::Light => Self::Dark,
-        }
+/// The same choice in egui's words.
+pub const fn egui_theme(theme: Theme) -> egui::Theme {
+    match theme {
+        Theme::Dark => egui::Theme::Dark,
+        Theme::Light => egui::Theme::Light,
     }
 }
 
@@ -141,21 +118,24 @@ impl Palette {
     }
 }
 
+const PAGE_DARK: &PageColours = Theme::Dark.page();
+const PAGE_LIGHT: &PageColours = Theme::Light.page();
+
 const DARK: Palette = Palette {
     well: rgb(0x0E1012),
-    panel: rgb(0x191B1E),
+    panel: rgb(PAGE_DARK.panel),
     raised: rgb(0x202327),
     widget: rgb(0x2A2E33),
     hover: rgb(0x343A41),
     active: rgb(0x3E454D),
     field: rgb(0x121417),
-    plot: rgb(0x121417),
-    grid: rgb(0x262A2F),
-    line: rgb(0x2C3035),
-    line2: rgb(0x717A85),
+    plot: rgb(PAGE_DARK.plot),
+    grid: rgb(PAGE_DARK.grid),
+    line: rgb(PAGE_DARK.line),
+    line2: rgb(PAGE_DARK.line2),
     select: rgb(0x3A3320),
-    text: rgb(0xE7E9EC),
-    text2: rgb(0xB2B8C0),
+    text: rgb(PAGE_DARK.text),
+    text2: rgb(PAGE_DARK.text2),
     text3: rgb(0x959DA7),
     accent: rgb(0xF2C14E),
     accent_text: rgb(0xF2C14E),
@@ -171,19 +151,19 @@ const DARK: Palette = Palette {
 
 const LIGHT: Palette = Palette {
     well: rgb(0xE3E5E8),
-    panel: rgb(0xF6F7F8),
+    panel: rgb(PAGE_LIGHT.panel),
     raised: rgb(0xFFFFFF),
     widget: rgb(0xE6E8EB),
     hover: rgb(0xDADDE1),
     active: rgb(0xCDD1D6),
     field: rgb(0xFFFFFF),
-    plot: rgb(0xFFFFFF),
-    grid: rgb(0xE8EAED),
-    line: rgb(0xD9DCE0),
-    line2: rgb(0x838B95),
+    plot: rgb(PAGE_LIGHT.plot),
+    grid: rgb(PAGE_LIGHT.grid),
+    line: rgb(PAGE_LIGHT.line),
+    line2: rgb(PAGE_LIGHT.line2),
     select: rgb(0xFBEFCB),
-    text: rgb(0x1B1E22),
-    text2: rgb(0x474D55),
+    text: rgb(PAGE_LIGHT.text),
+    text2: rgb(PAGE_LIGHT.text2),
     text3: rgb(0x5E656E),
     accent: rgb(0xE9B32A),
     accent_text: rgb(0x7A5600),
@@ -199,7 +179,7 @@ const LIGHT: Palette = Palette {
 
 /// An opaque colour from `0xRRGGBB`.
 const fn rgb(hex: u32) -> Color32 {
-    let [_, r, g, b] = hex.to_be_bytes();
+    let [r, g, b] = backlit_plot::colours::rgb(hex);
     Color32::from_rgb(r, g, b)
 }
 
@@ -355,7 +335,7 @@ mod tests {
     fn every_text_is_readable_on_every_ground() {
         let mut failures = Vec::new();
         for theme in Theme::ALL {
-            let p = theme.palette();
+            let p = colours(theme);
             let texts = [
                 ("text", p.text),
                 ("text2", p.text2),
@@ -408,23 +388,12 @@ mod tests {
     #[test]
     fn motions_are_seen_on_both_grounds_and_their_words_on_them() {
         for index in (0..8).map(Some).chain([None]) {
-            let colours = motion_colours(index);
-            assert!(contrast(colours.fill, colours.text) >= 4.5, "{index:?}");
+            let motion = motion_colours(index);
+            assert!(contrast(motion.fill, motion.text) >= 4.5, "{index:?}");
             for theme in Theme::ALL {
-                let ratio = contrast(colours.fill, theme.palette().plot);
+                let ratio = contrast(motion.fill, colours(theme).plot);
                 assert!(ratio >= 3.0, "{index:?} in {theme:?}: {ratio:.2}");
             }
         }
-    }
-
-    #[test]
-    fn themes_are_written_in_lower_case() {
-        #[derive(Serialize, Deserialize)]
-        struct Settings {
-            theme: Theme,
-        }
-        let text = toml::to_string(&Settings { theme: Theme::Light }).unwrap();
-        assert_eq!(text, "theme = \"light\"\n");
-        assert_eq!(toml::from_str::<Settings>(&text).unwrap().theme, Theme::Light);
     }
 }

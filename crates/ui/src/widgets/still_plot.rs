@@ -1,7 +1,8 @@
 //! A plot that the pointer neither moves nor zooms.
 
+use backlit_plot::marks::{AxisSpan, Mark};
 use egui::Vec2;
-use egui_plot::Plot;
+use egui_plot::{GridInput, GridMark, Plot};
 
 use crate::style::theme::Palette;
 
@@ -18,4 +19,13 @@ pub fn still_plot<'a>(name: &str, size: Vec2, palette: &Palette) -> Plot<'a> {
         .show_crosshair(false)
         .label_formatter(|_| None)
         .grid_color(palette.grid)
+}
+
+/// The marks of an axis, as a plot takes them.
+pub fn grid_marks(marks: fn(AxisSpan) -> Vec<Mark>) -> impl Fn(GridInput) -> Vec<GridMark> {
+    move |input| {
+        let span = AxisSpan { bounds: input.bounds, division: input.base_step_size };
+        let of_plot = |mark: Mark| GridMark { value: mark.value, step_size: mark.step };
+        marks(span).into_iter().map(of_plot).collect()
+    }
 }

@@ -1,12 +1,12 @@
 //! The maps of two directions, one a choice of fit: a click on a cell takes its start.
 
-use backlit_ui::drawing::plot::heat_map::{
-    AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
-};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{gradient_colour, run_style, size, space};
 use backlit_ui::widgets::choice;
+use backlit_ui::widgets::heat_map::{
+    AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
+};
 use backlit_ui::widgets::segmented;
 use egui::{
     Align, Color32, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,

@@ -1,11 +1,11 @@
 //! The plot of all fits: percent of the start against the step. A click or a drag goes to that step.
 
-use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use backlit_plot::marks::{decade_marks, even_marks, step_marks};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size};
-use backlit_ui::widgets::{segmented, still_plot};
+use backlit_ui::widgets::{grid_marks, segmented, still_plot};
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
@@ -97,8 +97,8 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>, is_log: bool, ar
     };
     let response = still_plot("laboratory plot", area, palette)
         .y_axis_min_width(44.0)
-        .x_grid_spacer(step_marks)
-        .y_grid_spacer(move |input| if is_log { decade_marks(input) } else { even_marks(input) })
+        .x_grid_spacer(grid_marks(step_marks))
+        .y_grid_spacer(grid_marks(if is_log { decade_marks } else { even_marks }))
         .y_axis_formatter(move |mark, _| percent(mark.value))
         .x_axis_formatter(|mark, _| format::number(mark.value, 0))
         .show(ui, |plot| {

@@ -3,8 +3,8 @@
 use std::hash::Hash;
 
 use backlit_ui::drawing::{PictureInput, ViewMode, compose};
-use backlit_ui::style::theme::Theme;
 use backlit_ui::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROUND, SELECTED};
+use backlit_ui::style::theme::{self, Theme};
 use backlit_ui::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
 use backlit_ui::widgets::{ViewTransform, first_that_fits};
 use egui::{Align2, Color32, Rect, Role, Sense, Stroke, TextStyle, Ui, pos2, vec2};
@@ -105,7 +105,7 @@ pub(crate) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &C
             paint(ui, "push texture", &view, (bench.comparison.id, index, *key), mode, &input);
         }
     }
-    let colour = Theme::Dark.palette().text2;
+    let colour = theme::colours(Theme::Dark).text2;
     label(ui, rect, &[&words, "What pushes at the start", "What pushes"], colour);
 }
 

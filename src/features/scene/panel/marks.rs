@@ -1,6 +1,7 @@
 //! What lies over the scene's picture: badges, the held joint, axes, and words about the hull.
 
 use backlit_ui::style::format;
+use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, SELECTED};
 use backlit_ui::style::theme::{Palette, Theme, run_style, size};
 use backlit_ui::widgets::paint_camera_badge;
@@ -29,7 +30,7 @@ const WORDS_AT: Vec2 = vec2(-12.0, -10.0);
 
 /// The scene lies on its own dark ground in both themes, and so do its words.
 const fn palette() -> &'static Palette {
-    Theme::Dark.palette()
+    theme::colours(Theme::Dark)
 }
 
 /// Where a camera's badge is, if the camera is in the picture: above it, and whole.

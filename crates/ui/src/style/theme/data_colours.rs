@@ -6,6 +6,7 @@
 
 use std::sync::LazyLock;
 
+use backlit_plot::colours::{GRADIENT_STOPS, RUNS, interpolate};
 use egui::Color32;
 
 use super::rgb;
@@ -131,21 +132,12 @@ pub struct RunStyle {
     pub width: f32,
 }
 
-const RUNS: [(Color32, &[f32]); 6] = [
-    (rgb(0x4182DE), &[]),
-    (rgb(0xD06911), &[7.0, 3.0]),
-    (rgb(0x117865), &[2.0, 3.5]),
-    (rgb(0xBF7FA5), &[10.0, 3.0, 2.0, 3.0]),
-    (rgb(0xC43037), &[4.0, 4.0]),
-    (rgb(0x6D5CA1), &[1.0, 3.0]),
-];
-
 /// How the run of this index, counted from zero, is drawn. From the seventh on the list is reused with a
 /// thinner line.
 pub fn run_style(index: usize) -> RunStyle {
     let (colour, dash) = RUNS[index % RUNS.len()];
     let width = if index < RUNS.len() { super::size::CURVE } else { 1.0 };
-    RunStyle { colour, dash, width }
+    RunStyle { colour: rgb(colour), dash, width }
 }
 
 /// The colour of a camera's badge and frustum, and that of the digit on the badge.
@@ -219,12 +211,8 @@ pub const MAP_LEN: usize = 256;
 const RESIDUAL_STOPS: [u32; 9] =
     [0xFFB066, 0xE8862F, 0xB8601A, 0x6E3C16, 0x17191C, 0x173E66, 0x2467AE, 0x4C96EA, 0x9CC8FF];
 
-/// Zero to the largest magnitude shown.
-const GRADIENT_STOPS: [u32; 9] =
-    [0x101417, 0x12312F, 0x134E49, 0x176C62, 0x26897A, 0x4CA690, 0x7FC2A9, 0xB4DCC6, 0xE8F6E6];
-
-static RESIDUAL_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(RESIDUAL_STOPS));
-static GRADIENT_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(GRADIENT_STOPS));
+static RESIDUAL_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| map(RESIDUAL_STOPS));
+static GRADIENT_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| map(GRADIENT_STOPS));
 
 /// The diverging map for residuals D − Λ and Jacobian columns, from its most negative to its most positive
 /// entry.
@@ -252,14 +240,10 @@ fn entry(fraction: f32) -> usize {
     (fraction * (MAP_LEN - 1) as f32).round() as usize
 }
 
-fn interpolate(stops: [u32; 9]) -> [Color32; MAP_LEN] {
+fn map(stops: [u32; 9]) -> [Color32; MAP_LEN] {
     std::array::from_fn(|index| {
-        let position = index as f32 / (MAP_LEN - 1) as f32 * (stops.len() - 1) as f32;
-        let lower = (position as usize).min(stops.len() - 2);
-        let weight = position - lower as f32;
-        let (from, to) = (rgb(stops[lower]), rgb(stops[lower + 1]));
-        let mix = |a: u8, b: u8| (f32::from(a) * (1.0 - weight) + f32::from(b) * weight).round() as u8;
-        Color32::from_rgb(mix(from.r(), to.r()), mix(from.g(), to.g()), mix(from.b(), to.b()))
+        let [r, g, b] = interpolate(&stops, index as f32 / (MAP_LEN - 1) as f32);
+        Color32::from_rgb(r, g, b)
     })
 }
 

@@ -4,7 +4,7 @@ use egui::epaint::Shadow;
 use egui::style::{HandleShape, ScrollStyle, Selection, Spacing, TextCursorStyle, WidgetVisuals, Widgets};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Visuals, vec2};
 
-use super::{Palette, Theme, caption, column_heading, headline, size, tick, title};
+use super::{Palette, Theme, caption, colours, column_heading, egui_theme, headline, size, tick, title};
 
 /// How long an animation takes, in seconds: five frames at 60 Hz.
 const ANIMATION_TIME: f32 = 0.083;
@@ -18,9 +18,9 @@ const FOREGROUND_STROKE: f32 = 1.5;
 /// Gives `ctx` the styles of both themes and switches to `theme`.
 pub fn apply(ctx: &egui::Context, theme: Theme) {
     for theme in Theme::ALL {
-        ctx.set_style_of(theme.to_egui(), style(theme));
+        ctx.set_style_of(egui_theme(theme), style(theme));
     }
-    ctx.set_theme(theme.to_egui());
+    ctx.set_theme(egui_theme(theme));
 }
 
 /// Switches animations off where the system asks for less motion, and on again.
@@ -85,7 +85,7 @@ fn spacing() -> Spacing {
 }
 
 fn visuals(theme: Theme) -> Visuals {
-    let palette = theme.palette();
+    let palette = colours(theme);
     let base = match theme {
         Theme::Dark => Visuals::dark(),
         Theme::Light => Visuals::light(),
@@ -157,8 +157,8 @@ mod tests {
         let ctx = egui::Context::default();
         apply(&ctx, Theme::Light);
         for theme in Theme::ALL {
-            let visuals = ctx.style_of(theme.to_egui()).visuals.clone();
-            assert_eq!(visuals.panel_fill, theme.palette().panel);
+            let visuals = ctx.style_of(egui_theme(theme)).visuals.clone();
+            assert_eq!(visuals.panel_fill, colours(theme).panel);
             assert_eq!(visuals.dark_mode, theme == Theme::Dark);
         }
         assert_eq!(ctx.theme(), egui::Theme::Light);

@@ -1,23 +1,14 @@
-//! Grids of coloured cells as a picture, side by side by one scale, with their legend.
+//! Grids of coloured cells, side by side by one scale, with their legend. A picture of them for a file is
+//! [`backlit_plot::HeatMap`].
 
-use egui::{Align2, CentralPanel, Frame, Margin, Painter, Pos2, Rect, RichText, TextStyle, Ui, pos2, vec2};
-use egui_painter::Headless;
-use image::RgbaImage;
+use backlit_plot::colours::{LAST_COLOUR, error_share};
+use egui::{Align2, Painter, Pos2, Rect, TextStyle, Ui, pos2, vec2};
 
 use crate::style::theme;
-use crate::style::theme::{Palette, Theme, gradient_colour, size};
+use crate::style::theme::{Palette, gradient_colour, size};
 
-/// Size of the picture of one map, points; a pixel each.
-const SIZE: [f32; 2] = [620.0, 520.0];
-/// The same of each of several, and what is above and below all of them.
-const EACH: [f32; 2] = [400.0, 400.0];
-const AROUND: [f32; 2] = [28.0, 116.0];
-/// Most maps side by side.
-const ACROSS: usize = 2;
 /// Height of a map's name.
 pub const NAME: f32 = 22.0;
-/// The lightest colour stands for this many times the limit, and more.
-pub const LAST_COLOUR: f64 = 10.0;
 /// Room for a map's axes, across and up.
 pub const AXES: egui::Vec2 = vec2(52.0, 56.0);
 /// Radius of the dot in a cell within the limit, as a part of its side, and at most.
@@ -26,70 +17,7 @@ const LARGEST_DOT: f32 = 3.0;
 /// Height of the legend's bar.
 const BAR: f32 = 10.0;
 
-/// A map of distances over two offsets.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeatMap {
-    /// What is shown.
-    pub title: String,
-    /// The conditions, in one line.
-    pub subtitle: String,
-    /// What is set off across and up.
-    pub labels: [String; 2],
-    /// Both axes go from minus this to this.
-    pub ends_degrees: f64,
-    /// Cells across and up.
-    pub columns: usize,
-    /// Maps by name: millimetres by row, the lowest first, then by column; nothing where it is not known.
-    pub maps: Vec<(String, Vec<Option<f64>>)>,
-    /// What is below this is marked with a dot.
-    pub limit: f64,
-}
-
-impl HeatMap {
-    /// The map as a picture. The same map gives the same bytes.
-    pub fn picture(&self, theme: Theme) -> RgbaImage {
-        let [width, height] = self.size();
-        let mut window = Headless::new(width, height, 1.0);
-        theme::apply(&window.ctx, theme);
-        let palette = theme.palette();
-        window.frames(3, Vec::new(), |ui| {
-            let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(14, 10));
-            CentralPanel::default().frame(frame).show(ui, |ui| self.ui(ui, palette));
-        })
-    }
-
-    fn size(&self) -> [f32; 2] {
-        if self.maps.len() < 2 {
-            return SIZE;
-        }
-        let rows = self.maps.len().div_ceil(ACROSS) as f32;
-        [EACH[0] * ACROSS as f32 + AROUND[0], EACH[1] * rows + AROUND[1]]
-    }
-
-    fn ui(&self, ui: &mut Ui, palette: &Palette) {
-        ui.label(RichText::new(&self.title).text_style(theme::title()).color(palette.text));
-        ui.label(RichText::new(&self.subtitle).color(palette.text2));
-        let area = ui.available_rect_before_wrap();
-        let legend = Rect::from_min_max(pos2(area.left(), area.bottom() - 34.0), area.max);
-        let room = Rect::from_min_max(area.min, pos2(area.right(), legend.top() - 8.0));
-        for (place, (name, values)) in places(room, self.maps.len(), ACROSS).into_iter().zip(&self.maps) {
-            let (title, below) = place.split_top_bottom_at_y(place.top() + NAME);
-            let font = TextStyle::Body.resolve(ui.style());
-            ui.painter().text(title.left_center(), Align2::LEFT_CENTER, name, font, palette.text);
-            let grid = grid_in(below);
-            axes(ui, grid, &self.labels, self.ends_degrees);
-            for (index, value) in values.iter().enumerate() {
-                let cell = cell_in(grid, self.columns, [index % self.columns, index / self.columns]);
-                let found = value.is_some_and(|value| value < self.limit);
-                let colour = value.map(|value| error_colour(value, self.limit));
-                paint_cell(ui.painter(), cell, colour, found, palette);
-            }
-        }
-        error_legend(ui, legend, self.limit);
-    }
-}
-
-/// So many places for maps in an area, as large as each other.
+/// Places of equal size for `count` maps in an area.
 pub fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
     let across = across.clamp(1, count.max(1));
     let rows = count.div_ceil(across).max(1);
@@ -101,7 +29,7 @@ pub fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
     (0..count).map(place).collect()
 }
 
-/// How many of so many maps stand side by side so that they are as large as can be, and the side of their squares.
+/// How many of `count` maps stand side by side when they are as large as possible, and the side of their squares.
 pub fn best_across(area: Rect, count: usize) -> (usize, f32) {
     let side = |across: usize| {
         let place = places(area, count, across).first().copied().unwrap_or(Rect::ZERO);
@@ -132,7 +60,7 @@ pub fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
 
 /// The colour of a distance: dark at none, lightest from ten times the limit on.
 pub fn error_colour(value: f64, limit: f64) -> egui::Color32 {
-    gradient_colour((value / (LAST_COLOUR * limit)).clamp(0.0, 1.0).sqrt() as f32)
+    gradient_colour(error_share(value, limit))
 }
 
 /// Paints a cell; one that is not known is empty, one that was found has a dot.
@@ -240,30 +168,5 @@ mod tests {
         let all = places(area, 3, 2);
         assert_eq!((all.len(), all[2].min), (3, pos2(0.0, 100.0)));
         assert!(all.iter().all(|place| area.contains_rect(*place)));
-    }
-
-    #[test]
-    fn farther_is_lighter_and_the_same_map_is_the_same_picture() {
-        let light = |value: f64| {
-            let colour = error_colour(value, 20.0);
-            u32::from(colour.r()) + u32::from(colour.g()) + u32::from(colour.b())
-        };
-        assert!(light(0.0) < light(10.0) && light(10.0) < light(100.0) && light(200.0) == light(900.0));
-        let map = HeatMap {
-            title: "Map".to_owned(),
-            subtitle: String::new(),
-            labels: ["a".to_owned(), "b".to_owned()],
-            ends_degrees: 30.0,
-            columns: 2,
-            maps: vec![("one".to_owned(), vec![Some(1.0), Some(300.0), None, Some(40.0)])],
-            limit: 20.0,
-        };
-        assert_eq!(map.picture(Theme::Dark), map.picture(Theme::Dark));
-        assert_ne!(
-            map.picture(Theme::Dark),
-            HeatMap { maps: vec![("one".to_owned(), vec![None; 4])], ..map.clone() }.picture(Theme::Dark)
-        );
-        let both = HeatMap { maps: [map.maps.clone(), map.maps.clone()].concat(), ..map.clone() };
-        assert!(both.picture(Theme::Dark).width() > map.picture(Theme::Dark).width());
     }
 }

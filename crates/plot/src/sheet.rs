@@ -1,11 +1,11 @@
 //! Pictures in rows and columns, with their headings: D and Λ as the report lays them out.
 
-use egui::{Align2, CentralPanel, Frame, Pos2, TextStyle, Ui, pos2};
-use egui_painter::Headless;
 use image::{GrayImage, Rgba, RgbaImage};
+use vello_cpu::kurbo::Point;
 
-use crate::style::theme;
-use crate::style::theme::{Palette, Theme};
+use crate::AsPicture;
+use crate::colours::{PageColours, Theme};
+use crate::page::{BODY, CENTRE_BOTTOM, LEFT_MIDDLE, LEFT_TOP, Page, TITLE as TITLE_SIZE};
 
 /// A picture is enlarged, pixel by pixel, to at least this width, points.
 const LEAST_WIDTH: u32 = 144;
@@ -31,29 +31,25 @@ pub struct Sheet {
     pub rows: Vec<(String, Vec<GrayImage>)>,
 }
 
-impl Sheet {
-    /// The sheet as a picture. The same sheet gives the same bytes.
-    pub fn picture(&self, theme: Theme) -> RgbaImage {
+impl AsPicture for Sheet {
+    fn picture(&self, theme: Theme) -> RgbaImage {
         let [wide, high] = self.cell();
         let across = MARGIN + ROW_NAME + self.columns.len() as u32 * (wide + GAP) + MARGIN - GAP;
         let down = MARGIN + TITLE + COLUMN_NAME + self.rows.len() as u32 * (high + GAP) + MARGIN - GAP;
-        let mut window = Headless::new(across.max(LEAST_SHEET) as f32, down as f32, 1.0);
-        theme::apply(&window.ctx, theme);
-        let palette = theme.palette();
-        let mut sheet = window.frames(3, Vec::new(), |ui| {
-            CentralPanel::default()
-                .frame(Frame::NONE.fill(palette.panel))
-                .show(ui, |ui| self.headings(ui, palette));
-        });
+        let colours = theme.page();
+        let mut page = Page::new([across.max(LEAST_SHEET), down], colours.panel);
+        self.headings(&mut page, colours);
+        let mut sheet = page.finish();
         for (row, (_, pictures)) in self.rows.iter().enumerate() {
             for (column, picture) in pictures.iter().enumerate() {
-                let [x, y] = self.corner(column, row);
-                paste(&mut sheet, picture, self.enlarged(), [x, y]);
+                paste(&mut sheet, picture, self.enlarged(), self.corner(column, row));
             }
         }
         sheet
     }
+}
 
+impl Sheet {
     fn enlarged(&self) -> u32 {
         let width = self.pictures().map(GrayImage::width).max().unwrap_or(1).max(1);
         LEAST_WIDTH.div_ceil(width)
@@ -75,24 +71,19 @@ impl Sheet {
         [x, MARGIN + TITLE + COLUMN_NAME + row as u32 * (high + GAP)]
     }
 
-    fn headings(&self, ui: &Ui, palette: &Palette) {
-        let [wide, high] = self.cell().map(|side| side as f32);
-        let at = |x: u32, y: u32| pos2(x as f32, y as f32);
-        let put = |at: Pos2, align, text: &str, style: TextStyle, colour| {
-            ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
-        };
-        put(at(MARGIN, MARGIN), Align2::LEFT_TOP, &self.title, theme::title(), palette.text);
-        let below = at(MARGIN, MARGIN + 24);
-        put(below, Align2::LEFT_TOP, &self.subtitle, TextStyle::Body, palette.text2);
+    fn headings(&self, page: &mut Page, colours: &PageColours) {
+        let [wide, high] = self.cell().map(f64::from);
+        let at = |x: u32, y: u32| Point::new(x.into(), y.into());
+        page.text(at(MARGIN, MARGIN), LEFT_TOP, &self.title, TITLE_SIZE, colours.text);
+        page.text(at(MARGIN, MARGIN + 24), LEFT_TOP, &self.subtitle, BODY, colours.text2);
         for (column, name) in self.columns.iter().enumerate() {
             let [x, y] = self.corner(column, 0);
-            let middle = pos2(x as f32 + 0.5 * wide, y as f32 - 5.0);
-            put(middle, Align2::CENTER_BOTTOM, name, TextStyle::Body, palette.text);
+            let above = at(x, y) + (0.5 * wide, -5.0);
+            page.text(above, CENTRE_BOTTOM, name, BODY, colours.text);
         }
         for (row, (name, _)) in self.rows.iter().enumerate() {
             let [_, y] = self.corner(0, row);
-            let middle = pos2(MARGIN as f32, y as f32 + 0.5 * high);
-            put(middle, Align2::LEFT_CENTER, name, TextStyle::Body, palette.text);
+            page.text(at(MARGIN, y) + (0.0, 0.5 * high), LEFT_MIDDLE, name, BODY, colours.text);
         }
     }
 }
