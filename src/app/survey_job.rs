@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_take::footage::Footage;
 use backlit_tracking::body::Kinematics;
-use backlit_tracking::render::{Ramp, RendererKind, View, Wanted, draw};
+use backlit_tracking::render::{DrawOptions, Ramp, RendererKind, View, draw};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
@@ -69,7 +69,7 @@ fn with_start(footage: &Footage, camera: usize, subject: Extent) -> Extent {
     let (Some(start), model) = (footage.take().start(), footage.model()) else { return subject };
     let kinematics = Kinematics::new(model, start);
     let view = View::new(model, &kinematics, &footage.cameras[camera], RendererKind::Capsule, Ramp::Half);
-    let drawn = draw(&view, Wanted { gradient: false, motion: None }).prediction;
+    let drawn = draw(&view, DrawOptions { gradient: false, motion: None }).prediction;
     let is_body = |lambda: &f32| if *lambda < 128.0 { Label::Subject } else { Label::Background };
     let labels = drawn.lambda.iter().map(is_body).collect();
     let body = Mask::new(drawn.width, drawn.height, labels).ok().as_ref().and_then(extent);

@@ -9,7 +9,7 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::optimize::Iteration;
-use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
+use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, View, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_ui::drawing::{Derivative, body_outline};
 use glam::DVec2;
@@ -224,7 +224,7 @@ impl CameraPrediction {
             BodyMotion::along(kinematics, camera, Parameters::Tangent, &direction)
         });
         let gradient = scene.derivatives.gradient;
-        let drawing = draw(&view, Wanted { gradient, motion: motion.as_ref() });
+        let drawing = draw(&view, DrawOptions { gradient, motion: motion.as_ref() });
         let prediction = drawing.prediction;
         let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
         Self {
@@ -293,7 +293,7 @@ impl FitInputs {
             let used = self.uses.get(index).filter(|used| used.used)?;
             let (camera, data) = (&self.cameras[index], self.data(index)?);
             let view = View::new(&self.model, &kinematics, camera, self.fit.renderer, self.fit.final_ramp());
-            let prediction = draw(&view, Wanted { gradient: false, motion: None }).prediction;
+            let prediction = draw(&view, DrawOptions { gradient: false, motion: None }).prediction;
             Some(Mismatch::between(&prediction, &data, used.weight, self.model.limbs().len()))
         };
         let cameras: Vec<Option<Mismatch>> = (0..self.cameras.len()).into_par_iter().map(look).collect();

@@ -9,7 +9,7 @@ use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::observability::ImageEllipse;
 use backlit_tracking::posing::LimitedAngle;
-use backlit_tracking::render::{BodyMotion, Prediction, Ramp, RendererKind, View, Wanted, predict};
+use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, RendererKind, View, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use backlit_ui::drawing::{
     BoundedAngle, Comparison, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark,
@@ -93,7 +93,8 @@ impl Scene {
         let mut direction = vec![0.0; Parameters::Tangent.columns(body.rotation_count())];
         direction[column] = 1.0;
         let motion = BodyMotion::along(&kinematics, &camera, Parameters::Tangent, &direction);
-        let drawing = backlit_tracking::render::draw(&view, Wanted { gradient: true, motion: Some(&motion) });
+        let drawing =
+            backlit_tracking::render::draw(&view, DrawOptions { gradient: true, motion: Some(&motion) });
         let foot = JointId::End(body.limb_index("left foot").unwrap());
         Self {
             frame: RgbImage::from_fn(SIZE[0] as u32, SIZE[1] as u32, |x, y| {

@@ -13,23 +13,20 @@
 //! | [`builtin`] | the models that come with the program |
 
 pub mod anthropometry;
-mod branches;
 pub mod builtin;
 mod kinematics;
 mod limb;
 mod model;
 mod model_trees;
-mod parameters;
 mod pose;
 mod sides;
 pub(crate) mod sizes;
 
-pub(crate) use branches::Branches;
+pub(crate) use kinematics::Branches;
 pub use kinematics::{Kinematics, MovingColumn};
 pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range, SphereLevel};
 pub use model::{FORMAT, LimbSpec, MAX_ANGLE, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec, ROOT};
 pub use model_trees::PlacedSphere;
-pub use parameters::Parameters;
-pub use pose::{FARTHEST_ROOT, Pose, PoseError};
+pub use pose::{FARTHEST_ROOT, Parameters, Pose, PoseError};
 pub use sides::Sides;
 pub use sizes::{SizeChoice, SizeKind, SizeParameter, Sizes};

@@ -10,12 +10,10 @@ mod distortion;
 mod intrinsics;
 mod rectify;
 mod rig;
-mod upright;
 
 pub use adjust::{AdjustOptions, Adjusted, Sighting, adjust};
 pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;
 pub use rectify::Rectification;
-pub use rig::{Rig, RigError};
-pub use upright::up_of;
+pub use rig::{Rig, RigError, up_of};

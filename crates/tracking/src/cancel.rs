@@ -9,7 +9,6 @@ pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
     /// A token that nobody has cancelled.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -20,7 +19,6 @@ impl CancelToken {
     }
 
     /// Whether somebody asked.
-    #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -23,7 +23,6 @@
 //! | [`tangent`] | what becomes of a step when its mean pose moves |
 //! | [`consistency`] | whether errors are as large as is believed |
 
-mod belief;
 pub mod consistency;
 mod constant_velocity;
 pub mod smoother;
@@ -32,9 +31,8 @@ pub mod update;
 
 use thiserror::Error;
 
-pub use belief::Belief;
 pub use consistency::Innovation;
-pub use constant_velocity::ConstantVelocity;
+pub use constant_velocity::{Belief, ConstantVelocity};
 
 /// Why a filter cannot go on from what it believes.
 #[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]

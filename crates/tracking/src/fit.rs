@@ -5,8 +5,7 @@
 //! | `options` | [`FitOptions`]: every choice of a fit, and the presets that name sets of them |
 //! | `evidence` | [`FitView`]: what one camera contributes to a frame |
 //! | `objective` | [`Objective`]: the cost of a pose as a least-squares problem |
-//! | `prepared` | a fit's inputs, checked and made ready once |
-//! | `schedule` | [`Scale`]: annealing by the size of what is seen |
+//! | `schedule` | [`ApparentSize`]: annealing by the size of what is seen |
 //! | `fit` | [`Fit`]: iteration by iteration, stage after stage |
 
 mod evidence;
@@ -14,13 +13,12 @@ mod evidence;
 mod fit;
 mod objective;
 mod options;
-mod prepared;
 mod schedule;
 
+pub(crate) use evidence::PreparedFit;
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, SolverSummary};
 pub use objective::Objective;
 pub(crate) use options::LEAST_SCALE;
 pub use options::{DataView, FitOptions, OptionsError, ParsePresetError, Preset, Stage};
-pub(crate) use prepared::Prepared;
-pub use schedule::Scale;
+pub use schedule::ApparentSize;

@@ -125,6 +125,9 @@
 //! Not converging is an answer ([`optimize::Termination`]), not an error; results are the same to the bit in
 //! every run, whatever the number of threads.
 
+#[cfg(test)]
+extern crate self as backlit_tracking;
+
 pub mod acquisition;
 pub mod body;
 pub mod body_fit;
@@ -134,6 +137,9 @@ pub mod cancel;
 pub mod cues;
 pub mod filter;
 pub mod fit;
+#[cfg(test)]
+#[path = "../tests/tracking/fixtures.rs"]
+mod fixtures;
 pub mod geometry;
 pub mod metrics;
 pub mod names;

@@ -34,7 +34,6 @@ impl JointErrors {
     }
 
     /// Distances of all joints and frames, millimetres; `None` if no joint was compared.
-    #[must_use]
     pub fn overall(&self) -> Option<Statistics> {
         let all: Vec<f64> = self.by_joint.values().flatten().map(|error| error.length()).collect();
         Statistics::of(&all)
@@ -42,7 +41,6 @@ impl JointErrors {
 
     /// The same after each joint's constant offset in its limb's frame was taken off: what a reference that
     /// puts a joint elsewhere in the limb does not count for.
-    #[must_use]
     pub fn overall_without_offsets(&self) -> Option<Statistics> {
         let without = |errors: &Vec<DVec3>| {
             let offset = errors.iter().sum::<DVec3>() / errors.len() as f64;
@@ -52,7 +50,6 @@ impl JointErrors {
     }
 
     /// By the joint's name.
-    #[must_use]
     pub fn by_joint(&self) -> BTreeMap<&str, Statistics> {
         self.by_joint
             .iter()
@@ -65,7 +62,6 @@ impl JointErrors {
 }
 
 /// Mean distance between the limbs' ends of two poses, millimetres. Twists that no joint shows do not count.
-#[must_use]
 pub fn mean_joint_error_mm(model: &Model, pose: &Pose, truth: &Pose) -> f64 {
     let (found, truth) = (Kinematics::new(model, pose), Kinematics::new(model, truth));
     let sum: f64 = found.ends().iter().zip(truth.ends()).map(|(a, b)| a.distance(*b)).sum();
@@ -75,7 +71,6 @@ pub fn mean_joint_error_mm(model: &Model, pose: &Pose, truth: &Pose) -> f64 {
 /// How much a track trembles: mean length of the joints' second differences from frame to frame, millimetres.
 ///
 /// `poses` are consecutive frames in their order; `None` for fewer than three.
-#[must_use]
 pub fn jitter_mm<'a>(model: &Model, poses: impl IntoIterator<Item = &'a Pose>) -> Option<f64> {
     let joints: Vec<Vec<DVec3>> =
         poses.into_iter().map(|pose| Kinematics::new(model, pose).ends().to_vec()).collect();

@@ -10,21 +10,18 @@ pub const LONGEST: usize = 200;
 pub const EXPECTED: &str = "1 to 200 letters, without control characters";
 
 /// Whether a text is a name: it has letters that can be seen, not too many, and none that is [unsafe](is_unsafe).
-#[must_use]
 pub fn is_name(text: &str) -> bool {
     !text.trim().is_empty() && text.chars().count() <= LONGEST && !text.contains(is_unsafe)
 }
 
 /// Whether a letter would change how a terminal or a page shows what stands around it: controls, line separators, and what
 /// turns the direction of writing (Unicode Standard Annex 9).
-#[must_use]
 pub fn is_unsafe(letter: char) -> bool {
     letter.is_control()
         || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
 /// The first letters of a text that is no name, as they may be shown.
-#[must_use]
 pub fn excerpt(text: &str) -> String {
     const SHOWN: usize = 60;
     let mut out = String::new();

@@ -13,14 +13,13 @@
 //! | [`gradient_check`] | analytic derivatives against differences, all mismatches by name |
 
 mod cholesky;
-mod descent;
 pub mod gradient_check;
 mod levenberg_marquardt;
 mod normal_equations;
 mod solver;
 mod termination;
 
-pub use descent::{DescentOptions, StructuredLeastSquares, descend};
+pub use levenberg_marquardt::{DescentOptions, StructuredLeastSquares, descend};
 pub use normal_equations::{NormalEquations, StepMemory};
 pub use solver::{Iteration, LeastSquares, Method, ParseMethodError, Solver, SolverOptions};
 pub use termination::{Termination, Tolerances};

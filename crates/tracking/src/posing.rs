@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use crate::body::{JointAngles, JointLimits, Kinematics, Limb, Model, Parameters, Pose, Range};
 use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions, Tolerances};
 use crate::residual::point::PointTarget;
-use crate::residual::{joint_limit, point, proximal_prior};
+use crate::residual::{point, pose_prior};
 
 pub use turn_round::turn_round;
 
@@ -60,8 +60,15 @@ impl LeastSquares for Reach<'_> {
         }
         let parameters = Parameters::Tangent;
         let reference = self.reference;
-        proximal_prior::add_each(equations, parameters, pose, reference, self.stiffness, self.root_stiffness);
-        joint_limit::add(equations, parameters, self.model, pose, LIMIT_WEIGHT);
+        pose_prior::add_proximal_each(
+            equations,
+            parameters,
+            pose,
+            reference,
+            self.stiffness,
+            self.root_stiffness,
+        );
+        pose_prior::add_limits(equations, parameters, self.model, pose, LIMIT_WEIGHT);
     }
 
     fn columns(&self) -> usize {

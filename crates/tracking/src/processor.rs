@@ -35,7 +35,7 @@ pub(crate) fn f32_lanes() -> usize {
     widest
 }
 
-/// Runs work in vectors of so many f32, as [`f32_lanes`] has said.
+/// Runs work in vectors of this many f32, as [`f32_lanes`] has said.
 #[inline]
 pub(crate) fn run_in_lanes<Op: WithSimd>(f32_lanes: usize, op: Op) -> Op::Output {
     #[cfg(target_arch = "x86_64")]

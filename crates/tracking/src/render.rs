@@ -20,22 +20,20 @@
 
 mod drawing;
 mod jacobian;
-mod joint_forces;
 mod kernels;
 pub mod prediction;
 mod primitive;
-mod radius_rate;
 mod ramp;
 mod renderer;
 mod view;
 pub mod wrench;
 
-pub(crate) use joint_forces::JointBlock;
 pub(crate) use kernels::lanes::{Lanes, PixelGrid};
 pub(crate) use kernels::scalar::RowWinners;
 pub(crate) use primitive::{Footprint, Primitive};
+pub(crate) use wrench::JointBlock;
 
-pub use drawing::{Drawing, MOST_ERROR, Wanted, draw, draw_plainly, predict};
+pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_plainly, predict};
 pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along, jacobian_column};
 pub use prediction::Prediction;
 pub use ramp::{BACKGROUND, ParseRampError, Ramp};

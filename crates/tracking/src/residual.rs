@@ -3,14 +3,12 @@
 //! | file | residual ρ |
 //! |---|---|
 //! | [`silhouette`] | D − Λ of every pixel (4.10, 4.16) |
-//! | [`proximal_prior`] | −log(q q₀⁻¹) and root₀ − root: stay near the pose that the fit began with |
-//! | [`rest_prior`] | −twist of a limb about itself: cameras hardly see it |
-//! | [`joint_limit`] | how far flexion, sideways swing and twist lie outside their ranges |
+//! | [`pose_prior`] | stay near the pose that the fit began with, untwisted, within the joints' limits |
 //! | `body_size` | D − Λ again, with columns for the body's lengths and radii |
 //! | `proportion_prior`, its choices are [`Proportions`] | how far lengths and radii are from a scaled body's |
 //! | [`interpenetration`] | how deep two limbs lie inside each other |
 //! | [`Loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
-//! | [`motion_prior`] | stay near what the motion so far foretells |
+//! | [`motion_prior`] | stay near what the motion so far predicts |
 //! | [`learnt_prior`] | how unlikely poses and steps are, by what motion files say |
 //! | [`cue`] | where keypoints, flow, edges and stereo saw a limb − where it is |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
@@ -19,15 +17,12 @@ pub(crate) mod body_size;
 mod composite;
 pub mod cue;
 pub mod interpenetration;
-pub mod joint_limit;
 pub mod learnt_prior;
 mod loss;
 pub mod motion_prior;
 pub mod point;
+pub mod pose_prior;
 pub(crate) mod proportion_prior;
-pub mod proximal_prior;
-pub mod rest_prior;
-mod rotation_term;
 pub mod silhouette;
 mod state_map;
 

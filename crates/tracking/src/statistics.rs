@@ -20,7 +20,6 @@ pub struct Statistics {
 
 impl Statistics {
     /// Of any numbers; `None` of an empty list.
-    #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

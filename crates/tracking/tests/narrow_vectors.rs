@@ -7,6 +7,8 @@
 mod bodies;
 #[path = "tracking/drawing.rs"]
 mod drawing;
+#[path = "tracking/fixtures.rs"]
+mod fixtures;
 #[path = "tracking/kernel_parity.rs"]
 mod kernel_parity;
 #[path = "tracking/normal_equations.rs"]

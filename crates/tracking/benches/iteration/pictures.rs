@@ -4,7 +4,9 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use backlit_tracking::body::{Kinematics, Parameters};
-use backlit_tracking::render::{BodyMotion, Drawing, Ramp, RendererKind, View, Wanted, draw, draw_plainly};
+use backlit_tracking::render::{
+    BodyMotion, DrawOptions, Drawing, Ramp, RendererKind, View, draw, draw_plainly,
+};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
@@ -17,7 +19,7 @@ const SIZES: [(usize, u64, u64); 2] = [(4, 272, 480), (8, 1920, 1080)];
 const RAMP: Ramp = Ramp::Distance { inner_px: 1.5, outer_px: 1.5 };
 
 /// What a drawing is made by.
-type Draw = fn(&View, Wanted<'_>) -> Drawing;
+type Draw = fn(&View, DrawOptions<'_>) -> Drawing;
 
 /// Prints a table a size.
 pub(crate) fn tables(budget: Duration) {
@@ -37,9 +39,10 @@ pub(crate) fn tables(budget: Duration) {
         let mut direction = vec![0.0; Parameters::Tangent.columns(scene.model.rotation_count())];
         direction[5] = 1.0;
         let motion = BodyMotion::along(&kinematics, &scene.cameras[0].0, Parameters::Tangent, &direction);
-        let (bare, gradient) = (Wanted::default(), Wanted { gradient: true, ..Wanted::default() });
-        let change = Wanted { motion: Some(&motion), ..Wanted::default() };
-        let all = |views: &[View], wanted: Wanted<'_>, draw: Draw| {
+        let (bare, gradient) =
+            (DrawOptions::default(), DrawOptions { gradient: true, ..DrawOptions::default() });
+        let change = DrawOptions { motion: Some(&motion), ..DrawOptions::default() };
+        let all = |views: &[View], wanted: DrawOptions<'_>, draw: Draw| {
             views.par_iter().for_each(|view| drop(black_box(draw(view, wanted))));
         };
         Table::new(format!("Pictures of {count} × {width} × {height}"))

@@ -45,14 +45,14 @@ pub struct GirthSpread {
 }
 
 /// Name of a limb without its side; deviation of its length's logarithm; its radius's λ and deviation.
-type Row = (&'static str, Option<f64>, Option<GirthSpread>);
+type LimbSpread = (&'static str, Option<f64>, Option<GirthSpread>);
 
 const fn girth(by_stoutness: f64, own: f64) -> Option<GirthSpread> {
     Some(GirthSpread { by_stoutness, own })
 }
 
 /// Limbs of which something was measured, by name without side.
-const ROWS: [Row; 15] = [
+const ROWS: [LimbSpread; 15] = [
     ("spine", Some(0.08), girth(1.53, 0.07)),
     ("chest", Some(0.08), girth(1.12, 0.05)),
     ("neck", None, girth(1.0, 0.1)),
@@ -78,7 +78,6 @@ pub struct Anthropometry {
 
 impl Anthropometry {
     /// For a body with the limbs of the built-in full body, whatever their sizes; `None` for any other.
-    #[must_use]
     pub fn of(model: &Model) -> Option<Self> {
         let average = builtin::full_body();
         let is_same = average.limbs().len() == model.limbs().len()
@@ -89,7 +88,6 @@ impl Anthropometry {
     }
 
     /// The logarithm of the average person's size over that of `model`'s limb, both of the same stature.
-    #[must_use]
     pub fn log_ratio(&self, model: &Model, limb: usize, kind: SizeKind) -> f64 {
         let sizes = |model: &Model, limb: usize| {
             let limb = &model.limbs()[limb];
@@ -100,18 +98,16 @@ impl Anthropometry {
     }
 
     /// Standard deviation of a length's logarithm about its share of the stature; `None` where no table has it.
-    #[must_use]
     pub fn length(&self, limb: usize) -> Option<f64> {
         self.row(limb).and_then(|row| row.1)
     }
 
     /// How a radius spreads; `None` where no table has it.
-    #[must_use]
     pub fn radius(&self, limb: usize) -> Option<GirthSpread> {
         self.row(limb).and_then(|row| row.2)
     }
 
-    fn row(&self, limb: usize) -> Option<&'static Row> {
+    fn row(&self, limb: usize) -> Option<&'static LimbSpread> {
         let name = &self.average.limbs()[limb].name;
         let name = name.strip_prefix("right ").or_else(|| name.strip_prefix("left ")).unwrap_or(name);
         ROWS.iter().find(|row| row.0 == name)

@@ -10,7 +10,6 @@ const UPPER_BODY: &str = include_str!("../../../../assets/upper_body.toml");
 const FULL_BODY: &str = include_str!("../../../../assets/full_body.toml");
 
 /// The text of a built-in model file, by its name.
-#[must_use]
 pub fn text(name: &str) -> Option<&'static str> {
     match name {
         "single_limb" => Some(SINGLE_LIMB),
@@ -21,25 +20,21 @@ pub fn text(name: &str) -> Option<&'static str> {
 }
 
 /// One limb, as in the report's Fig. 5.1.
-#[must_use]
 pub fn single_limb() -> Model {
     parse(SINGLE_LIMB)
 }
 
 /// The report's upper body: five chains, twelve limbs, eight rotations.
-#[must_use]
 pub fn upper_body() -> Model {
     parse(UPPER_BODY)
 }
 
 /// A whole adult: thirty limbs on fifteen rotations.
-#[must_use]
 pub fn full_body() -> Model {
     parse(FULL_BODY)
 }
 
 /// The built-in body that calls itself so ([`Model::name`]).
-#[must_use]
 pub fn of_name(name: &str) -> Option<Model> {
     [single_limb(), upper_body(), full_body()].into_iter().find(|model| model.name() == name)
 }

@@ -11,7 +11,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::{Branches, Model, Parameters, Pose};
+use super::{Model, Parameters, Pose};
 use crate::geometry::rotation::{raw_matrix, raw_rates};
 
 /// Joint positions and world rotations of one pose. Reused without allocation by [`update`](Self::update).
@@ -52,7 +52,6 @@ struct Lever {
 
 impl Kinematics {
     /// Joint positions of a pose.
-    #[must_use]
     pub fn new(model: &Model, pose: &Pose) -> Self {
         let (limbs, rotations) = (model.limbs().len(), model.rotation_count());
         let mut this = Self {
@@ -118,31 +117,26 @@ impl Kinematics {
     }
 
     /// First joint p0 of each limb, world metres.
-    #[must_use]
     pub fn starts(&self) -> &[DVec3] {
         &self.starts
     }
 
     /// Second joint p1 of each limb, world metres.
-    #[must_use]
     pub fn ends(&self) -> &[DVec3] {
         &self.ends
     }
 
     /// World matrix of each rotation (scaled, for raw quaternions that are not of unit length).
-    #[must_use]
     pub fn world_rotations(&self) -> &[DMat3] {
         &self.world
     }
 
     /// World rotation of the frame that each rotation is given in: its parent's.
-    #[must_use]
     pub fn parent_frames(&self) -> &[DMat3] {
         &self.frames
     }
 
     /// Number of limbs.
-    #[must_use]
     pub fn limb_count(&self) -> usize {
         self.starts.len()
     }
@@ -195,7 +189,6 @@ impl Kinematics {
     }
 
     /// Derivative of the limb's second joint by the state, 3 × columns.
-    #[must_use]
     pub fn end_jacobian(&self, limb: usize, parameters: Parameters) -> DMatrix<f64> {
         let columns = parameters.columns(self.world.len());
         let mut map = DMatrix::zeros(7, columns);
@@ -213,10 +206,55 @@ impl Kinematics {
     }
 }
 
+/// A body all of whose rotations carry whole branches: some limbs that grow from one place, and all that grows from them.
+///
+/// What the rotation k carries moves about one point, its pivot, and what a rotation before it on the way to the root does
+/// to the branch is a turn about another. So sums over a branch's limbs are made once and handed on.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Branches {
+    /// By limb, the rotation that it turns with.
+    pub(crate) rotations: Vec<usize>,
+    /// By rotation, the one that carries it.
+    pub(crate) parents: Vec<Option<usize>>,
+    /// By rotation, a limb that starts at its pivot.
+    pub(crate) roots: Vec<usize>,
+    /// All rotations, what they carry before themselves.
+    pub(crate) leaves_first: Vec<usize>,
+}
+
+impl Branches {
+    /// None where a file has a limb rigid with one that grows from another place, or one that is carried but does not turn.
+    ///
+    /// `carriers` are, by limb, the rotations that move it, each with whether the limb turns with it.
+    pub(crate) fn of<I>(model: &Model, carriers: impl Fn(usize) -> I) -> Option<Self>
+    where
+        I: Iterator<Item = (usize, bool)>,
+    {
+        let limbs = model.limbs();
+        let mut roots: Vec<Option<usize>> = vec![None; model.rotation_count()];
+        for (index, limb) in limbs.iter().enumerate() {
+            for (rotation, turns) in carriers(index) {
+                let is_inside =
+                    limb.parent.is_some_and(|parent| carriers(parent).any(|(other, _)| other == rotation));
+                let root = *roots[rotation].get_or_insert(index);
+                if !turns || (!is_inside && limbs[root].parent != limb.parent) {
+                    return None;
+                }
+            }
+        }
+        Some(Self {
+            rotations: limbs.iter().map(|limb| limb.rotation).collect(),
+            parents: model.rotation_parents().to_vec(),
+            roots: roots.into_iter().collect::<Option<_>>()?,
+            leaves_first: model.rotations_parents_first().iter().rev().copied().collect(),
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::builtin;
+    use crate::body::{ModelSpec, builtin};
 
     /// Every limb's second joint, by every column, against central differences, raw and tangent.
     #[test]
@@ -265,5 +303,41 @@ mod tests {
             }
             assert!(failures.is_empty(), "{}", failures.join("\n"));
         }
+    }
+
+    fn of(model: &Model) -> Option<Branches> {
+        Kinematics::new(model, &Pose::rest(model)).branches().cloned()
+    }
+
+    #[test]
+    fn built_in_bodies_are_of_branches() {
+        for model in [builtin::single_limb(), builtin::upper_body(), builtin::full_body()] {
+            let branches = of(&model).unwrap();
+            for (rotation, &root) in branches.roots.iter().enumerate() {
+                assert_eq!(
+                    model.limbs()[root].parent,
+                    model.limbs()[model.rotation_owners()[rotation]].parent
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn limbs_that_only_lean_on_others_are_no_branches() {
+        let model = |limbs: &str| {
+            let text = format!("format = \"backlit-body 1\"\nname = \"body\"\nlimb = [{limbs}]");
+            Model::new(&toml::from_str::<ModelSpec>(&text).unwrap()).unwrap()
+        };
+        let limb = |name: &str, more: &str| {
+            format!("{{ name = \"{name}\", direction = [0, 1, 0], length = 0.3, radius = 0.1{more} }},")
+        };
+        let trunk = limb("trunk", "") + &limb("arm", ", parent = \"trunk\"");
+        assert!(of(&model(&trunk)).is_some());
+        // A hand that keeps the trunk's rotation while the arm between them turns.
+        let hand = limb("hand", ", parent = \"arm\", rigid_with = \"trunk\"");
+        assert_eq!(of(&model(&(trunk.clone() + &hand))), None);
+        // Two limbs of one rotation at two places.
+        let legs = limb("leg", "") + &limb("other", ", parent = \"trunk\", rigid_with = \"leg\"");
+        assert_eq!(of(&model(&(trunk + &legs))), None);
     }
 }

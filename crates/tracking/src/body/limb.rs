@@ -16,13 +16,11 @@ pub struct Range(
 
 impl Range {
     /// How far `value` lies outside: negative below, positive above, zero inside.
-    #[must_use]
     pub fn excess(self, value: f64) -> f64 {
         (value - self.1).max(0.0) + (value - self.0).min(0.0)
     }
 
     /// Both ends finite and in order.
-    #[must_use]
     pub fn is_valid(self) -> bool {
         self.0.is_finite() && self.1.is_finite() && self.0 <= self.1
     }
@@ -104,20 +102,17 @@ pub struct Limb {
 
 impl Limb {
     /// The spheres of a level of its tree, counted from the coarsest; the finest where it has no more.
-    #[must_use]
     pub fn level(&self, level: usize) -> &[LimbSphere] {
         self.coarser.get(level).map_or(&self.spheres, |level| &level.spheres)
     }
 
-    /// The coarsest level that is fine enough for a picture in which a pixel is so many metres at the limb.
-    #[must_use]
+    /// The coarsest level that is fine enough for a picture with this many metres a pixel at the limb.
     pub fn level_for(&self, metres_per_px: f64) -> usize {
         let is_fine = |level: &SphereLevel| level.error <= DETAIL_PX * metres_per_px;
         self.coarser.iter().position(is_fine).unwrap_or(self.coarser.len())
     }
 
     /// Where a sphere's centre lies in the limb's rest frame: metres from its first joint, axes of the body at rest.
-    #[must_use]
     pub fn centre(&self, sphere: &LimbSphere) -> DVec3 {
         self.direction * (sphere.at * self.length) + sphere.offset
     }
@@ -140,7 +135,6 @@ impl Limb {
     /// Unit axes of flexion and of sideways swing, perpendicular to the limb and to each other.
     ///
     /// Without limits, any such pair: the same one for the same direction.
-    #[must_use]
     pub fn swing_axes(&self) -> (DVec3, DVec3) {
         let wanted =
             self.limits.map_or_else(|| self.direction.any_orthonormal_vector(), |limits| limits.axis);
@@ -151,14 +145,12 @@ impl Limb {
     }
 
     /// The rotation with these angles (radians), the inverse of [`angles`](Self::angles).
-    #[must_use]
     pub fn rotation_from_angles(&self, angles: JointAngles) -> DQuat {
         let (flexion, sideways) = self.swing_axes();
         exp(flexion * angles.flexion + sideways * angles.sideways) * exp(self.direction * angles.twist)
     }
 
     /// Flexion, sideways swing and twist (radians) of a unit rotation of this limb.
-    #[must_use]
     pub fn angles(&self, rotation: DQuat) -> JointAngles {
         let parts = crate::geometry::rotation::swing_twist(rotation, self.direction);
         let (flexion, sideways) = self.swing_axes();

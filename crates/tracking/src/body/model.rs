@@ -243,7 +243,6 @@ impl Model {
     }
 
     /// The model as its file said it, limbs in the same order.
-    #[must_use]
     pub fn to_spec(&self) -> ModelSpec {
         let name = |index: usize| self.limbs[index].name.clone();
         let limbs = self.of_file.iter().map(|&index| &self.limbs[index]).map(|limb| LimbSpec {
@@ -265,7 +264,7 @@ impl Model {
     /// `sizes(limb)` gives length and radius in metres.
     ///
     /// # Errors
-    /// The first size that is none.
+    /// If a size is out of range.
     pub fn with_sizes(&self, sizes: impl Fn(usize) -> [f64; 2]) -> Result<Self, ModelError> {
         let mut resized = self.clone();
         for (index, limb) in resized.limbs.iter_mut().enumerate() {
@@ -294,56 +293,47 @@ impl Model {
     }
 
     /// The same body under another name.
-    #[must_use]
     pub fn renamed(mut self, name: &str) -> Self {
         name.clone_into(&mut self.name);
         self
     }
 
     /// What the body is called.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The limbs, parents before children.
-    #[must_use]
     pub fn limbs(&self) -> &[Limb] {
         &self.limbs
     }
 
     /// Index of the limb with this name.
-    #[must_use]
     pub fn limb_index(&self, name: &str) -> Option<usize> {
         self.limbs.iter().position(|limb| limb.name == name)
     }
 
     /// Number of rotations of the pose.
-    #[must_use]
     pub fn rotation_count(&self) -> usize {
         self.rotation_owners.len()
     }
 
     /// The limb that owns each rotation.
-    #[must_use]
     pub fn rotation_owners(&self) -> &[usize] {
         &self.rotation_owners
     }
 
     /// The rotation that each rotation is relative to; `None` for the world.
-    #[must_use]
     pub fn rotation_parents(&self) -> &[Option<usize>] {
         &self.rotation_parents
     }
 
     /// Rotations in an order in which each stands after the one it is relative to.
-    #[must_use]
     pub fn rotations_parents_first(&self) -> &[usize] {
         &self.rotations_parents_first
     }
 
     /// Whether `rotation` turns with `ancestor` (every rotation turns with itself).
-    #[must_use]
     pub fn rotation_follows(&self, rotation: usize, ancestor: usize) -> bool {
         let mut next = Some(rotation);
         while let Some(current) = next {
@@ -356,7 +346,6 @@ impl Model {
     }
 
     /// The limb on the other side of the body ("right …" and "left …"); itself when there is none.
-    #[must_use]
     pub fn mirrored_limb(&self, limb: usize) -> usize {
         self.mirrored[limb]
     }

@@ -79,7 +79,7 @@ impl Model {
     /// The same body with sphere trees: of every limb its levels, coarsest first, the last of which is its finest.
     ///
     /// # Errors
-    /// A tree that is none, by limb.
+    /// If a limb's tree is not valid.
     pub fn with_trees(&self, trees: Vec<Vec<SphereLevel>>) -> Result<Self, ModelError> {
         let mut body = self.clone();
         for (limb, mut levels) in body.limbs.iter_mut().zip(trees) {
@@ -94,7 +94,7 @@ impl Model {
     /// The body with the spheres of one level alone, counted from the coarsest.
     ///
     /// # Errors
-    /// None of a body that is one.
+    /// Never for a valid body.
     pub fn at_level(&self, level: usize) -> Result<Self, ModelError> {
         let alone = self.limbs.iter().map(|limb| {
             let spheres =
@@ -118,7 +118,6 @@ impl Model {
     }
 
     /// Spheres of all limbs, level by level, coarsest first. Empty without trees.
-    #[must_use]
     pub fn spheres_by_level(&self) -> Vec<usize> {
         let levels = self.limbs.iter().map(|limb| limb.coarser.len() + 1).max().unwrap_or(0);
         if self.limbs.iter().all(|limb| limb.spheres.is_empty()) {
@@ -128,7 +127,6 @@ impl Model {
     }
 
     /// The spheres of a level, counted from the coarsest, where a pose puts them: to be drawn. Limbs without a tree have none.
-    #[must_use]
     pub fn placed_spheres(&self, kinematics: &Kinematics, level: usize) -> Vec<PlacedSphere> {
         let of_limb = |(index, limb): (usize, &super::limb::Limb)| {
             let (start, turn) = (kinematics.starts()[index], kinematics.world_rotations()[limb.rotation]);

@@ -1,9 +1,10 @@
 //! A pose X: where the root is and how every joint is turned.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{Model, Parameters};
+use super::Model;
 use crate::geometry::rotation::{exp, log};
 
 /// A pose: the root's position in metres and one quaternion per rotation, relative to its parent's.
@@ -37,7 +38,6 @@ pub enum PoseError {
 
 impl Pose {
     /// Every rotation the identity, the root at the origin.
-    #[must_use]
     pub fn rest(model: &Model) -> Self {
         Self { root: DVec3::ZERO, rotations: vec![DQuat::IDENTITY; model.rotation_count()] }
     }
@@ -63,7 +63,6 @@ impl Pose {
     }
 
     /// All quaternions brought to unit length.
-    #[must_use]
     pub fn normalized(&self) -> Self {
         Self { root: self.root, rotations: self.rotations.iter().map(|q| q.normalize()).collect() }
     }
@@ -71,7 +70,6 @@ impl Pose {
     /// Moves by a step of the state: X ⊕ δ. Raw steps are added, then renormalised.
     ///
     /// `step` has [`Parameters::columns`] entries.
-    #[must_use]
     pub fn retract(&self, parameters: Parameters, step: &[f64]) -> Self {
         let root = self.root + DVec3::from_slice(&step[..3]);
         let blocks = step[3..].chunks_exact(parameters.per_rotation());
@@ -89,7 +87,6 @@ impl Pose {
     /// One column of the state moved by an offset and nothing else: raw coefficients are *not* renormalised.
     ///
     /// What differences of raw derivatives need; [`retract`](Self::retract) is the step of a fit.
-    #[must_use]
     pub fn nudged(&self, parameters: Parameters, column: usize, offset: f64) -> Self {
         let mut moved = self.clone();
         if column < 3 {
@@ -110,7 +107,6 @@ impl Pose {
     }
 
     /// The tangent step from `other` to this pose: `other.retract(Tangent, step) == self`.
-    #[must_use]
     pub fn local(&self, other: &Self) -> Vec<f64> {
         let mut step = Vec::with_capacity(3 + 3 * self.rotations.len());
         step.extend((self.root - other.root).to_array());
@@ -121,7 +117,6 @@ impl Pose {
     }
 
     /// The state as raw numbers: root, then w x y z per rotation.
-    #[must_use]
     pub fn to_state(&self) -> Vec<f64> {
         let mut state = self.root.to_array().to_vec();
         for q in &self.rotations {
@@ -147,7 +142,6 @@ impl Pose {
     }
 
     /// Part-way from this pose (0) to another (1): straight for the root, spherical for rotations.
-    #[must_use]
     pub fn interpolate(&self, other: &Self, fraction: f64) -> Self {
         let rotations = self.rotations.iter().zip(&other.rotations);
         Self {
@@ -156,6 +150,37 @@ impl Pose {
                 .map(|(a, b)| (exp(log(*b * a.inverse()) * fraction) * *a).normalize())
                 .collect(),
         }
+    }
+}
+
+/// The state's columns: three of the root, then one block per rotation in the order of the model file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Parameters {
+    /// Four coefficients w x y z a rotation, as in the report (4.15): not held to unit length in a step.
+    Raw,
+    /// Three numbers ω a rotation, q ← exp(ω) q in the parent's frame.
+    #[default]
+    Tangent,
+}
+
+impl Parameters {
+    /// Columns of one rotation's block.
+    pub fn per_rotation(self) -> usize {
+        match self {
+            Self::Raw => 4,
+            Self::Tangent => 3,
+        }
+    }
+
+    /// Columns of the whole state.
+    pub fn columns(self, rotations: usize) -> usize {
+        3 + self.per_rotation() * rotations
+    }
+
+    /// First column of a rotation's block.
+    pub fn first_column(self, rotation: usize) -> usize {
+        3 + self.per_rotation() * rotation
     }
 }
 

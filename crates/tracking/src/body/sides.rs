@@ -21,7 +21,6 @@ pub struct Sides {
 impl Sides {
     /// Of a pose. Left and right are told by where "right …" and "left …" limbs leave the trunk (hips and shoulders), so
     /// that crossed arms change nothing; up by the limbs in the middle. `None` for a body without sides.
-    #[must_use]
     pub fn of(model: &Model, kinematics: &Kinematics) -> Option<Self> {
         let (starts, ends) = (kinematics.starts(), kinematics.ends());
         let (mut across, mut along) = (DVec3::ZERO, DVec3::ZERO);

@@ -72,7 +72,6 @@ pub struct Sizes {
 
 impl Sizes {
     /// The free sizes of a body.
-    #[must_use]
     pub fn new(start: Arc<Model>, choice: SizeChoice) -> Self {
         let limbs = start.limbs();
         let mut parameters: Vec<SizeParameter> = Vec::new();
@@ -99,25 +98,21 @@ impl Sizes {
     }
 
     /// The body whose sizes are at θ = 0.
-    #[must_use]
     pub fn start(&self) -> &Arc<Model> {
         &self.start
     }
 
     /// The columns.
-    #[must_use]
     pub fn parameters(&self) -> &[SizeParameter] {
         &self.parameters
     }
 
     /// How many there are.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.parameters.len()
     }
 
     /// The column of a limb's length or radius; `None` where it is held.
-    #[must_use]
     pub fn column(&self, limb: usize, kind: SizeKind) -> Option<usize> {
         self.of_limb[limb][usize::from(kind == SizeKind::Radius)]
     }
@@ -136,7 +131,6 @@ impl Sizes {
     }
 
     /// A parameter's size in a body of these limbs, metres.
-    #[must_use]
     pub fn metres(&self, parameter: usize, model: &Model) -> f64 {
         let SizeParameter { kind, ref limbs, .. } = self.parameters[parameter];
         let limb = &model.limbs()[limbs[0]];
@@ -159,7 +153,6 @@ impl Model {
 }
 
 /// Keeps a logarithm of a ratio within what a body can be.
-#[must_use]
 pub(crate) fn bounded(log_ratio: f64) -> f64 {
     log_ratio.clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO)
 }

@@ -14,7 +14,7 @@ use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
 use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
 use crate::residual::proportion_prior::{self, BodySizes, SizePrior};
-use crate::residual::{joint_limit, proximal_prior, rest_prior};
+use crate::residual::{Loss, pose_prior};
 use crate::silhouette::SignedDistance;
 
 /// A widening stays within so many of its prior's deviations.
@@ -183,10 +183,17 @@ impl<'a> BodyProblem<'a> {
         for (frame, (pose, reference)) in poses.iter().zip(&self.references).enumerate() {
             priors.clear();
             let weight = unit * options.proximal_weight;
-            let root = weight * options.proximal_root_factor;
-            proximal_prior::add(&mut priors, Parameters::Tangent, pose, reference, weight, root);
-            rest_prior::add(&mut priors, Parameters::Tangent, model, pose, unit * options.rest_weight);
-            joint_limit::add(&mut priors, Parameters::Tangent, model, pose, unit * options.limit_weight);
+            let root = weight * options.proximal_root_factor / weight.max(f64::MIN_POSITIVE);
+            let loss = Loss::Squares;
+            pose_prior::add_proximal(&mut priors, Parameters::Tangent, pose, reference, weight, root, loss);
+            pose_prior::add_rest(&mut priors, Parameters::Tangent, model, pose, unit * options.rest_weight);
+            pose_prior::add_limits(
+                &mut priors,
+                Parameters::Tangent,
+                model,
+                pose,
+                unit * options.limit_weight,
+            );
             let first = frame * columns;
             let mut block = equations.jtj.view_mut((first, first), (columns, columns));
             block += &priors.jtj;

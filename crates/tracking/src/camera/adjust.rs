@@ -76,7 +76,6 @@ pub struct Adjusted {
 
 /// Adjusts cameras and points to the sightings. `None` where fewer than two cameras see a point, an index is beyond its
 /// list, or the sightings say nothing about the cameras.
-#[must_use]
 pub fn adjust(
     cameras: &[Camera],
     points: &[DVec3],

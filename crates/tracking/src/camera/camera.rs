@@ -31,19 +31,16 @@ pub struct CameraFromWorld {
 
 impl CameraFromWorld {
     /// A point's camera coordinates.
-    #[must_use]
     pub fn transform(&self, point_in_world: DVec3) -> DVec3 {
         self.rotation * point_in_world + self.translation
     }
 
     /// Where the camera stands in the world.
-    #[must_use]
     pub fn centre(&self) -> DVec3 {
         -(self.rotation.transpose() * self.translation)
     }
 
     /// A camera at `centre` that looks at `target`, with `up` upwards in the picture.
-    #[must_use]
     pub fn looking_at(centre: DVec3, target: DVec3, up: DVec3) -> Self {
         let z = (target - centre).normalize();
         let x = z.cross(up).normalize_or(z.any_orthonormal_vector());
@@ -138,55 +135,46 @@ impl Camera {
     }
 
     /// Unique name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Pixels across.
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
     /// Pixels down.
-    #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
     /// The pinhole.
-    #[must_use]
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
     }
 
     /// The lens.
-    #[must_use]
     pub fn distortion(&self) -> &Distortion {
         &self.distortion
     }
 
     /// World to camera.
-    #[must_use]
     pub fn camera_from_world(&self) -> &CameraFromWorld {
         &self.camera_from_world
     }
 
     /// Where the camera stands in the world, metres.
-    #[must_use]
     pub fn centre(&self) -> DVec3 {
         self.camera_from_world.centre()
     }
 
     /// The same camera with an ideal lens: whose pictures [`Rectification`](super::Rectification) makes.
-    #[must_use]
     pub fn without_distortion(&self) -> Self {
         Self { distortion: Distortion::None, ..self.clone() }
     }
 
     /// Pixel of a world point; `None` for points at or behind the camera plane.
-    #[must_use]
     pub fn project(&self, point_in_world: DVec3) -> Option<DVec2> {
         let point = self.camera_from_world.transform(point_in_world);
         if point.z <= 1e-9 {
@@ -197,20 +185,17 @@ impl Camera {
     }
 
     /// Depth of a world point along the optical axis, metres; negative behind the camera.
-    #[must_use]
     pub fn depth(&self, point_in_world: DVec3) -> f64 {
         self.camera_from_world.transform(point_in_world).z
     }
 
     /// Unit ray of a pixel in camera axes; `None` where the lens model has no inverse.
-    #[must_use]
     pub fn ray_in_camera(&self, pixel: DVec2) -> Option<DVec3> {
         let plane = self.distortion.undistort(self.intrinsics.plane_from_pixel(pixel))?;
         Some(plane.extend(1.0).normalize())
     }
 
     /// Unit ray of a pixel in world axes, from [`centre`](Self::centre).
-    #[must_use]
     pub fn ray_in_world(&self, pixel: DVec2) -> Option<DVec3> {
         self.ray_in_camera(pixel).map(|ray| self.camera_from_world.rotation.transpose() * ray)
     }
@@ -276,11 +261,17 @@ fn orthonormal(rotation: DMat3) -> Result<DMat3, CameraError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures;
 
     fn camera(distortion: Distortion) -> Camera {
-        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.5), DVec3::Z, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 420.0, fy: 421.0, cx: 134.0, cy: 238.5 };
-        Camera::new("test", [272, 480], intrinsics, distortion, place).unwrap()
+        fixtures::lens_camera(
+            distortion,
+            [272, 480],
+            [420.0, 421.0, 134.0, 238.5],
+            DVec3::new(3.0, -1.0, 1.5),
+            DVec3::Z,
+            DVec3::Z,
+        )
     }
 
     /// A picture of 272 × 480 that is shrunk to 0.75, gets bars of 6 and 9 pixels, and is then reduced by three.

@@ -75,13 +75,11 @@ const ANGLE_HALVINGS: usize = 60;
 
 impl Distortion {
     /// Whether the picture is an ideal pinhole's.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         matches!(self, Self::None)
     }
 
     /// The coefficients with their names, in OpenCV's order.
-    #[must_use]
     pub fn coefficients(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::None => Vec::new(),
@@ -103,7 +101,6 @@ impl Distortion {
     }
 
     /// Where the lens puts a point of the plane Z = 1.
-    #[must_use]
     pub fn distort(&self, plane: DVec2) -> DVec2 {
         let DVec2 { x, y } = plane;
         let r2 = x * x + y * y;
@@ -175,7 +172,6 @@ impl Distortion {
     /// The point of the plane that the lens puts at `distorted`, by Newton's method.
     ///
     /// `None` where the model folds over and has no inverse: far outside any calibrated picture.
-    #[must_use]
     pub fn undistort(&self, distorted: DVec2) -> Option<DVec2> {
         match self {
             Self::None => return Some(distorted),

@@ -17,25 +17,21 @@ pub struct Intrinsics {
 
 impl Intrinsics {
     /// Pixel of a point on the plane Z = 1.
-    #[must_use]
     pub fn pixel_from_plane(&self, plane: DVec2) -> DVec2 {
         DVec2::new(self.fx * plane.x + self.cx, self.fy * plane.y + self.cy)
     }
 
     /// Point on the plane Z = 1 of a pixel.
-    #[must_use]
     pub fn plane_from_pixel(&self, pixel: DVec2) -> DVec2 {
         DVec2::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy)
     }
 
     /// Unit ray of a pixel in camera axes.
-    #[must_use]
     pub fn ray(&self, pixel: DVec2) -> DVec3 {
         self.plane_from_pixel(pixel).extend(1.0).normalize()
     }
 
     /// One focal length for sizes: the geometric mean.
-    #[must_use]
     pub fn mean_focal_px(&self) -> f64 {
         (self.fx * self.fy).sqrt()
     }

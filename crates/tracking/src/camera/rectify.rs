@@ -39,7 +39,6 @@ const NOWHERE: u32 = u32::MAX;
 
 impl Rectification {
     /// For a camera's picture size and lens.
-    #[must_use]
     pub fn new(camera: &Camera) -> Self {
         let (width, height) = (camera.width(), camera.height());
         let mut sources = Vec::new();
@@ -55,19 +54,16 @@ impl Rectification {
     }
 
     /// Whether pictures pass unchanged.
-    #[must_use]
     pub fn is_identity(&self) -> bool {
         self.sources.is_empty()
     }
 
     /// Whether the ideal pixel x, y has data.
-    #[must_use]
     pub fn has_data(&self, x: usize, y: usize) -> bool {
         self.sources.get(y * self.width + x).is_none_or(|source| source.corner != NOWHERE)
     }
 
     /// Indices of the ideal pixels without data, row by row.
-    #[must_use]
     pub fn unseen(&self) -> Vec<usize> {
         let sources = self.sources.iter().enumerate();
         sources.filter(|(_, source)| source.corner == NOWHERE).map(|(index, _)| index).collect()
@@ -76,7 +72,6 @@ impl Rectification {
     /// The picture on the ideal grid, bilinear; black where there is no data.
     ///
     /// `None` if the picture is not of the camera's size.
-    #[must_use]
     pub fn rectify(&self, image: &RgbImage) -> Option<RgbImage> {
         if image.width() as usize != self.width || image.height() as usize != self.height {
             return None;
@@ -110,7 +105,6 @@ impl Rectification {
     /// where there is no data. For labels, which cannot be averaged.
     ///
     /// `None` if there is not one value a pixel of the camera.
-    #[must_use]
     pub fn nearest<T: Copy>(&self, values: &[T], outside: T) -> Option<Vec<T>> {
         if values.len() != self.width * self.height {
             return None;
@@ -157,13 +151,12 @@ mod tests {
     use image::Rgb;
 
     use super::*;
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::camera::Distortion;
+    use crate::fixtures;
 
     fn bent_camera() -> Camera {
         let lens = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 1e-3, p2: -1e-3, k3: 0.0 };
-        let place = CameraFromWorld::looking_at(DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
-        let intrinsics = Intrinsics { fx: 80.0, fy: 82.0, cx: 47.0, cy: 30.0 };
-        Camera::new("c", [96, 64], intrinsics, lens, place).unwrap()
+        fixtures::lens_camera(lens, [96, 64], [80.0, 82.0, 47.0, 30.0], DVec3::ZERO, DVec3::Z, DVec3::NEG_Y)
     }
 
     /// Waves across and down the ideal grid: their slope, 39 grey levels a pixel, tells a shift of a quarter of one.

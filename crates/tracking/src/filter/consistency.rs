@@ -1,6 +1,6 @@
 //! Does a filter err as it says? Sums of squares in its own units, against the chi-square law.
 //!
-//! If belief and errors are of one model, then with ν what a measurement adds to what was foretold and S its covariance,
+//! If belief and errors are of one model, then with ν what a measurement adds to what was predicted and S its covariance,
 //! and with e the error of the state against the truth and P its covariance,
 //!
 //! | | | |
@@ -26,7 +26,6 @@ pub struct Innovation {
 
 impl Innovation {
     /// The mean square: 1 where errors are as the model says. `None` where nothing is seen.
-    #[must_use]
     pub fn ratio(self) -> Option<f64> {
         (self.directions > 0).then(|| self.squared / self.directions as f64)
     }
@@ -49,14 +48,12 @@ impl Add for Innovation {
 }
 
 /// eᵀ P⁻¹ e. `None` if the covariance is certain in some direction.
-#[must_use]
 pub fn normalised_square(error: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
     Some(error.dot(&covariance.clone().cholesky()?.solve(error)))
 }
 
 /// Between these 95 of 100 sums of `degrees` squares of unit normal numbers lie, divided by `degrees`
 /// (E. B. Wilson, M. M. Hilferty, 1931: within 1 % from twenty degrees on).
-#[must_use]
 pub fn chi_square_bounds(degrees: usize) -> [f64; 2] {
     let spread = 2.0 / (9.0 * degrees.max(1) as f64);
     [-1.959_964, 1.959_964].map(|z: f64| (1.0 - spread + z * spread.sqrt()).powi(3))

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Belief;
 use super::FilterError;
-use super::belief::Belief;
 use super::constant_velocity::ConstantVelocity;
 use super::tangent;
 
@@ -18,9 +18,9 @@ pub struct Smoothed {
 
 /// Smooths a frame by the one after it.
 ///
-/// `filtered` is the belief at the frame, `predicted` what it foretold for the next one `seconds` later,
+/// `filtered` is the belief at the frame, `predicted` what it predicted for the next one `seconds` later,
 /// `next` what is believed there given all frames, and `difference` the step from the predicted to the smoothed
-/// mean pose there; `model` foretold it. Covariances are of steps from their own mean pose ([`tangent`]).
+/// mean pose there; `model` predicted it. Covariances are of steps from their own mean pose ([`tangent`]).
 ///
 /// # Errors
 /// `predicted` is certain in some direction.
@@ -85,9 +85,9 @@ mod tests {
         let mut smoothed = vec![filtered[4].clone()];
         for frame in (0..4).rev() {
             let (mean, belief) = &filtered[frame];
-            let (foretold, prior) = &predicted[frame + 1];
+            let (predicted_mean, prior) = &predicted[frame + 1];
             let (next_mean, next) = smoothed.last().unwrap().clone();
-            let difference = DVector::from_element(1, next_mean - foretold);
+            let difference = DVector::from_element(1, next_mean - predicted_mean);
             let found = smooth(&model, belief, prior, &next, &difference, seconds).unwrap();
             smoothed.push((mean + found.step[0], found.belief));
         }

@@ -18,19 +18,16 @@ use nalgebra::{DMatrix, DVector};
 use crate::geometry::rotation::{exp, left_jacobian, left_jacobian_inverse, log};
 
 /// ∂δ′/∂δ when the mean has moved by `step`, n × n: steps about the new mean by those about the old one, near it.
-#[must_use]
 pub fn reset(step: &DVector<f64>) -> DMatrix<f64> {
     blocks(step, left_jacobian)
 }
 
 /// The inverse of [`reset`]: steps about the old mean by those about the new one.
-#[must_use]
 pub fn undo_reset(step: &DVector<f64>) -> DMatrix<f64> {
     blocks(step, left_jacobian_inverse)
 }
 
 /// F of a motion with a velocity that stays, for a time in seconds, negative backwards: 2n × 2n.
-#[must_use]
 pub fn transition(velocity: &DVector<f64>, seconds: f64) -> DMatrix<f64> {
     let n = velocity.len();
     let step = velocity * seconds;
@@ -41,7 +38,6 @@ pub fn transition(velocity: &DVector<f64>, seconds: f64) -> DMatrix<f64> {
 }
 
 /// The step that leads where `first` and then `then` lead: log(exp(then) exp(first)) of each rotation.
-#[must_use]
 pub fn compose(first: &DVector<f64>, then: &DVector<f64>) -> DVector<f64> {
     let mut both = first + then;
     for at in (3..both.len()).step_by(3) {

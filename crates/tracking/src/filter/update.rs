@@ -2,15 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Belief;
 use super::FilterError;
-use super::belief::Belief;
 use super::consistency::Innovation;
 use super::tangent;
 
 /// A direction counts as seen where the measurement takes this share of its predicted variance off.
 const SEEN: f64 = 0.1;
 
-/// A belief after a measurement, and how the measurement agreed with what was foretold.
+/// A belief after a measurement, and how the measurement agreed with what was predicted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Updated {
     /// About the pose that the step leads to.
@@ -45,7 +45,7 @@ pub fn update(
     let prior = prior.about(&tangent::reset(step));
     let information = products / variance;
     let factor = prior.pose_covariance().cholesky().ok_or(FilterError::Certain)?.unpack();
-    // Over the prior's own units: what it foretells has the unit covariance.
+    // Over the prior's own units: what it predicts has the unit covariance.
     let whitened = factor.solve_lower_triangular(step).ok_or(FilterError::Certain)?;
     let seen = factor.tr_mul(&information) * &factor;
     if seen.iter().any(|value| !value.is_finite()) {

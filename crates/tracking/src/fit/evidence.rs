@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::options::{DataView, OptionsError, Stage};
-use crate::body::PoseError;
+use super::options::{DataView, FitOptions, OptionsError, Stage};
+use crate::body::{Model, Pose, PoseError};
 use crate::camera::Camera;
 use crate::render::Ramp;
 use crate::residual::cue::CueError;
@@ -83,7 +83,6 @@ impl FitView {
     }
 
     /// Whether the camera says anything: it has weight and a subject.
-    #[must_use]
     pub fn has_data(&self) -> bool {
         self.weight > 0.0
             && match &self.evidence {
@@ -97,7 +96,6 @@ impl FitView {
     }
 
     /// The mask's distance field, exact as far as any of the stages looks; `None` for grey levels.
-    #[must_use]
     pub fn distance(&self, stages: &[Stage]) -> Option<SignedDistance> {
         self.distance_within(stages, 0.0)
     }
@@ -117,7 +115,6 @@ impl FitView {
     }
 
     /// D as a stage looks at it; `distance` is what [`distance`](Self::distance) gave.
-    #[must_use]
     pub fn data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
         let mask = match &self.evidence {
             Evidence::Measurement(data) => return Arc::clone(data),
@@ -168,14 +165,61 @@ impl FitView {
     }
 }
 
+/// Views that have data, their distance fields, and a start of unit quaternions.
+#[derive(Debug)]
+pub(crate) struct PreparedFit {
+    pub(crate) views: Vec<FitView>,
+    pub(crate) distances: Vec<Option<SignedDistance>>,
+    pub(crate) start: Pose,
+    /// Cameras that had nothing to say, by name.
+    pub(crate) empty_cameras: Vec<String>,
+}
+
+impl PreparedFit {
+    /// Checks all inputs. Distances are exact at least as far as the stages look, and as far as `reach_px`
+    /// says for these views and this start.
+    ///
+    /// # Errors
+    /// If the pose is not the model's, data are not of the camera's size, an option is out of range, or no camera has a
+    /// silhouette.
+    pub(crate) fn new(
+        model: &Model,
+        views: Vec<FitView>,
+        start: &Pose,
+        options: &FitOptions,
+        reach_px: impl Fn(&Model, &[FitView], &Pose) -> f64,
+    ) -> Result<Self, FitError> {
+        start.check(model)?;
+        options.check()?;
+        for view in &views {
+            view.check()?;
+        }
+        let (views, empty): (Vec<FitView>, Vec<FitView>) = views.into_iter().partition(FitView::has_data);
+        let empty_cameras: Vec<String> = empty.iter().map(|view| view.camera.name().to_owned()).collect();
+        if views.is_empty() {
+            let reasons = if empty_cameras.is_empty() {
+                "no camera was given".to_owned()
+            } else {
+                format!("{} see no subject or have no weight", empty_cameras.join(", "))
+            };
+            return Err(FitError::NoData { reasons });
+        }
+        let start = start.normalized();
+        let least = reach_px(model, &views, &start);
+        let distances = views.iter().map(|view| view.distance_within(&options.stages, least)).collect();
+        Ok(Self { views, distances, start, empty_cameras })
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::body::{Kinematics, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use crate::render::{RendererKind, View};
     use crate::residual::silhouette::KernelMemory;
-    use glam::DVec3;
 
     /// The shortcut and the whole measurement are the same data to the bit.
     #[test]
@@ -187,11 +231,15 @@ mod tests {
             _ => Label::Background,
         });
         let mask = Arc::new(Mask::new(width, height, labels.collect()).unwrap());
-        let intrinsics = Intrinsics { fx: 90.0, fy: 85.0, cx: 31.0, cy: 40.0 };
-        let place = CameraFromWorld::looking_at(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, DVec3::NEG_Y);
-        let camera = Camera::new("c", [83, 61], intrinsics, Distortion::None, place).unwrap();
+        let camera = fixtures::camera(
+            [83, 61],
+            [90.0, 85.0, 31.0, 40.0],
+            DVec3::new(0.1, 0.2, 3.0),
+            DVec3::ZERO,
+            DVec3::NEG_Y,
+        );
         let model = builtin::upper_body();
-        let kinematics = Kinematics::new(&model, &crate::body::Pose::rest(&model));
+        let kinematics = Kinematics::new(&model, &Pose::rest(&model));
         let view = FitView { camera: Arc::new(camera), evidence: Evidence::Mask(mask), weight: 1.0 };
         let ramps = [
             (Ramp::Distance { inner_px: 1.0, outer_px: 6.0 }, DataView::Distance),

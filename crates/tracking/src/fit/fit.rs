@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::evidence::{FitError, FitView};
+use super::evidence::{FitError, FitView, PreparedFit};
 use super::objective::{Constraints, Objective};
 use super::options::FitOptions;
-use super::prepared::Prepared;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{Iteration, NormalEquations, Solver, Termination};
@@ -38,7 +37,6 @@ pub struct SolverSummary {
 
 impl SolverSummary {
     /// Whether the numbers ran out of range: then the pose, however it looks, says nothing.
-    #[must_use]
     pub fn is_broken(&self) -> bool {
         self.termination == Termination::NotFinite
             || !(self.final_cost.is_finite() && self.final_rms.is_finite())
@@ -71,8 +69,8 @@ impl Fit {
     /// never move the body.
     ///
     /// # Errors
-    /// A pose that is not the model's, data that are not the camera's, options that make no sense, or no
-    /// camera with a silhouette.
+    /// If the pose is not the model's, data are not of the camera's size, an option is out of range, or no camera has a
+    /// silhouette.
     pub fn new(
         model: Arc<Model>,
         views: Vec<FitView>,
@@ -99,7 +97,7 @@ impl Fit {
             return Err(FitError::FreeRotations { found, expected: model.rotation_count() });
         }
         let options = options.at_scale(&model, &views, &start);
-        let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
+        let prepared = PreparedFit::new(&model, views, &start, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
         let constraints = Constraints { free, ..Constraints::default() };
         Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
@@ -108,7 +106,7 @@ impl Fit {
     /// A fit that goes on from a pose with the last stage alone.
     pub(crate) fn at_last_stage(
         model: Arc<Model>,
-        prepared: Prepared,
+        prepared: PreparedFit,
         options: FitOptions,
         pose: &Pose,
     ) -> Self {
@@ -132,7 +130,7 @@ impl Fit {
     /// is in begins again where it stands. Without any pull nothing changes, to the bit.
     ///
     /// # Errors
-    /// A pull at a limb or through a camera that is none, or a camera with lens distortion.
+    /// If a pull names a limb or a camera that does not exist, or a camera has with lens distortion.
     pub fn with_cues(mut self, cues: Arc<CueSet>) -> Result<Self, FitError> {
         cues.check(&self.model)?;
         if !cues.pulls.is_empty() {
@@ -148,13 +146,13 @@ impl Fit {
 
     fn begin(
         model: Arc<Model>,
-        prepared: Prepared,
+        prepared: PreparedFit,
         options: FitOptions,
         constraints: Constraints,
         stage: usize,
         pose: &Pose,
     ) -> Self {
-        let Prepared { views, distances, start, empty_cameras } = prepared;
+        let PreparedFit { views, distances, start, empty_cameras } = prepared;
         let (objective, solver) =
             Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, constraints.clone());
         let termination = objective.is_blind().then_some(Termination::NoGradient);
@@ -249,49 +247,41 @@ impl Fit {
     }
 
     /// Its choices: what it was given, made to the scale of its views where that was asked for.
-    #[must_use]
     pub fn options(&self) -> &FitOptions {
         &self.options
     }
 
     /// Where it stands.
-    #[must_use]
     pub fn pose(&self) -> &Pose {
         self.solver.point()
     }
 
     /// Cost where it stands, by the current stage's measure.
-    #[must_use]
     pub fn cost(&self) -> f64 {
         self.solver.cost()
     }
 
     /// Root of the mean squared residual per pixel where it stands.
-    #[must_use]
     pub fn rms(&self) -> f64 {
         self.solver.rms()
     }
 
     /// Root of the mean squared residual per pixel at the start.
-    #[must_use]
     pub fn initial_rms(&self) -> f64 {
         self.initial_rms
     }
 
     /// Cost at the start.
-    #[must_use]
     pub fn initial_cost(&self) -> f64 {
         self.initial_cost
     }
 
     /// Index of the stage it is in.
-    #[must_use]
     pub fn stage(&self) -> usize {
         self.stage
     }
 
     /// Normal equations where it stands: what the cameras see of each direction.
-    #[must_use]
     pub fn equations(&self) -> &NormalEquations {
         self.solver.equations()
     }
@@ -303,19 +293,16 @@ impl Fit {
     }
 
     /// Why it ended; `None` while it may go on.
-    #[must_use]
     pub fn termination(&self) -> Option<Termination> {
         self.termination
     }
 
     /// Cameras that had nothing to say, by name.
-    #[must_use]
     pub fn empty_cameras(&self) -> &[String] {
         &self.empty_cameras
     }
 
     /// What it did so far; not ended means cancelled.
-    #[must_use]
     pub fn summary(&self) -> SolverSummary {
         SolverSummary {
             termination: self.termination.unwrap_or(Termination::Cancelled),

@@ -16,11 +16,11 @@ use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::learnt_prior::BoundPrior;
 use crate::residual::motion_prior::{self, MotionPrior};
+use crate::residual::pose_prior;
 use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
-use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
 
-/// Sharing cameras among threads pays above some 200 µs of work: about so many pixels in the solids' boxes.
+/// Sharing cameras among threads pays above some 200 µs of work: about this many pixels in the solids' boxes.
 const PARALLEL_PIXELS: usize = 150_000;
 
 /// One stage's cost of a pose. Keeps its memory from evaluation to evaluation.
@@ -78,7 +78,6 @@ impl CameraTerm {
 impl Objective {
     /// Prepares a stage. `distances` are the views' distance fields, in their order; `reference` is what the
     /// proximal prior pulls towards.
-    #[must_use]
     pub fn new(
         model: Arc<Model>,
         views: &[FitView],
@@ -151,7 +150,6 @@ impl Objective {
     }
 
     /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.
-    #[must_use]
     pub(super) fn is_blind(&self) -> bool {
         self.world.is_empty()
     }
@@ -193,7 +191,7 @@ impl Objective {
         } else if options.proximal_weight > 0.0 {
             let weight = unit * options.proximal_weight;
             let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
-            proximal_prior::add_robust(equations, parameters, pose, &self.reference, weight, root, loss);
+            pose_prior::add_proximal(equations, parameters, pose, &self.reference, weight, root, loss);
         }
         self.add_anatomy(pose, parameters, equations);
     }
@@ -202,10 +200,10 @@ impl Objective {
     fn add_anatomy(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
         let (options, unit) = (&self.options, self.prior_unit());
         if options.rest_weight > 0.0 {
-            rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);
+            pose_prior::add_rest(equations, parameters, &self.model, pose, unit * options.rest_weight);
         }
         if options.limit_weight > 0.0 {
-            joint_limit::add(equations, parameters, &self.model, pose, unit * options.limit_weight);
+            pose_prior::add_limits(equations, parameters, &self.model, pose, unit * options.limit_weight);
         }
     }
 
@@ -307,13 +305,12 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
     use crate::cancel::CancelToken;
-    use crate::fit::{Evidence, Fit};
+    use crate::fit::Fit;
+    use crate::fixtures;
     use crate::prior::{BodyDirection, PosePrior, PriorPart, StepStatistics, StudentComponent};
-    use crate::render::{Ramp, RendererKind, prediction};
+
     use crate::residual::learnt_prior::LearntPrior;
-    use crate::silhouette::{Label, Mask};
 
     /// People who hold their right arm ahead of them.
     fn ahead() -> LearntPrior {
@@ -329,16 +326,9 @@ mod tests {
         LearntPrior::new(Arc::new(PosePrior::new("test", vec![part]).unwrap()))
     }
 
-    fn view(model: &Model, truth: &Pose, at: DVec3) -> FitView {
-        let place = CameraFromWorld::looking_at(at, DVec3::Z * 0.9, DVec3::Z);
-        let pinhole = Intrinsics { fx: 160.0, fy: 160.0, cx: 59.5, cy: 79.5 };
-        let camera = Camera::new("c", [120, 160], pinhole, Distortion::None, place).unwrap();
-        let joints = Kinematics::new(model, truth);
-        let drawn = View::new(model, &joints, &camera, RendererKind::Capsule, Ramp::Half);
-        let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
-        let labels = prediction::covered(&drawn).into_iter().map(label).collect();
-        let evidence = Evidence::Mask(Arc::new(Mask::new(120, 160, labels).unwrap()));
-        FitView { camera: Arc::new(camera), evidence, weight: 1.0 }
+    fn view(model: &Model, truth: &Pose, from: DVec3) -> FitView {
+        let (pinhole, at) = ([160.0, 160.0, 59.5, 79.5], DVec3::Z * 0.9);
+        fixtures::fit_view(model, truth, fixtures::camera([120, 160], pinhole, from, at, DVec3::Z))
     }
 
     /// Whether an arm is ahead of the trunk or behind it one camera in front cannot tell, and the prior does. A second one from

@@ -44,7 +44,7 @@ pub struct Stage {
     pub ramp: Ramp,
     /// The data's view of the mask.
     pub data: DataView,
-    /// Every so many pixels across and down.
+    /// Distance between samples, pixels, across and down.
     pub stride: usize,
     /// Most iterations of this stage.
     pub iterations: usize,
@@ -134,7 +134,6 @@ impl Preset {
     pub const ALL: [Self; 2] = [Self::Report, Self::Robust];
 
     /// Its name for people.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Report => "Report 2004",
@@ -198,7 +197,6 @@ impl FitOptions {
     }
 
     /// The choices of a preset.
-    #[must_use]
     pub fn preset(preset: Preset) -> Self {
         match preset {
             Preset::Report => Self {
@@ -261,20 +259,17 @@ impl FitOptions {
     }
 
     /// The preset that these choices are, if they are one's to the letter.
-    #[must_use]
     pub fn as_preset(&self) -> Option<Preset> {
         Preset::ALL.into_iter().find(|&preset| *self == Self::preset(preset))
     }
 
     /// The ramp of the last stage: what the result is judged and shown by.
-    #[must_use]
     pub fn final_ramp(&self) -> Ramp {
         self.stages.last().map_or(Ramp::Half, |stage| stage.ramp)
     }
 
     /// The same with one stage of this ramp, as `--ramp` asks for. Distance ramps look at distance data; others at what
     /// the last stage looks at, or at the plain mask if that is distances.
-    #[must_use]
     pub fn with_ramp(mut self, ramp: Ramp) -> Self {
         let last = self.stages.last().copied();
         let data = match last.map(|stage| stage.data) {
@@ -289,9 +284,8 @@ impl FitOptions {
         self
     }
 
-    /// The same with so many iterations in all, shared equally among the stages, the first ones taking what
+    /// The same with this many iterations in all, shared equally among the stages, the first ones taking what
     /// is left over. Stages without a share are dropped.
-    #[must_use]
     pub fn with_iterations(mut self, iterations: usize) -> Self {
         self.to_scale = false;
         let stages = self.stages.len().max(1);

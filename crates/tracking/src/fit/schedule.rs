@@ -41,7 +41,7 @@ const TINY_PX: f64 = 64.0;
 
 /// How large a body appears.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct ApparentSize {
     /// Longer side of the box around the subject, pixels, in the camera that sees it largest.
     pub person_px: f64,
     /// Radius of the thinnest limb, pixels, in the camera that sees it smallest.
@@ -50,9 +50,8 @@ pub struct Scale {
     pub cameras: usize,
 }
 
-impl Scale {
+impl ApparentSize {
     /// How large the views' subjects are, and a body at the start's distance.
-    #[must_use]
     pub fn of(model: &Model, views: &[FitView], start: &Pose) -> Self {
         let radius = model.limbs().iter().map(|limb| limb.radius).fold(f64::INFINITY, f64::min);
         let thinnest = views.iter().map(|view| {
@@ -73,13 +72,11 @@ impl Scale {
     }
 
     /// Whether the person is but a few dozen pixels tall.
-    #[must_use]
     fn is_tiny(&self) -> bool {
         self.person_px < TINY_PX
     }
 
     /// The stages: distance ramps from wide to narrow, then the softened form on the mask as it is.
-    #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
         let radius = if self.thinnest_px.is_finite() { self.thinnest_px.max(NARROWEST_PX) } else { 1.0 };
         let stride = |per_pixel: f64| (radius * per_pixel).clamp(1.0, COARSEST).floor() as usize;
@@ -113,23 +110,21 @@ impl FitOptions {
     ///
     /// Where the thinnest limb is twice as thick as the stages are meant for, one twice as wide and as coarse goes
     /// before them; so for every doubling. A person of a few dozen pixels gets the annealing by limbs' widths
-    /// ([`Scale::stages`]) and weak priors.
-    #[must_use]
+    /// ([`ApparentSize::stages`]) and weak priors.
     pub fn at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
         if !self.to_scale {
             return self;
         }
-        let scale = Scale::of(model, views, start);
+        let scale = ApparentSize::of(model, views, start);
         let mut options = if scale.is_tiny() { self.scaled_to(&scale) } else { self.widened_to(&scale) };
         options.to_scale = false;
         options
     }
 
-    /// The same for a frame whose start is the pose of the one before, or what the motion foretells: without the widest
+    /// The same for a frame whose start is the pose of the one before, or what the motion predicts: without the widest
     /// stages, and with priors that hold a tiny person's limbs.
-    #[must_use]
     pub(crate) fn near_at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
-        let is_tiny = self.to_scale && Scale::of(model, views, start).is_tiny();
+        let is_tiny = self.to_scale && ApparentSize::of(model, views, start).is_tiny();
         let mut options = self.at_scale(model, views, start);
         let skipped = options.skip_when_tracking.min(options.stages.len().saturating_sub(1));
         options.stages.drain(..skipped);
@@ -139,7 +134,7 @@ impl FitOptions {
         options
     }
 
-    fn widened_to(mut self, scale: &Scale) -> Self {
+    fn widened_to(mut self, scale: &ApparentSize) -> Self {
         let doublings = (scale.thinnest_px / MEANT_FOR_PX).log2().round();
         let doublings = if doublings.is_finite() { doublings.clamp(0.0, MOST_DOUBLINGS) as usize } else { 0 };
         for _ in 0..doublings {
@@ -154,8 +149,7 @@ impl FitOptions {
     }
 
     /// The same with the annealing and the priors that suit a scale.
-    #[must_use]
-    fn scaled_to(mut self, scale: &Scale) -> Self {
+    fn scaled_to(mut self, scale: &ApparentSize) -> Self {
         self.stages = scale.stages();
         self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len() - 1);
         [self.proximal_weight, self.rest_weight] = WIDE[usize::from(scale.cameras > 1)];
@@ -171,7 +165,7 @@ mod tests {
 
     use super::*;
     use crate::body::builtin;
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use crate::silhouette::Measurement;
 
     #[test]
@@ -184,7 +178,7 @@ mod tests {
             options.stages.iter().map(width).collect()
         };
         let preset = FitOptions::default();
-        let scale = |thinnest_px| Scale { person_px: 300.0, thinnest_px, cameras: 2 };
+        let scale = |thinnest_px| ApparentSize { person_px: 300.0, thinnest_px, cameras: 2 };
         for thinnest_px in [0.0, 3.3, 6.4, f64::INFINITY, f64::NAN] {
             assert_eq!(preset.clone().widened_to(&scale(thinnest_px)), preset, "{thinnest_px}");
         }
@@ -199,11 +193,15 @@ mod tests {
         let (model, preset) = (builtin::upper_body(), FitOptions::default());
         let pose = Pose::rest(&model);
         for (size, is_tiny) in [([48, 36], true), ([192, 144], false)] {
-            let place = CameraFromWorld::looking_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y);
             let [width, height] = size;
             let focal = width as f64;
-            let pinhole = Intrinsics { fx: focal, fy: focal, cx: focal / 2.0, cy: height as f64 / 2.0 };
-            let camera = Arc::new(Camera::new("camera", size, pinhole, Distortion::None, place).unwrap());
+            let camera = Arc::new(fixtures::camera(
+                size,
+                [focal, focal, focal / 2.0, height as f64 / 2.0],
+                DVec3::new(0.0, 0.0, 4.0),
+                DVec3::ZERO,
+                DVec3::Y,
+            ));
             let whole = |value: f32| vec![value; (width * height) as usize];
             let data = Measurement::new(width as usize, height as usize, whole(0.0), whole(1.0)).unwrap();
             let evidence = Evidence::Measurement(Arc::new(data));
@@ -224,7 +222,7 @@ mod tests {
     #[test]
     fn stages_narrow_and_follow_the_scale() {
         for (person_px, thinnest_px) in [(28.0, 1.15), (110.0, 4.6), (300.0, 7.0), (0.0, f64::INFINITY)] {
-            let scale = Scale { person_px, thinnest_px, cameras: 2 };
+            let scale = ApparentSize { person_px, thinnest_px, cameras: 2 };
             let options = FitOptions::default().scaled_to(&scale);
             assert_eq!(options.check(), Ok(()), "{scale:?}");
             let outer = |stage: &Stage| match stage.ramp {
@@ -234,7 +232,7 @@ mod tests {
             assert!(options.stages.windows(2).all(|two| outer(&two[0]) >= outer(&two[1])), "{scale:?}");
             assert_eq!(options.final_ramp(), Ramp::Half);
         }
-        let scale = |thinnest_px| Scale { person_px: 1e3, thinnest_px, cameras: 2 };
+        let scale = |thinnest_px| ApparentSize { person_px: 1e3, thinnest_px, cameras: 2 };
         assert_eq!(scale(1.15).stages()[0].stride, 1);
         assert_eq!(scale(4.6).stages()[0].stride, 4);
         assert_eq!(scale(4.6).stages()[4].stride, 2);

@@ -34,7 +34,6 @@ pub struct Candidate {
 /// The ray against the axis of the limb p0 p1.
 ///
 /// `None` if the closest point lies beyond either joint or behind the camera, or if the two are parallel.
-#[must_use]
 pub fn ray_axis(u: DVec3, p0: DVec3, p1: DVec3) -> Option<Candidate> {
     let a = p1 - p0;
     let b = u.dot(a);
@@ -60,7 +59,6 @@ pub fn ray_axis(u: DVec3, p0: DVec3, p1: DVec3) -> Option<Candidate> {
 
 /// The ray against a point fixed in the limb at `fraction` of its axis (0 = p0, 1 = p1): a round end or a
 /// sphere's centre.
-#[must_use]
 pub fn ray_point(u: DVec3, centre: DVec3, fraction: f64) -> Option<Candidate> {
     let depth = u.dot(centre);
     if depth <= 0.0 {
@@ -87,7 +85,6 @@ pub enum Cap {
 /// The ray against the plane of a flat cap: the distance of the hit from the cap's centre.
 ///
 /// `None` if the ray runs in the plane or meets it behind the camera.
-#[must_use]
 pub fn ray_cap(u: DVec3, p0: DVec3, p1: DVec3, cap: Cap) -> Option<Candidate> {
     let a = p1 - p0;
     let b = u.dot(a);

@@ -15,7 +15,6 @@ const SMALL_ANGLE: f64 = 1e-4;
 /// let omega = glam::DVec3::new(0.3, -0.2, 0.9);
 /// assert!((log(exp(omega)) - omega).length() < 1e-15);
 /// ```
-#[must_use]
 pub fn exp(omega: DVec3) -> DQuat {
     let angle = omega.length();
     let half = 0.5 * angle;
@@ -26,7 +25,6 @@ pub fn exp(omega: DVec3) -> DQuat {
 }
 
 /// log: unit quaternion → rotation vector in radians, of length at most π.
-#[must_use]
 pub fn log(q: DQuat) -> DVec3 {
     // q and −q are the same rotation; take the short way round.
     let (v, w) = if q.w < 0.0 { (-q.xyz(), -q.w) } else { (q.xyz(), q.w) };
@@ -39,7 +37,6 @@ pub fn log(q: DQuat) -> DVec3 {
 }
 
 /// The matrix `[v]×` with `[v]× x = v × x`.
-#[must_use]
 pub fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
@@ -47,7 +44,6 @@ pub fn skew(v: DVec3) -> DMat3 {
 /// The left Jacobian of SO(3): d/dω log(exp(φ + ω) exp(−φ)) at ω = 0.
 ///
 /// `J = I + (1 − cos θ)/θ² [φ]× + (θ − sin θ)/θ³ [φ]×²`, θ = |φ|.
-#[must_use]
 pub fn left_jacobian(phi: DVec3) -> DMat3 {
     let angle = phi.length();
     let s = skew(phi);
@@ -63,7 +59,6 @@ pub fn left_jacobian(phi: DVec3) -> DMat3 {
 /// Inverse of the left Jacobian of SO(3): d/dω log(exp(ω) exp(φ)) at ω = 0.
 ///
 /// `J⁻¹ = I − ½[φ]× + (1/θ² − (1 + cos θ)/(2 θ sin θ)) [φ]×²`, θ = |φ| < 2π.
-#[must_use]
 pub fn left_jacobian_inverse(phi: DVec3) -> DMat3 {
     let angle = phi.length();
     let s = skew(phi);
@@ -78,7 +73,6 @@ pub fn left_jacobian_inverse(phi: DVec3) -> DMat3 {
 }
 
 /// The matrix of x ↦ q x q*, for a quaternion of any length (4.15): |q|² times a rotation.
-#[must_use]
 pub fn raw_matrix(q: DQuat) -> DMat3 {
     let (x, y, z, w) = (q.x, q.y, q.z, q.w);
     DMat3::from_cols(
@@ -92,7 +86,6 @@ pub fn raw_matrix(q: DQuat) -> DMat3 {
 ///
 /// d(q x q*)/dqᵢ = ωᵢ × (q x q*) + σᵢ (q x q*), with ηᵢ = eᵢ q⁻¹, ωᵢ = 2 vec(ηᵢ) and σᵢ = 2 Re(ηᵢ).
 /// Returns `(ωᵢ, σᵢ)` for i = w, x, y, z.
-#[must_use]
 pub fn raw_rates(q: DQuat) -> [(DVec3, f64); 4] {
     let inverse_norm = 1.0 / q.length_squared();
     let (v, w) = (q.xyz() * inverse_norm, q.w * inverse_norm);
@@ -114,7 +107,6 @@ pub struct SwingTwist {
 }
 
 /// Takes a unit quaternion apart about a unit axis.
-#[must_use]
 pub fn swing_twist(q: DQuat, axis: DVec3) -> SwingTwist {
     let along = q.xyz().dot(axis);
     let mut twist = 2.0 * along.atan2(q.w);
@@ -131,7 +123,6 @@ pub fn swing_twist(q: DQuat, axis: DVec3) -> SwingTwist {
 ///
 /// Returns d twist/dω as a vector and d swing/dω as a matrix. Where the twist is not defined (a swing of
 /// half a turn) both are finite but mean nothing.
-#[must_use]
 pub fn swing_twist_rates(q: DQuat, axis: DVec3) -> (DVec3, DMat3) {
     let (v, w) = (q.xyz(), q.w);
     let along = v.dot(axis);

@@ -17,7 +17,6 @@ const TINY: f64 = 1e-12;
 /// let up = DVec3::new(0.5, 1.0, 0.2);
 /// assert_eq!(closest_fractions(DVec3::ZERO, DVec3::X, up, up + DVec3::Y), (0.5, 0.0));
 /// ```
-#[must_use]
 pub fn closest_fractions(p0: DVec3, p1: DVec3, q0: DVec3, q1: DVec3) -> (f64, f64) {
     let (a, b, between) = (p1 - p0, q1 - q0, p0 - q0);
     let (aa, bb, ab) = (a.length_squared(), b.length_squared(), a.dot(b));

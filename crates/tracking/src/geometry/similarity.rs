@@ -18,14 +18,12 @@ pub struct Similarity {
 
 impl Similarity {
     /// Where a point goes.
-    #[must_use]
     pub fn apply(&self, point: DVec3) -> DVec3 {
         self.to + self.scale * (self.rotation * (point - self.from))
     }
 }
 
 /// The similarity with the least Σ |target − similarity(point)|². `None` where the points have no extent.
-#[must_use]
 pub fn umeyama(points: &[DVec3], target: &[DVec3]) -> Option<Similarity> {
     let count = points.len() as f64;
     let centroid = |points: &[DVec3]| points.iter().sum::<DVec3>() / count;

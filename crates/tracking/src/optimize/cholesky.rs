@@ -19,9 +19,9 @@ use crate::processor::run_in_four_f64s;
 const PANEL: usize = 4;
 
 /// Rows of a column, or columns of a row.
-type Row = [f64; PANEL];
+type Quad = [f64; PANEL];
 /// Four columns of four rows.
-type Block = [Row; PANEL];
+type Block = [Quad; PANEL];
 
 /// L and D of A = L D Lᵀ, with memory that is used again.
 #[derive(Debug, Clone, Default)]
@@ -29,7 +29,7 @@ pub(crate) struct Cholesky {
     /// L, panel by panel, its rows and columns from the last to the first; above the diagonal anything.
     factor: Vec<Block>,
     /// 1/D.
-    inverse: Vec<Row>,
+    inverse: Vec<Quad>,
     panels: usize,
     /// By panel and group of rows, whether the block is not all zero.
     filled: Vec<bool>,
@@ -39,7 +39,7 @@ pub(crate) struct Cholesky {
     /// Scratch: L D of the groups below a panel.
     scaled: Vec<Block>,
     /// Right-hand side and solution, padded.
-    solution: Vec<Row>,
+    solution: Vec<Quad>,
 }
 
 impl Cholesky {
@@ -51,10 +51,10 @@ impl Cholesky {
         if self.panels != panels {
             self.panels = panels;
             self.factor = vec![Block::default(); panels * panels];
-            self.inverse = vec![Row::default(); panels];
+            self.inverse = vec![Quad::default(); panels];
             self.filled = vec![false; panels * panels];
             self.scaled = vec![Block::default(); panels];
-            self.solution = vec![Row::default(); panels];
+            self.solution = vec![Quad::default(); panels];
         }
         self.below.clear();
         self.below.reserve(panels * panels);
@@ -162,8 +162,8 @@ fn is_zero(block: &Block) -> bool {
 
 /// L of a block on the diagonal, and 1/D; none if it is not positive.
 #[inline(always)]
-fn factor_diagonal(mut block: Block) -> Option<(Block, Row)> {
-    let mut reciprocals = Row::default();
+fn factor_diagonal(mut block: Block) -> Option<(Block, Quad)> {
+    let mut reciprocals = Quad::default();
     for k in 0..PANEL {
         let pivot = block[k][k];
         if !(pivot > 0.0 && pivot.is_finite()) {
@@ -185,7 +185,7 @@ fn factor_diagonal(mut block: Block) -> Option<(Block, Row)> {
 
 /// Makes a block below the diagonal L, and `scaled` L D.
 #[inline(always)]
-fn factor_group<S: Simd>(simd: S, block: &mut Block, scaled: &mut Block, diagonal: &Block, inverse: &Row) {
+fn factor_group<S: Simd>(simd: S, block: &mut Block, scaled: &mut Block, diagonal: &Block, inverse: &Quad) {
     let mut columns = *block;
     for k in 0..PANEL {
         let (before, rest) = columns.split_at_mut(k);
@@ -215,7 +215,7 @@ fn take_off<S: Simd>(simd: S, target: &mut Block, rows: &Block, scaled: &Block) 
 
 /// target −= factor · row.
 #[inline(always)]
-fn subtract<S: Simd>(simd: S, target: &mut Row, factor: f64, row: &Row) {
+fn subtract<S: Simd>(simd: S, target: &mut Quad, factor: f64, row: &Quad) {
     let factor = simd.splat_f64s(factor);
     let (target, row) = (S::as_mut_simd_f64s(target).0, S::as_simd_f64s(row).0);
     for (target, &row) in target.iter_mut().zip(row) {
@@ -268,7 +268,7 @@ impl WithSimd for Solve<'_> {
                     }
                 }
             }
-            let (mut own, diagonal) = (Row::default(), &blocks[panel]);
+            let (mut own, diagonal) = (Quad::default(), &blocks[panel]);
             for k in (0..PANEL).rev() {
                 let [a, b, c, d] = sums[k];
                 own[k] = x[panel][k] * inverse[panel][k] - ((a + b) + (c + d));

@@ -77,13 +77,11 @@ pub struct GradientCheck {
 
 impl GradientCheck {
     /// Whether something was compared and nothing differs.
-    #[must_use]
     pub fn passes(&self) -> bool {
         self.compared > 0 && self.mismatches.is_empty()
     }
 
     /// Share of the derivatives that could not be compared.
-    #[must_use]
     pub fn skipped_share(&self) -> f64 {
         self.skipped as f64 / (self.compared + self.skipped).max(1) as f64
     }

@@ -30,7 +30,6 @@ pub struct StepMemory {
 
 impl NormalEquations {
     /// No residual yet.
-    #[must_use]
     pub fn zeros(columns: usize) -> Self {
         Self { jtj: DMatrix::zeros(columns, columns), jtr: DVector::zeros(columns), cost: 0.0 }
     }
@@ -43,19 +42,16 @@ impl NormalEquations {
     }
 
     /// Number of columns of the state.
-    #[must_use]
     pub fn columns(&self) -> usize {
         self.jtr.len()
     }
 
     /// Whether every number is one.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.cost.is_finite() && self.jtr.iter().chain(self.jtj.iter()).all(|x| x.is_finite())
     }
 
     /// Mean of JᵀJ's diagonal: the scale of the damping.
-    #[must_use]
     pub fn mean_diagonal(&self) -> f64 {
         self.jtj.trace() / self.columns() as f64
     }
@@ -64,7 +60,6 @@ impl NormalEquations {
     ///
     /// JᵀJ is singular by nature (limb twists): without damping, or where rounding spoils it, the
     /// pseudo-inverse's step is taken, which leaves null directions alone. Zeros if nothing pulls.
-    #[must_use]
     pub fn step(&self, damping: f64) -> DVector<f64> {
         let mut step = DVector::zeros(self.columns());
         self.step_into(damping, &mut StepMemory::default(), &mut step);
@@ -116,7 +111,6 @@ impl NormalEquations {
     }
 
     /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.
-    #[must_use]
     pub fn predicted_decrease(&self, step: &DVector<f64>) -> f64 {
         2.0 * step.dot(&self.jtr) - run_in_four_f64s(Curvature { jtj: &self.jtj, step: step.as_slice() })
     }

@@ -102,7 +102,7 @@ pub struct Iteration<P> {
     pub trial_cost: f64,
     /// By how much the linear model predicted that the cost would fall.
     pub predicted_decrease: f64,
-    /// By how much it fell in the trial; negative if it rose.
+    /// By how much the trial lowered it; negative if it rose.
     pub actual_decrease: f64,
     /// Damping of the trial, as [`SolverOptions::damping`] counts it.
     pub damping: f64,
@@ -306,37 +306,31 @@ impl<P: Clone> Solver<P> {
     }
 
     /// Where it stands.
-    #[must_use]
     pub fn point(&self) -> &P {
         &self.point
     }
 
     /// Cost where it stands.
-    #[must_use]
     pub fn cost(&self) -> f64 {
         self.equations.cost
     }
 
     /// Root of the data's mean squared residual where it stands.
-    #[must_use]
     pub fn rms(&self) -> f64 {
         self.rms
     }
 
     /// Normal equations where it stands.
-    #[must_use]
     pub fn equations(&self) -> &NormalEquations {
         &self.equations
     }
 
     /// Damping of the next trial.
-    #[must_use]
     pub fn damping(&self) -> f64 {
         self.damping.value
     }
 
     /// Why it ended; `None` while it may go on.
-    #[must_use]
     pub fn termination(&self) -> Option<Termination> {
         self.termination
     }

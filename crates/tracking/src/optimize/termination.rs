@@ -26,7 +26,6 @@ impl Tolerances {
     const LEAST_GRADIENT: f64 = 1e-12;
 
     /// Ends by this gain, or where rounding ends everything; never for `None`.
-    #[must_use]
     pub fn by_gain(gain: Option<f64>) -> Self {
         let with_gain = |least| gain.map(|_| least);
         Self { gain, step: with_gain(Self::LEAST_STEP), gradient: with_gain(Self::LEAST_GRADIENT) }
@@ -70,7 +69,6 @@ pub enum Termination {
 
 impl Termination {
     /// Its word in files.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::ConvergedByGain { .. } => "converged-by-gain",

@@ -13,7 +13,7 @@ use super::options::{ParticleError, ParticleOptions};
 use super::weights::{resampled, tempered};
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{FitView, Prepared};
+use crate::fit::{FitView, PreparedFit};
 use crate::geometry::rotation::exp;
 use crate::search::Chains;
 
@@ -122,7 +122,7 @@ impl ParticleFilter {
         for start in starts {
             start.check(&model).map_err(crate::fit::FitError::from)?;
         }
-        let prepared = Prepared::new(&model, views, first, &fit, |_, _, _| 0.0)?;
+        let prepared = PreparedFit::new(&model, views, first, &fit, |_, _, _| 0.0)?;
         let stages = fit.stages.iter();
         let stages: Vec<Arc<Likelihood>> = stages
             .map(|stage| Arc::new(Likelihood::new(Arc::clone(&model), &prepared.views, &fit, stage)))

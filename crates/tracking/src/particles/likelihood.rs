@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::body::{Kinematics, Model, Pose};
 use crate::fit::{FitOptions, FitView, Stage};
 use crate::render::{BACKGROUND, Ramp, RendererKind, View};
-use crate::residual::joint_limit;
+use crate::residual::pose_prior;
 use crate::residual::silhouette::{KernelMemory, SampledData};
 
 /// One stage's cost of a pose in squared grey levels: Σ w (D − Λ)² over all cameras and what joint limits add, as if every
@@ -72,6 +72,6 @@ impl Likelihood {
             drawing.keep_limbs(drawn);
             cost += view.weight * data.cost(drawing, kernel);
         }
-        self.pixels * cost + joint_limit::cost(&self.model, pose, self.limit_weight)
+        self.pixels * cost + pose_prior::limit_cost(&self.model, pose, self.limit_weight)
     }
 }

@@ -54,7 +54,6 @@ impl BodyDirection {
     ];
 
     /// What it is seen from: arms from the chest, all else from the pelvis.
-    #[must_use]
     pub fn frame(self) -> TrunkFrame {
         match self {
             Self::RightUpperArm | Self::LeftUpperArm | Self::RightForearm | Self::LeftForearm => {
@@ -65,7 +64,6 @@ impl BodyDirection {
     }
 
     /// The limb of a body that it is the direction of; `None` for the chest's own axes.
-    #[must_use]
     pub fn limb(self) -> Option<&'static str> {
         match self {
             Self::ChestUp | Self::ChestLeft => None,
@@ -109,7 +107,6 @@ pub struct BodyPoints {
 impl BodyPoints {
     /// The columns of a frame of the trunk: the person's left, ahead, up. `None` where joints lie in one another or on one
     /// line.
-    #[must_use]
     pub fn frame(&self, frame: TrunkFrame) -> Option<DMat3> {
         let middle = (self.hips[RIGHT] + self.hips[LEFT]) / 2.0;
         match frame {
@@ -129,7 +126,6 @@ impl BodyPoints {
     }
 
     /// A direction as its frame sees it: a unit vector; `None` where joints lie in one another.
-    #[must_use]
     pub fn direction(&self, direction: BodyDirection) -> Option<DVec3> {
         use BodyDirection as D;
         let in_world = match direction {
@@ -150,7 +146,6 @@ impl BodyPoints {
     }
 
     /// The numbers of several directions, one after the other.
-    #[must_use]
     pub fn numbers(&self, directions: &[BodyDirection]) -> Option<Vec<f64>> {
         let mut numbers = Vec::with_capacity(3 * directions.len());
         for &direction in directions {
@@ -160,7 +155,6 @@ impl BodyPoints {
     }
 
     /// The person as in a mirror: right is left.
-    #[must_use]
     pub fn mirrored(&self) -> Self {
         let flip = |p: DVec3| DVec3::new(-p.x, p.y, p.z);
         let swap = |[right, left]: [DVec3; 2]| [flip(left), flip(right)];

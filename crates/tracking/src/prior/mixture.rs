@@ -46,7 +46,7 @@ struct Ready {
 }
 
 /// A component as a point sees it.
-struct Look {
+struct ComponentTerm {
     /// Σₖ⁻¹ (μₖ − x).
     pushed: DVector<f64>,
     /// mₖ.
@@ -69,7 +69,6 @@ pub struct Pull {
 impl StudentMixture {
     /// Works out the inverses. `None` if there is no component, sizes differ, a number is not finite, a share is not above
     /// 0, ν is not above 0, or a covariance has no inverse.
-    #[must_use]
     pub fn new(components: Vec<StudentComponent>, degrees: f64) -> Option<Self> {
         let size = components.first()?.mean.len();
         if !(degrees.is_finite() && degrees > 0.0) || size == 0 {
@@ -96,25 +95,21 @@ impl StudentMixture {
     }
 
     /// The components, as they were given.
-    #[must_use]
     pub fn components(&self) -> &[StudentComponent] {
         &self.components
     }
 
     /// ν.
-    #[must_use]
     pub fn degrees(&self) -> f64 {
         self.degrees
     }
 
     /// D.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.ready[0].mean.len()
     }
 
     /// E and its pull at x, D numbers.
-    #[must_use]
     pub fn pull(&self, x: &DVector<f64>) -> Pull {
         let (looks, log_density) = self.look(x);
         let mut force = DVector::zeros(self.size());
@@ -143,22 +138,21 @@ impl StudentMixture {
     }
 
     /// Every component at x, and ln(p(x)/Σ πₖ cₖ).
-    fn look(&self, x: &DVector<f64>) -> (Vec<Look>, f64) {
+    fn look(&self, x: &DVector<f64>) -> (Vec<ComponentTerm>, f64) {
         let by_distance = 0.5 * (self.degrees + self.size() as f64);
         let look = |one: &Ready| {
             let off = &one.mean - x;
             let pushed = &one.precision * &off;
             let squared = pushed.dot(&off);
             let log_part = one.log_height - by_distance * (squared / self.degrees).ln_1p();
-            Look { pushed, squared, log_part }
+            ComponentTerm { pushed, squared, log_part }
         };
-        let looks: Vec<Look> = self.ready.iter().map(look).collect();
+        let looks: Vec<ComponentTerm> = self.ready.iter().map(look).collect();
         let log_density = log_sum_exp(looks.iter().map(|look| look.log_part));
         (looks, log_density)
     }
 
     /// ln p(x), normalised: what trainings are compared by.
-    #[must_use]
     pub fn log_density(&self, x: &DVector<f64>) -> f64 {
         let d = self.size() as f64;
         let shares = self.components.iter().map(|component| component.share).sum::<f64>();

@@ -114,33 +114,28 @@ impl PriorPart {
     }
 
     /// What it is called.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The directions whose numbers stand one after the other, three each.
-    #[must_use]
     pub fn directions(&self) -> &[BodyDirection] {
         &self.directions
     }
 
     /// The distribution of its poses.
-    #[must_use]
     pub fn poses(&self) -> &StudentMixture {
         &self.poses
     }
 
     /// The distribution of its steps.
-    #[must_use]
     pub fn step(&self) -> &StepStatistics {
         &self.step
     }
 
-    /// How likely it is to be `off` from where its motion led, after so many seconds.
-    #[must_use]
+    /// How likely it is to be `off` from where its motion led, after `seconds`.
     pub(crate) fn step_pull(&self, off: &DVector<f64>, seconds: f64) -> super::mixture::Pull {
-        // A covariance so many times as large is a distance so many times as short.
+        // A covariance that is larger by a factor is a distance that is shorter by it.
         let ratio = seconds.clamp(SHORTEST, LONGEST) / self.step.seconds;
         let shrink = ratio.powf(-0.5 * self.step.exponent);
         let mut pull = self.steps.pull(&(off * shrink));
@@ -163,13 +158,11 @@ impl PosePrior {
     }
 
     /// What it was learnt from, and whom to thank for it.
-    #[must_use]
     pub fn source(&self) -> &str {
         &self.source
     }
 
     /// Its parts.
-    #[must_use]
     pub fn parts(&self) -> &[PriorPart] {
         &self.parts
     }

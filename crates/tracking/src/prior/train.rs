@@ -78,7 +78,7 @@ pub enum TrainError {
 /// Learns poses and steps. The same clips give the same prior.
 ///
 /// # Errors
-/// Too few poses, or options that make no sense.
+/// If there are too few poses or an option is out of range.
 pub fn train(clips: &[Clip], options: &TrainOptions, source: &str) -> Result<PosePrior, TrainError> {
     check(clips, options)?;
     let mut parts = Vec::new();
@@ -267,7 +267,7 @@ fn steps(clips: &[Clip], directions: &[BodyDirection], options: &TrainOptions) -
                 else {
                     continue;
                 };
-                off.push(DVector::from_vec(foretold_error(&now, &before, &first)));
+                off.push(DVector::from_vec(prediction_error(&now, &before, &first)));
             }
         }
         if off.len() < 10 * directions.len() {
@@ -286,7 +286,7 @@ fn steps(clips: &[Clip], directions: &[BodyDirection], options: &TrainOptions) -
 }
 
 /// Where each direction is, from where its turn of the step before leads.
-fn foretold_error(now: &[f64], before: &[f64], first: &[f64]) -> Vec<f64> {
+fn prediction_error(now: &[f64], before: &[f64], first: &[f64]) -> Vec<f64> {
     let threes = |all: &[f64]| all.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
     let (now, before, first) = (threes(now), threes(before), threes(first));
     let error = now.iter().zip(&before).zip(&first).flat_map(|((now, before), first)| {

@@ -28,7 +28,7 @@ const PLAIN_ROWS: usize = 8;
 
 /// Which pictures are wanted beside λ and its owners.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Wanted<'a> {
+pub struct DrawOptions<'a> {
     /// How strongly each pixel pulls.
     pub gradient: bool,
     /// How each pixel changes along this motion.
@@ -48,7 +48,6 @@ pub struct Drawing {
 }
 
 /// Draws the model's soft silhouette in one camera.
-#[must_use]
 pub fn predict(
     model: &Model,
     kinematics: &Kinematics,
@@ -62,15 +61,13 @@ pub fn predict(
 impl Prediction {
     /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`] does the
     /// same many times faster.
-    #[must_use]
     pub fn of(view: &View) -> Self {
-        draw_plainly(view, Wanted::default()).prediction
+        draw_plainly(view, DrawOptions::default()).prediction
     }
 }
 
 /// Draws a view as fast as may be.
-#[must_use]
-pub fn draw(view: &View, wanted: Wanted<'_>) -> Drawing {
+pub fn draw(view: &View, wanted: DrawOptions<'_>) -> Drawing {
     let mut drawing = Drawing::empty(view, wanted);
     if view.suits_lanes() {
         lanes::draw(view, wanted, &mut drawing);
@@ -81,14 +78,13 @@ pub fn draw(view: &View, wanted: Wanted<'_>) -> Drawing {
 }
 
 /// Draws a view by the reference kernel.
-#[must_use]
-pub fn draw_plainly(view: &View, wanted: Wanted<'_>) -> Drawing {
+pub fn draw_plainly(view: &View, wanted: DrawOptions<'_>) -> Drawing {
     let mut drawing = Drawing::empty(view, wanted);
     fill_plainly(view, wanted, &mut drawing);
     drawing
 }
 
-fn fill_plainly(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
+fn fill_plainly(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
     drawing.strips(PLAIN_ROWS).into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
         for y in strip.rows() {
             winners.find(view, y, 1, 0);
@@ -103,7 +99,7 @@ fn fill_plainly(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
 
 impl Drawing {
     /// Pictures of the view's size, of zeros: memory that nobody has touched yet, so that threads share that too.
-    fn empty(view: &View, wanted: Wanted<'_>) -> Self {
+    fn empty(view: &View, wanted: DrawOptions<'_>) -> Self {
         let (width, height) = (view.width(), view.height());
         let pixels = width * height;
         let prediction = Prediction { width, height, lambda: vec![0.0; pixels], owner: vec![0; pixels] };
@@ -112,7 +108,7 @@ impl Drawing {
         Self { prediction, gradient, change }
     }
 
-    /// All pictures cut into strips of so many rows.
+    /// All pictures cut into strips of `rows` rows.
     pub(in crate::render) fn strips(&mut self, rows: usize) -> Vec<Strip<'_>> {
         let width = self.prediction.width;
         let entries = rows.max(1) * width;
@@ -182,7 +178,13 @@ impl Strip<'_> {
 
     /// Paints one pixel as the oracle does.
     #[inline(never)]
-    pub(in crate::render) fn put_exactly(&mut self, view: &View, wanted: Wanted<'_>, x: usize, y: usize) {
+    pub(in crate::render) fn put_exactly(
+        &mut self,
+        view: &View,
+        wanted: DrawOptions<'_>,
+        x: usize,
+        y: usize,
+    ) {
         self.put(view, wanted, (x, y), view.winner(x, y));
     }
 
@@ -190,7 +192,7 @@ impl Strip<'_> {
     fn put(
         &mut self,
         view: &View,
-        wanted: Wanted<'_>,
+        wanted: DrawOptions<'_>,
         (x, y): (usize, usize),
         winner: Option<(&Primitive, f64)>,
     ) {

@@ -12,7 +12,6 @@ use crate::camera::Camera;
 /// ∂λ/∂X for every pixel of a prepared view, in grey levels per metre, radian or raw coefficient.
 ///
 /// Rows of pixels without gradient are zero. Memory is pixels × columns × 8 bytes.
-#[must_use]
 pub fn dense_jacobian(
     view: &View,
     kinematics: &Kinematics,
@@ -42,7 +41,6 @@ pub fn dense_jacobian(
 ///
 /// # Panics
 /// If the state has no such column.
-#[must_use]
 pub fn jacobian_column(
     view: &View,
     kinematics: &Kinematics,
@@ -61,7 +59,6 @@ pub fn jacobian_column(
 ///
 /// # Panics
 /// If the direction has not as many entries as the state has columns.
-#[must_use]
 pub fn jacobian_along(
     view: &View,
     kinematics: &Kinematics,
@@ -101,7 +98,6 @@ impl BodyMotion {
     ///
     /// # Panics
     /// If the direction has not as many entries as the state has columns.
-    #[must_use]
     pub fn along(
         kinematics: &Kinematics,
         camera: &Camera,
@@ -120,14 +116,12 @@ impl BodyMotion {
     }
 
     /// How λ changes of a pixel that pulls at a limb with this wrench, in camera axes.
-    #[must_use]
     pub(crate) fn change(&self, limb: usize, wrench: Wrench) -> f64 {
         let h = wrench.rotated(self.world_from_camera).to_array();
         (0..7).map(|i| h[i] * self.limbs[limb][i]).sum()
     }
 
     /// How a limb moves, in camera axes.
-    #[must_use]
     pub(crate) fn in_camera(&self, limb: usize) -> LimbMotion {
         let m = &self.limbs[limb];
         let camera_from_world = self.world_from_camera.transpose();
@@ -141,7 +135,6 @@ impl BodyMotion {
 
 impl LimbMotion {
     /// How a point moves against the limb's first joint, given from there.
-    #[must_use]
     pub(crate) fn of_arm(&self, arm: DVec3) -> DVec3 {
         self.turn.cross(arm) + self.stretch * arm
     }
@@ -169,17 +162,20 @@ mod tests {
     use super::*;
     use crate::body::Pose;
     use crate::body::builtin::upper_body;
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use crate::render::{Ramp, RendererKind};
 
     #[test]
     fn one_column_is_that_of_the_dense_jacobian() {
         let model = upper_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-        let place =
-            CameraFromWorld::looking_at(DVec3::new(0.4, 0.2, 3.0), DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
-        let intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 23.5, cy: 17.5 };
-        let camera = Camera::new("camera", [48, 36], intrinsics, Distortion::None, place).unwrap();
+        let camera = fixtures::camera(
+            [48, 36],
+            [40.0, 40.0, 23.5, 17.5],
+            DVec3::new(0.4, 0.2, 3.0),
+            DVec3::new(0.0, 0.3, 0.0),
+            DVec3::Y,
+        );
         let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
         for parameters in [Parameters::Raw, Parameters::Tangent] {
             let dense = dense_jacobian(&view, &kinematics, &camera, parameters);

@@ -24,7 +24,6 @@ pub struct Prediction {
 }
 
 /// λ alone, as pictures hold it: for overlaps.
-#[must_use]
 pub fn lambda(view: &View) -> Vec<f32> {
     levels(view).into_iter().map(|level| level as f32).collect()
 }
@@ -36,7 +35,6 @@ const DOUBT: f32 = 2e-3;
 ///
 /// The pixels of [`lambda`], but found by the fast kernel where that can: pixels about which f32 might be wrong are
 /// decided by the plain one.
-#[must_use]
 pub fn covered(view: &View) -> Vec<bool> {
     let width = view.width();
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
@@ -60,7 +58,6 @@ pub fn covered(view: &View) -> Vec<bool> {
 }
 
 /// λ alone, in f64: for files that others compare.
-#[must_use]
 pub fn levels(view: &View) -> Vec<f64> {
     let (width, height) = (view.width(), view.height());
     let mut levels = vec![BACKGROUND; width * height];
@@ -80,7 +77,8 @@ mod tests {
 
     use super::*;
     use crate::body::{Kinematics, Parameters, Pose, builtin};
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::camera::Distortion;
+    use crate::fixtures;
     use crate::render::{Ramp, RendererKind};
 
     /// All renderers, from far and from within the body, with and without a lens.
@@ -95,10 +93,15 @@ mod tests {
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
             let kinematics = Kinematics::new(&model, &pose);
             for lens in [Distortion::None, k1] {
-                let intrinsics = Intrinsics { fx: 90.0, fy: 85.0, cx: 31.0, cy: 40.0 };
                 let at = pose.root + DVec3::new(0.1, 0.2, distance);
-                let place = CameraFromWorld::looking_at(at, pose.root, DVec3::NEG_Y);
-                let camera = Camera::new("c", [64, 80], intrinsics, lens, place).unwrap();
+                let camera = fixtures::lens_camera(
+                    lens,
+                    [64, 80],
+                    [90.0, 85.0, 31.0, 40.0],
+                    at,
+                    pose.root,
+                    DVec3::NEG_Y,
+                );
                 for kind in [
                     RendererKind::Capsule,
                     RendererKind::Cylinder,

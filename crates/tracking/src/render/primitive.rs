@@ -88,7 +88,6 @@ pub(crate) struct PixelSample {
 impl Primitive {
     /// d² of the nearest candidate along the unit ray u; infinite for none.
     #[inline]
-    #[must_use]
     pub(crate) fn squared(&self, u: DVec3) -> f64 {
         match self.solid {
             Solid::Capsule { p0, p1 } => capsule_squared(u, p0, p1),
@@ -101,7 +100,6 @@ impl Primitive {
     }
 
     /// The nearest candidate along the unit ray u, with derivatives.
-    #[must_use]
     pub(crate) fn candidate(&self, u: DVec3) -> Option<Candidate> {
         let nearest = |candidates: [Option<Candidate>; 3]| {
             candidates.into_iter().flatten().min_by(|a, b| a.squared.total_cmp(&b.squared))
@@ -121,7 +119,6 @@ impl Primitive {
     }
 
     /// λ along the unit ray u, with its gradient.
-    #[must_use]
     pub(crate) fn sample(&self, u: DVec3) -> PixelSample {
         let Some(candidate) = self.candidate(u) else {
             let level = super::ramp::BACKGROUND;
@@ -187,19 +184,16 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
 
 impl Footprint {
     /// The whole picture.
-    #[must_use]
     pub(crate) fn whole(width: usize, height: usize) -> Self {
         Self { x0: 0, x1: width, y0: 0, y1: height }
     }
 
     /// Whether a pixel is in it.
-    #[must_use]
     pub(crate) fn contains(&self, x: usize, y: usize) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
     /// Whether it holds no pixel.
-    #[must_use]
     pub(crate) fn is_empty(&self) -> bool {
         self.x0 >= self.x1 || self.y0 >= self.y1
     }
@@ -208,7 +202,6 @@ impl Footprint {
     ///
     /// The box of the two end spheres' outlines, which holds everything between them as long as both lie in
     /// front of the camera; the whole picture if one reaches the camera plane; nothing if both are behind.
-    #[must_use]
     pub(crate) fn around(
         p0: DVec3,
         p1: DVec3,

@@ -9,12 +9,26 @@
 //!
 //! Widths are given in pixels and become metres at the limb's depth z (of its middle, along the optical
 //! axis): w = px · z/f. That they follow the depth is part of the derivative.
+//!
+//! How a grey level changes with the limb's radius, the ray's distance held: ∂λ/∂r at fixed d².
+//!
+//! | ramp | ∂(λ/255)/∂r |
+//! |---|---|
+//! | `thesis`, and `width` as wide as it may be | −d²/r³ |
+//! | `half` | −2 d²/r³ |
+//! | `width` w | −(d²/r² + 1) / 4w |
+//! | `distance` wᵢ, wₒ | −1 / (wᵢ + wₒ) |
+//! | `distance`, wᵢ = c r as wide as it may be | −((1 − c) + c λ/255) / (c r + wₒ) |
+//!
+//! Widths in pixels become metres as in [`ramp`](super::ramp).
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use super::primitive::{Primitive, Solid};
 
 /// The background's grey level.
 pub const BACKGROUND: f64 = 255.0;
@@ -106,7 +120,6 @@ pub(crate) enum RampForm {
 impl RampForm {
     /// λ/255 = slope · m + offset, with m = d² or, where the third is true, m = d.
     #[inline]
-    #[must_use]
     pub(crate) fn line(&self) -> (f32, f32, bool) {
         match *self {
             Self::Quadratic { alpha, beta, .. } => (alpha as f32, beta as f32, false),
@@ -117,7 +130,6 @@ impl RampForm {
     /// ∂λ/∂z = constant + slope · m, with m = d² for quadratic ramps and m = λ/255 for linear ones;
     /// `None` where the width is fixed.
     #[inline]
-    #[must_use]
     pub(crate) fn depth_line(&self) -> Option<(f32, f32)> {
         let (constant, slope) = match *self {
             Self::Quadratic { alpha_rate, beta_rate, .. } => (beta_rate, alpha_rate),
@@ -141,7 +153,6 @@ pub(crate) struct RampSample {
 
 impl Ramp {
     /// Whether its widths are finite and above zero.
-    #[must_use]
     pub fn is_valid(self) -> bool {
         let is_width = |px: f64| px.is_finite() && px > 0.0 && px < WIDEST_PX;
         match self {
@@ -153,7 +164,6 @@ impl Ramp {
 
     /// The ramp for a solid of this radius (metres) whose middle is at depth z (metres), seen with a focal
     /// length in pixels.
-    #[must_use]
     pub(crate) fn for_solid(self, radius: f64, depth: f64, focal_px: f64) -> SolidRamp {
         // Solids at or behind the camera plane take the width of one a radius away, held fixed.
         let (z, follows) = if depth > radius { (depth, 1.0) } else { (radius, 0.0) };
@@ -198,19 +208,16 @@ impl SolidRamp {
     }
 
     /// Its formula.
-    #[must_use]
     pub(crate) fn form(&self) -> RampForm {
         self.shape
     }
 
     /// Metres beyond which λ is background.
-    #[must_use]
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
     /// Metres within which λ is 0; `None` if it is nowhere.
-    #[must_use]
     pub(crate) fn darkness(&self) -> Option<f64> {
         let within = match self.shape {
             RampForm::Quadratic { alpha, beta, .. } => (-beta / alpha).max(0.0).sqrt(),
@@ -221,7 +228,6 @@ impl SolidRamp {
 
     /// λ/255 before clipping: what is compared between solids. Infinite for no candidate.
     #[inline]
-    #[must_use]
     pub(crate) fn unclipped(&self, squared: f64) -> f64 {
         match self.shape {
             RampForm::Quadratic { alpha, beta, .. } => alpha * squared + beta,
@@ -230,7 +236,6 @@ impl SolidRamp {
     }
 
     /// The grey level at d² with its derivatives, which are zero where the ramp is clipped.
-    #[must_use]
     pub(crate) fn sample(&self, squared: f64) -> RampSample {
         let unclipped = self.unclipped(squared);
         if !(0.0..1.0).contains(&unclipped) || unclipped == 0.0 {
@@ -250,6 +255,48 @@ impl SolidRamp {
             by_squared: BACKGROUND * by_squared,
             by_depth: BACKGROUND * by_depth,
         }
+    }
+}
+
+impl Ramp {
+    /// ∂λ/∂r, grey levels per metre, of a solid of this radius and depth (metres) where the squared distance of the
+    /// ray is given (m²). Zero where the ramp is clipped.
+    pub(crate) fn radius_rate(self, radius: f64, depth: f64, focal_px: f64, squared: f64) -> f64 {
+        let solid = self.for_solid(radius, depth, focal_px);
+        let level = solid.unclipped(squared);
+        if !(level > 0.0 && level < 1.0) {
+            return 0.0;
+        }
+        // As wide as for_solid makes them.
+        let z = if depth > radius { depth } else { radius };
+        let metres = |px: f64| px * z / focal_px;
+        let share = squared / (radius * radius);
+        let rate = match self {
+            Self::Thesis => -share / radius,
+            Self::Half => -2.0 * share / radius,
+            Self::Width { px } if metres(px) > WIDEST_WIDTH * radius => -share / radius,
+            Self::Width { px } => -(share + 1.0) / (4.0 * metres(px)),
+            Self::Distance { inner_px, outer_px } => {
+                let (inner, outer) = (metres(inner_px), metres(outer_px));
+                if inner > WIDEST_INNER * radius {
+                    -((1.0 - WIDEST_INNER) + WIDEST_INNER * level) / (WIDEST_INNER * radius + outer)
+                } else {
+                    -1.0 / (inner + outer)
+                }
+            }
+        };
+        BACKGROUND * rate
+    }
+}
+
+impl Primitive {
+    /// ∂λ/∂r of this solid, grey levels per metre, where a ray's squared distance is given (m²).
+    pub(crate) fn radius_rate(&self, ramp: Ramp, focal_px: f64, squared: f64) -> f64 {
+        let (Solid::Capsule { p0, p1 }
+        | Solid::Cylinder { p0, p1 }
+        | Solid::Spheres { p0, p1, .. }
+        | Solid::Sphere { p0, p1, .. }) = self.solid;
+        ramp.radius_rate(self.radius, 0.5 * (p0.z + p1.z), focal_px, squared)
     }
 }
 
@@ -317,5 +364,35 @@ mod tests {
             assert_eq!(ramp.to_string().parse(), Ok(ramp));
         }
         assert!("width=-1".parse::<Ramp>().unwrap_err().to_string().contains("expected thesis"));
+    }
+
+    #[test]
+    fn rates_match_differences() {
+        let ramps = [
+            Ramp::Thesis,
+            Ramp::Half,
+            Ramp::Width { px: 3.0 },
+            Ramp::Width { px: 300.0 },
+            Ramp::Distance { inner_px: 1.5, outer_px: 9.0 },
+            Ramp::Distance { inner_px: 60.0, outer_px: 9.0 },
+        ];
+        let (radius, focal, h) = (0.06, 400.0, 1e-7);
+        let mut failures = Vec::new();
+        let mut compared = 0;
+        for ramp in ramps {
+            for depth in [1.0, 3.0] {
+                for d in [0.001, 0.01, 0.035, 0.05, 0.06, 0.07, 0.085] {
+                    let level = |r: f64| ramp.for_solid(r, depth, focal).sample(d * d).level;
+                    let numeric = (level(radius + h) - level(radius - h)) / (2.0 * h);
+                    let analytic = ramp.radius_rate(radius, depth, focal, d * d);
+                    compared += usize::from(analytic != 0.0);
+                    if (numeric - analytic).abs() > 1e-4 * (1.0 + numeric.abs()) {
+                        failures.push(format!("{ramp}, z {depth}, d {d}: {numeric} {analytic}"));
+                    }
+                }
+            }
+        }
+        assert!(compared > 30, "{compared}");
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }

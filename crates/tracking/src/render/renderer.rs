@@ -31,7 +31,6 @@ pub enum RendererKind {
 impl RendererKind {
     /// How many equal spheres stand for a limb; `None` where it has a sphere tree of its own and no count is
     /// asked for.
-    #[must_use]
     pub fn equal_spheres(limb: &Limb, count: Option<usize>) -> Option<usize> {
         if count.is_none() && !limb.spheres.is_empty() {
             return None;
@@ -41,7 +40,6 @@ impl RendererKind {
     }
 
     /// Its word in files and on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Cylinder => "cylinder",

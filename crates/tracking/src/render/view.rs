@@ -24,7 +24,7 @@ pub struct View {
     height: usize,
     primitives: Vec<Primitive>,
     /// Solids that lie under one sphere of a tree, or by themselves: their places, and the rows that they may touch.
-    groups: Vec<Group>,
+    groups: Vec<SolidGroup>,
     /// Scratch: which spheres of a level and of the level above are in the picture.
     seen: [Vec<bool>; 2],
     /// Unit rays of a distorted lens, row-major; empty for a pinhole.
@@ -34,7 +34,7 @@ pub struct View {
 
 /// Solids that follow one another.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct SolidGroup {
     /// Limb, and sphere of the level above, that they lie under.
     under: Option<(usize, usize)>,
     first: usize,
@@ -70,7 +70,6 @@ impl View {
     ///
     /// A camera with distortion gets its own ray in every pixel and no pixel boxes: exact and slow. Fits use
     /// rectified pictures and [`Camera::without_distortion`].
-    #[must_use]
     pub fn new(
         model: &Model,
         kinematics: &Kinematics,
@@ -174,7 +173,7 @@ impl View {
                 group.past = place + 1;
                 group.rows = [group.rows[0].min(y0), group.rows[1].max(y1)];
             }
-            _ => self.groups.push(Group { under, first: place, past: place + 1, rows: [y0, y1] }),
+            _ => self.groups.push(SolidGroup { under, first: place, past: place + 1, rows: [y0, y1] }),
         }
         self.primitives.push(primitive);
     }
@@ -231,37 +230,31 @@ impl View {
     }
 
     /// Pixels across.
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
     /// Pixels down.
-    #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
     /// Whether rays are a pinhole's: (x, y, 1) on the plane z = 1.
-    #[must_use]
     pub(crate) fn is_pinhole(&self) -> bool {
         self.distorted_rays.is_empty()
     }
 
     /// The pinhole.
-    #[must_use]
     pub(crate) fn pinhole(&self) -> &crate::camera::Intrinsics {
         &self.pinhole
     }
 
     /// The solids that may be seen, in the order of their limbs.
-    #[must_use]
     pub(crate) fn primitives(&self) -> &[Primitive] {
         &self.primitives
     }
 
     /// The solid that wins a pixel, and λ/255 there before clipping; `None` for background. Ties go to the first.
-    #[must_use]
     pub(crate) fn winner(&self, x: usize, y: usize) -> Option<(&Primitive, f64)> {
         let ray = self.ray(x, y);
         let mut darkest = None;
@@ -275,7 +268,6 @@ impl View {
     }
 
     /// What the ray of a pixel sees of the limb that wins it; `None` for background and outside the picture.
-    #[must_use]
     pub fn seen_limb(&self, x: usize, y: usize) -> Option<SeenLimb> {
         if x >= self.width || y >= self.height {
             return None;
@@ -291,7 +283,6 @@ impl View {
 
     /// One pixel by the formulas alone: the darkest of all solids, each of which is asked, with its gradient. The
     /// slowest way there is, for benches and tests to measure others by.
-    #[must_use]
     pub fn pull_by_every_solid(&self, x: usize, y: usize) -> Option<PixelPull> {
         let ray = self.ray(x, y);
         let (mut darkest, mut winner) = (f64::INFINITY, None);
@@ -309,7 +300,6 @@ impl View {
 
     /// Whether the kernel in f32 lanes can take the view: all well in front of the camera, no lens. Other views are
     /// left to the reference kernel.
-    #[must_use]
     pub fn suits_lanes(&self) -> bool {
         self.is_pinhole()
             && self.primitives.iter().all(|primitive| {
@@ -324,7 +314,6 @@ impl View {
 
     /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.
     #[inline]
-    #[must_use]
     pub(crate) fn ray(&self, x: usize, y: usize) -> DVec3 {
         if self.distorted_rays.is_empty() {
             self.pinhole.ray(DVec2::new(x as f64, y as f64))

@@ -5,13 +5,18 @@
 //! h = [k, (q − p0) × k, (q − p0)·k] times the limb's 7 × n kinematic map. The seventh component is the
 //! scaling of raw quaternions (4.15). Summing h hᵀ and h ρ per limb first gives exactly Gauss-Newton's JᵀJ and
 //! Jᵀρ, at a cost per pixel that does not depend on the size of the state.
+//!
+//! A pixel's gradient as forces at its limb's two joints, and sums of them.
+//!
+//! The distance of a ray to a capsule, a cylinder or a row of equal spheres depends on the limb's two joints
+//! and on nothing else: ∂λ = g₀·∂p0 + g₁·∂p1. With f = g₀ + g₁ that is f·∂p0 + g₁·∂a, a = p1 − p0, and since a
+//! turns with the limb, ∂a = ω × a + σ a. Six numbers a pixel, [f, g₁], against the seven of a
+//! [`Wrench`](super::wrench::Wrench), which serves points anywhere in the limb.
 
 use std::ops::AddAssign;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Matrix3, SMatrix, SVector};
-
-use super::joint_forces::JointBlock;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// A force with its moment and stretch about the limb's first joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -27,21 +32,18 @@ pub struct Wrench {
 impl Wrench {
     /// A force at a point given relative to the limb's first joint.
     #[inline]
-    #[must_use]
     pub fn at(force: DVec3, arm: DVec3) -> Self {
         Self { force, moment: arm.cross(force), stretch: arm.dot(force) }
     }
 
     /// The seven numbers: force, moment, stretch.
     #[inline]
-    #[must_use]
     pub fn to_array(self) -> [f64; 7] {
         let (k, m) = (self.force, self.moment);
         [k.x, k.y, k.z, m.x, m.y, m.z, self.stretch]
     }
 
     /// The same in other axes.
-    #[must_use]
     pub fn rotated(self, rotation: DMat3) -> Self {
         Self { force: rotation * self.force, moment: rotation * self.moment, stretch: self.stretch }
     }
@@ -107,19 +109,16 @@ impl WrenchBlock {
     }
 
     /// Whether nothing was added but forces at joints.
-    #[must_use]
     pub(crate) fn has_no_wrench(&self) -> bool {
         self.pixels == 0
     }
 
     /// What was added as forces at the limb's joints, camera axes.
-    #[must_use]
     pub(crate) fn joints(&self) -> &JointBlock {
         &self.joints
     }
 
     /// M = Σ w h hᵀ and m = Σ w h ρ of all but the forces at joints, turned from camera to world axes.
-    #[must_use]
     pub(crate) fn in_world(&self, camera_from_world: DMat3) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
         // Force and moment turn, each with itself and with the other; the stretch is a number.
         let c = camera_from_world.to_cols_array();
@@ -149,5 +148,56 @@ impl WrenchBlock {
             forces.fixed_rows_mut::<3>(i).copy_from(&turned);
         }
         (products, forces)
+    }
+}
+
+/// Σ w h hᵀ and Σ w h ρ of h = [f, g₁] over the pixels of one limb.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointBlock {
+    /// Σ w f fᵀ.
+    pub ff: Matrix3<f64>,
+    /// Σ w f g₁ᵀ.
+    pub fg: Matrix3<f64>,
+    /// Σ w g₁ g₁ᵀ.
+    pub gg: Matrix3<f64>,
+    /// Σ w f ρ.
+    pub f: Vector3<f64>,
+    /// Σ w g₁ ρ.
+    pub g: Vector3<f64>,
+}
+
+impl Default for JointBlock {
+    fn default() -> Self {
+        let (matrix, vector) = (Matrix3::zeros(), Vector3::zeros());
+        Self { ff: matrix, fg: matrix, gg: matrix, f: vector, g: vector }
+    }
+}
+
+impl JointBlock {
+    /// Whether nothing pulls.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.ff.trace() == 0.0 && self.gg.trace() == 0.0
+    }
+
+    /// Adds to every pixel's f the force c ẑ and to its g₁ half of it, given Σ w c f, Σ w c g₁, Σ w c² and
+    /// Σ w c ρ: half the pull of the limb's middle depth at each joint. Camera axes.
+    pub(crate) fn add_depth(&mut self, [cf, cg]: [Vector3<f64>; 2], cc: f64, c_residual: f64) {
+        let z = Vector3::z();
+        let zz = z * z.transpose() * cc;
+        self.ff += cf * z.transpose() + z * cf.transpose() + zz;
+        self.fg += cf * z.transpose() * 0.5 + z * cg.transpose() + zz * 0.5;
+        self.gg += (cg * z.transpose() + z * cg.transpose()) * 0.5 + zz * 0.25;
+        self.f += z * c_residual;
+        self.g += z * (0.5 * c_residual);
+    }
+}
+
+impl AddAssign for JointBlock {
+    fn add_assign(&mut self, other: Self) {
+        self.ff += other.ff;
+        self.fg += other.fg;
+        self.gg += other.gg;
+        self.f += other.f;
+        self.g += other.g;
     }
 }

@@ -62,7 +62,6 @@ pub(crate) struct SizeData {
 
 impl SizeData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
-    #[must_use]
     pub(crate) fn new(measurement: Arc<Measurement>, stride: usize) -> Self {
         let stride = stride.max(1);
         let (mut empty_cost, mut total_weight) = (0.0, 0.0);
@@ -78,7 +77,6 @@ impl SizeData {
     }
 
     /// Σ w over the sampled pixels.
-    #[must_use]
     pub(crate) fn total_weight(&self) -> f64 {
         self.total_weight
     }
@@ -120,7 +118,6 @@ impl SizeData {
 }
 
 /// A pixel's row on the limb that wins it; `None` where λ is clipped.
-#[must_use]
 pub(crate) fn size_vector(
     view: &View,
     primitive: &Primitive,
@@ -296,14 +293,18 @@ mod tests {
 
     use super::*;
     use crate::body::{Pose, SizeChoice, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
     use crate::render::RendererKind;
 
     fn camera() -> Camera {
-        let place = CameraFromWorld::looking_at(DVec3::new(1.2, 2.6, 0.7), DVec3::Z * 0.1, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 42.0, fy: 42.5, cx: 19.0, cy: 23.5 };
-        Camera::new("c", [40, 48], intrinsics, Distortion::None, place).unwrap()
+        fixtures::camera(
+            [40, 48],
+            [42.0, 42.5, 19.0, 23.5],
+            DVec3::new(1.2, 2.6, 0.7),
+            DVec3::Z * 0.1,
+            DVec3::Z,
+        )
     }
 
     /// Every pixel by every column, pose and sizes, against differences of the drawn prediction.

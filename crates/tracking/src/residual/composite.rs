@@ -13,21 +13,21 @@ use pulp::Simd;
 use crate::render::JointBlock;
 
 /// Four numbers that are worked on at once.
-pub(super) type Row = [f64; 4];
+pub(super) type Quad = [f64; 4];
 
 /// Sums about a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Composite {
     /// Σ w F Fᵀ.
-    pub(super) ff: [Row; 3],
+    pub(super) ff: [Quad; 3],
     /// Σ w F τᵀ.
-    pub(super) ft: [Row; 3],
+    pub(super) ft: [Quad; 3],
     /// Σ w τ τᵀ.
-    pub(super) tt: [Row; 4],
+    pub(super) tt: [Quad; 4],
     /// Σ w F ρ.
-    pub(super) f: Row,
+    pub(super) f: Quad,
     /// Σ w τ ρ.
-    pub(super) t: Row,
+    pub(super) t: Quad,
 }
 
 impl Composite {
@@ -68,7 +68,7 @@ impl Composite {
             add_combined(simd, &mut ft[i], &other.ff[i], &lever);
         }
         // ⟨τ τᵀ⟩ + L ⟨F τᵀ⟩ about both points, one of them transposed.
-        let mut before = [Row::default(); 4];
+        let mut before = [Quad::default(); 4];
         add_lifted(simd, &mut before, arm, &other.ft);
         add_lifted(simd, &mut self.tt, arm, &ft);
         for i in 0..4 {
@@ -112,11 +112,11 @@ impl Composite {
 /// Forces at a limb's two joints, as a [`JointBlock`] has them, summed over cameras in world axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct JointSums {
-    ff: [Row; 3],
-    fg: [Row; 3],
-    gg: [Row; 3],
-    f: Row,
-    g: Row,
+    ff: [Quad; 3],
+    fg: [Quad; 3],
+    gg: [Quad; 3],
+    f: Quad,
+    g: Quad,
 }
 
 impl JointSums {
@@ -153,7 +153,7 @@ impl JointSums {
         // F = f and τ = L(a) g₁.
         let lever = lever(axis);
         let mut composite = Composite { ff: self.ff, f: self.f, ..Composite::default() };
-        let mut gt = [Row::default(); 3];
+        let mut gt = [Quad::default(); 3];
         for i in 0..3 {
             add_combined(simd, &mut composite.ft[i], &self.fg[i], &lever);
             add_combined(simd, &mut gt[i], &self.gg[i], &lever);
@@ -169,12 +169,12 @@ impl JointSums {
 fn turn<S: Simd>(
     simd: S,
     matrix: &Matrix3<f64>,
-    to_camera: &[Row; 3],
+    to_camera: &[Quad; 3],
     to_world: [[f64; 3]; 3],
     weight: f64,
-    sums: &mut [Row; 3],
+    sums: &mut [Quad; 3],
 ) {
-    let mut half = [Row::default(); 3];
+    let mut half = [Quad::default(); 3];
     for i in 0..3 {
         let row = [matrix[(i, 0)] * weight, matrix[(i, 1)] * weight, matrix[(i, 2)] * weight, 0.0];
         add_combined(simd, &mut half[i], &row, to_camera);
@@ -187,7 +187,7 @@ fn turn<S: Simd>(
 
 /// target += row.
 #[inline(always)]
-pub(super) fn add_row<S: Simd>(simd: S, target: &mut Row, row: &Row) {
+pub(super) fn add_row<S: Simd>(simd: S, target: &mut Quad, row: &Quad) {
     let (target, row) = (S::as_mut_simd_f64s(target).0, S::as_simd_f64s(row).0);
     for (target, &row) in target.iter_mut().zip(row) {
         *target = simd.add_f64s(*target, row);
@@ -198,9 +198,9 @@ pub(super) fn add_row<S: Simd>(simd: S, target: &mut Row, row: &Row) {
 #[inline(always)]
 pub(super) fn add_combined<S: Simd, const N: usize>(
     simd: S,
-    target: &mut Row,
-    factors: &Row,
-    rows: &[Row; N],
+    target: &mut Quad,
+    factors: &Quad,
+    rows: &[Quad; N],
 ) {
     let target = S::as_mut_simd_f64s(target).0;
     for k in 0..N {
@@ -213,13 +213,13 @@ pub(super) fn add_combined<S: Simd, const N: usize>(
 
 /// L(d)ᵀ: a row a component of the force.
 #[inline(always)]
-fn lever(d: DVec3) -> [Row; 3] {
+fn lever(d: DVec3) -> [Quad; 3] {
     [[0.0, d.z, -d.y, d.x], [-d.z, 0.0, d.x, d.y], [d.y, -d.x, 0.0, d.z]]
 }
 
 /// Adds L(d) X, for rows X.
 #[inline(always)]
-pub(super) fn add_lifted<S: Simd>(simd: S, target: &mut [Row; 4], d: DVec3, rows: &[Row; 3]) {
+pub(super) fn add_lifted<S: Simd>(simd: S, target: &mut [Quad; 4], d: DVec3, rows: &[Quad; 3]) {
     let [x, y, z] = [d.x, d.y, d.z];
     let factors = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0], [x, y, z]];
     for i in 0..4 {
@@ -237,6 +237,6 @@ pub(super) fn add_lifted<S: Simd>(simd: S, target: &mut [Row; 4], d: DVec3, rows
 }
 
 #[inline(always)]
-fn row_of(vector: &Vector3<f64>, weight: f64) -> Row {
+fn row_of(vector: &Vector3<f64>, weight: f64) -> Quad {
     [vector.x * weight, vector.y * weight, vector.z * weight, 0.0]
 }

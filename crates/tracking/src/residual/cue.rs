@@ -50,7 +50,6 @@ impl Cue {
     pub const ALL: [Self; 4] = [Self::Keypoints, Self::Flow, Self::Edges, Self::Stereo];
 
     /// Its word in files and tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Keypoints => "keypoints",
@@ -132,7 +131,7 @@ pub enum CueError {
 }
 
 /// A pull at one pose: ρ, and where and along what its rows push.
-struct Rows {
+struct PullRows {
     /// As many as count.
     residuals: [f64; 2],
     forces: [DVec3; 2],
@@ -140,7 +139,7 @@ struct Rows {
     arm: DVec3,
 }
 
-impl Rows {
+impl PullRows {
     fn squared(&self) -> f64 {
         self.residuals[0] * self.residuals[0] + self.residuals[1] * self.residuals[1]
     }
@@ -204,13 +203,12 @@ impl CueSet {
     }
 
     /// How far a pull is from what was seen, metres, and how much its loss believes it, 0 to 1; `None` behind the camera.
-    #[must_use]
     pub fn distance(&self, pull: &CuePull, model: &Model, kinematics: &Kinematics) -> Option<(f64, f64)> {
         let squared = self.rows(pull, model, kinematics)?.squared();
         Some((squared.sqrt(), pull.loss.weight(squared)))
     }
 
-    fn rows(&self, pull: &CuePull, model: &Model, kinematics: &Kinematics) -> Option<Rows> {
+    fn rows(&self, pull: &CuePull, model: &Model, kinematics: &Kinematics) -> Option<PullRows> {
         let start = kinematics.starts()[pull.limb];
         let limb = &model.limbs()[pull.limb];
         match pull.target {
@@ -221,7 +219,7 @@ impl CueSet {
                 let off = point - start - arm;
                 let distance = off.length();
                 let out = off.try_normalize()?;
-                Some(Rows { residuals: [limb.radius - distance, 0.0], forces: [-out, DVec3::ZERO], arm })
+                Some(PullRows { residuals: [limb.radius - distance, 0.0], forces: [-out, DVec3::ZERO], arm })
             }
             CueTarget::Pixel { camera, arm, pixel } | CueTarget::Line { camera, arm, pixel, .. } => {
                 let arm = kinematics.world_rotations()[limb.rotation] * arm;
@@ -239,12 +237,12 @@ impl CueSet {
                 let across = by(DVec3::new(pinhole.fx, 0.0, -pinhole.fx * plane.x));
                 let down = by(DVec3::new(0.0, pinhole.fy, -pinhole.fy * plane.y));
                 Some(match pull.target {
-                    CueTarget::Line { normal, .. } => Rows {
+                    CueTarget::Line { normal, .. } => PullRows {
                         residuals: [normal.dot(off), 0.0],
                         forces: [across * normal.x + down * normal.y, DVec3::ZERO],
                         arm,
                     },
-                    _ => Rows { residuals: off.to_array(), forces: [across, down], arm },
+                    _ => PullRows { residuals: off.to_array(), forces: [across, down], arm },
                 })
             }
         }
@@ -254,16 +252,20 @@ impl CueSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{Parameters, Pose, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::body::{Pose, builtin};
+    use crate::fixtures::{self, BOTH, check_gradient};
     use crate::optimize::NormalEquations;
     use crate::residual::silhouette::StateMap;
 
     fn set(model: &Model, loss: Loss) -> CueSet {
-        let pinhole = Intrinsics { fx: 90.0, fy: 85.0, cx: 31.0, cy: 40.0 };
         let camera = |at: DVec3| {
-            let place = CameraFromWorld::looking_at(at, DVec3::new(0.1, 0.3, 0.0), DVec3::Y);
-            Arc::new(Camera::new("c", [64, 80], pinhole, Distortion::None, place).unwrap())
+            Arc::new(fixtures::camera(
+                [64, 80],
+                [90.0, 85.0, 31.0, 40.0],
+                at,
+                DVec3::new(0.1, 0.3, 0.0),
+                DVec3::Y,
+            ))
         };
         let cameras = vec![camera(DVec3::new(0.6, 0.4, 2.6)), camera(DVec3::new(-1.2, 0.3, 2.3))];
         let mut pulls = Vec::new();
@@ -297,7 +299,7 @@ mod tests {
         let mut failures = Vec::new();
         for loss in [Loss::Squares, Loss::Cauchy { scale: 0.1 }, Loss::Huber { scale: 0.1 }] {
             let set = set(&model, loss);
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
+            for parameters in BOTH {
                 let n = parameters.columns(model.rotation_count());
                 let step = (0..n).map(|i| 0.4 * (1.7 * i as f64).sin()).collect::<Vec<f64>>();
                 let pose = Pose::rest(&model).retract(parameters, &step);
@@ -317,19 +319,14 @@ mod tests {
                     };
                     set.pulls.iter().flat_map(of).collect()
                 };
-                let here = cost(&pose);
+                let add = |equations: &mut NormalEquations, pose: &Pose| *equations = cost(pose);
+                let name = format!("{loss:?}");
+                let here = check_gradient(&name, parameters, &pose, add, 5e-6, &mut failures);
                 let h = 1e-6;
                 let mut jacobian = nalgebra::DMatrix::zeros(2 * set.pulls.len(), n);
                 for column in 0..n {
-                    let moved = |sign: f64| pose.nudged(parameters, column, sign * h);
-                    let numeric = (cost(&moved(1.0)).cost - cost(&moved(-1.0)).cost) / (2.0 * h);
-                    if (numeric + 2.0 * here.jtr[column]).abs() > 1e-5 * here.jtr.amax() {
-                        failures.push(format!(
-                            "{loss:?} {parameters:?} column {column}: {numeric} {}",
-                            -2.0 * here.jtr[column]
-                        ));
-                    }
-                    for (row, (a, b)) in rows(&moved(1.0)).into_iter().zip(rows(&moved(-1.0))).enumerate() {
+                    let moved = |sign: f64| rows(&pose.nudged(parameters, column, sign * h));
+                    for (row, (a, b)) in moved(1.0).into_iter().zip(moved(-1.0)).enumerate() {
                         jacobian[(row, column)] = (b - a) / (2.0 * h);
                     }
                 }

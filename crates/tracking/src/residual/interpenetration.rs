@@ -23,7 +23,6 @@ pub struct LimbPairs(Vec<(usize, usize)>);
 
 impl LimbPairs {
     /// All pairs that lie apart at rest.
-    #[must_use]
     pub fn of(model: &Model) -> Self {
         let rest = Kinematics::new(model, &Pose::rest(model));
         let limbs = model.limbs();
@@ -42,7 +41,6 @@ impl LimbPairs {
     }
 
     /// The pairs, by the limbs' indices.
-    #[must_use]
     pub fn pairs(&self) -> &[(usize, usize)] {
         &self.0
     }

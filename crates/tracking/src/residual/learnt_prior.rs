@@ -36,7 +36,6 @@ pub struct LearntPrior {
 
 impl LearntPrior {
     /// A prior with the weights that were measured to be best.
-    #[must_use]
     pub fn new(statistics: Arc<PosePrior>) -> Self {
         Self { statistics, pose_weight: 3.0, step_weight: 0.0, step_seconds: None }
     }
@@ -44,7 +43,7 @@ impl LearntPrior {
 
 /// A limb, and how a direction of it or a frame at it lies at rest.
 #[derive(Debug, Clone, Copy)]
-struct At<T> {
+struct LimbFixed<T> {
     limb: usize,
     rest: T,
 }
@@ -53,8 +52,8 @@ struct At<T> {
 #[derive(Debug, Clone)]
 pub struct BoundPrior {
     prior: LearntPrior,
-    pelvis: At<DMat3>,
-    chest: At<DMat3>,
+    pelvis: LimbFixed<DMat3>,
+    chest: LimbFixed<DMat3>,
     /// Of each part whose limbs the body has.
     parts: Vec<BoundPart>,
 }
@@ -62,7 +61,7 @@ pub struct BoundPrior {
 #[derive(Debug, Clone)]
 struct BoundPart {
     index: usize,
-    directions: Vec<(TrunkFrame, At<DVec3>)>,
+    directions: Vec<(TrunkFrame, LimbFixed<DVec3>)>,
     /// Where the fit began.
     reference: Option<DVector<f64>>,
 }
@@ -70,7 +69,6 @@ struct BoundPart {
 impl BoundPrior {
     /// For a body and a fit that begins at a pose. Parts that the body does not have are left out; `None` if it has none, or no
     /// sides by which to tell left from right.
-    #[must_use]
     pub fn new(prior: &LearntPrior, model: &Model, reference: &Pose) -> Option<Self> {
         let rest = Kinematics::new(model, &Pose::rest(model));
         let left = Sides::of(model, &rest)?.left;
@@ -78,19 +76,19 @@ impl BoundPrior {
             let limb = names.iter().find_map(|name| model.limb_index(name))?;
             let along = model.limbs()[limb].direction;
             let up = along.reject_from_normalized(left).try_normalize()?;
-            Some(At { limb, rest: DMat3::from_cols(left, left.cross(up), up) })
+            Some(LimbFixed { limb, rest: DMat3::from_cols(left, left.cross(up), up) })
         };
         let (pelvis, chest) = (frame(PELVIS)?, frame(CHEST)?);
         let direction = |direction: &BodyDirection| {
             let at = match (direction, direction.limb()) {
                 (_, Some(name)) => {
                     let limb = model.limb_index(name)?;
-                    At { limb, rest: model.limbs()[limb].direction }
+                    LimbFixed { limb, rest: model.limbs()[limb].direction }
                 }
                 // A trunk in one piece has no chest that turns.
                 _ if chest.limb == pelvis.limb => return None,
-                (BodyDirection::ChestLeft, None) => At { limb: chest.limb, rest: left },
-                (_, None) => At { limb: chest.limb, rest: chest.rest.z_axis },
+                (BodyDirection::ChestLeft, None) => LimbFixed { limb: chest.limb, rest: left },
+                (_, None) => LimbFixed { limb: chest.limb, rest: chest.rest.z_axis },
             };
             Some((direction.frame(), at))
         };
@@ -109,14 +107,12 @@ impl BoundPrior {
     }
 
     /// The directions of each of its parts at a pose, with the part's index in the prior.
-    #[must_use]
     pub fn all_numbers(&self, model: &Model, kinematics: &Kinematics) -> Vec<(usize, DVector<f64>)> {
         self.parts.iter().map(|part| (part.index, self.numbers(kinematics, model, part))).collect()
     }
 
     /// Where the poses' distribution would have limbs: each with the direction, of unit length in the world, that a step on its part's
     /// energy alone leads to. Limbs of parts whose energy is flat there stay where they are.
-    #[must_use]
     pub fn likelier(&self, model: &Model, kinematics: &Kinematics) -> Vec<(usize, DVec3)> {
         let mut limbs = Vec::new();
         for part in &self.parts {
@@ -219,7 +215,7 @@ impl BoundPrior {
 }
 
 /// A limb's direction in the world, of unit length.
-fn in_world(kinematics: &Kinematics, model: &Model, at: &At<DVec3>) -> DVec3 {
+fn in_world(kinematics: &Kinematics, model: &Model, at: &LimbFixed<DVec3>) -> DVec3 {
     unscaled(kinematics.world_rotations()[model.limbs()[at.limb].rotation]) * at.rest
 }
 
@@ -250,6 +246,7 @@ fn add_pull(
 mod tests {
     use super::*;
     use crate::body::builtin;
+    use crate::fixtures::{BOTH, bent, check_gradient};
     use crate::prior::{BodyPoints, PriorPart, StepStatistics, StudentComponent};
 
     /// Two poses of an arm, and one of a trunk and of a leg.
@@ -287,17 +284,11 @@ mod tests {
         LearntPrior { statistics, pose_weight: 0.7, step_weight: 0.4, step_seconds: Some(0.05) }
     }
 
-    fn bent(model: &Model, amount: f64) -> Pose {
-        let columns = Parameters::Tangent.columns(model.rotation_count());
-        let step: Vec<f64> = (0..columns).map(|i| amount * (1.7 * i as f64 + 0.4).sin()).collect();
-        Pose::rest(model).retract(Parameters::Tangent, &step)
-    }
-
     /// With one component alone a step on the energy leads to its mean; with several, to something likelier.
     #[test]
     fn limbs_are_pulled_to_where_poses_are_likely() {
         let model = builtin::full_body();
-        let pose = bent(&model, 0.3);
+        let pose = bent(&model, 0.3, 0.4);
         let kinematics = Kinematics::new(&model, &pose);
         let bound = BoundPrior::new(&prior(), &model, &pose).unwrap();
         let likelier = bound.likelier(&model, &kinematics);
@@ -323,31 +314,15 @@ mod tests {
     fn derivatives_match_differences() {
         let mut failures = Vec::new();
         for (model, count) in [(builtin::full_body(), 3), (builtin::upper_body(), 1)] {
-            let (pose, reference) = (bent(&model, 0.5), bent(&model, 0.35));
+            let (pose, reference) = (bent(&model, 0.5, 0.4), bent(&model, 0.35, 0.4));
             let bound = BoundPrior::new(&prior(), &model, &reference).unwrap();
             assert_eq!(bound.parts.len(), count, "{}", model.name());
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                let columns = parameters.columns(model.rotation_count());
-                let cost = |pose: &Pose| {
-                    let mut equations = NormalEquations::zeros(columns);
-                    let kinematics = Kinematics::new(&model, pose);
-                    bound.add(&mut equations, parameters, &model, &kinematics, 2.0);
-                    equations
+            for parameters in BOTH {
+                let add = |equations: &mut NormalEquations, pose: &Pose| {
+                    bound.add(equations, parameters, &model, &Kinematics::new(&model, pose), 2.0);
                 };
-                let here = cost(&pose);
+                let here = check_gradient(model.name(), parameters, &pose, add, 5e-7, &mut failures);
                 assert!(here.cost > 1.0 && here.jtr.amax() > 0.1);
-                for column in 0..columns {
-                    let h = 1e-6;
-                    let at = |offset| cost(&pose.nudged(parameters, column, offset)).cost;
-                    let numeric = (at(h) - at(-h)) / (2.0 * h);
-                    if (numeric + 2.0 * here.jtr[column]).abs() > 1e-6 * (1.0 + here.jtr.amax()) {
-                        failures.push(format!(
-                            "{} {parameters:?} column {column}: {} for {numeric}",
-                            model.name(),
-                            -2.0 * here.jtr[column]
-                        ));
-                    }
-                }
             }
         }
         assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -357,7 +332,7 @@ mod tests {
     #[test]
     fn limbs_and_joints_give_the_same_directions() {
         let model = builtin::full_body();
-        let mut pose = bent(&model, 0.6);
+        let mut pose = bent(&model, 0.6, 0.4);
         // The joints' left of the chest is that of the shoulders: clavicles at rest.
         for name in ["right clavicle", "left clavicle"] {
             let limb = model.limb_index(name).unwrap();

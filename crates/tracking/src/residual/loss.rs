@@ -41,7 +41,6 @@ pub enum Loss {
 
 impl Loss {
     /// Whether its scale is finite and above zero.
-    #[must_use]
     pub fn is_valid(self) -> bool {
         match self {
             Self::Squares => true,
@@ -52,7 +51,6 @@ impl Loss {
     }
 
     /// c(s) of a squared residual.
-    #[must_use]
     pub fn cost(self, squared: f64) -> f64 {
         match self {
             Self::Squares => squared,
@@ -67,7 +65,6 @@ impl Loss {
     }
 
     /// c′(s), 0 to 1.
-    #[must_use]
     pub fn weight(self, squared: f64) -> f64 {
         match self {
             Self::Squares => 1.0,

@@ -62,7 +62,6 @@ impl Default for Proportions {
 
 impl Proportions {
     /// The prior of a body's sizes.
-    #[must_use]
     pub(crate) fn prior(&self, sizes: &Sizes) -> SizePrior {
         let model = sizes.start();
         let people = self.surveyed.then(|| Anthropometry::of(model)).flatten();
@@ -94,7 +93,6 @@ impl Proportions {
     }
 
     /// Whether all are finite and above zero.
-    #[must_use]
     pub fn is_valid(&self) -> bool {
         let all = [self.size, self.girth, self.length, self.middle_length, self.radius, self.neighbour];
         all.iter().all(|deviation| deviation.is_finite() && *deviation > 0.0)
@@ -148,13 +146,11 @@ pub(crate) struct BodySizes {
 
 impl BodySizes {
     /// A body scaled as a whole by exp(`size`).
-    #[must_use]
     pub(crate) fn scaled(sizes: &Sizes, size: f64) -> Self {
         Self { log_ratios: vec![size; sizes.count()], size, girth: 0.0, widening_px: 0.0 }
     }
 
     /// The sizes of another body of the same limbs: its size the median of lengths, its girth what radii are beside that.
-    #[must_use]
     pub(crate) fn of(sizes: &Sizes, body: &Model) -> Self {
         let log_ratio = |index: usize| (sizes.metres(index, body) / sizes.metres(index, sizes.start())).ln();
         let log_ratios: Vec<f64> = (0..sizes.count()).map(log_ratio).collect();

@@ -31,7 +31,6 @@ pub struct SampledData {
 
 impl SampledData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
-    #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
         let grid = PixelGrid::new(measurement.width(), measurement.values(), measurement.weights(), stride);
         Self::of(grid)
@@ -39,7 +38,6 @@ impl SampledData {
 
     /// The same of a picture of a width and a height whose rows are worked out: `fill` hears which pixels a row has, and
     /// writes their D and their weights. Rows without samples are never asked for.
-    #[must_use]
     pub(crate) fn of_rows(
         size: [usize; 2],
         stride: usize,
@@ -53,7 +51,6 @@ impl SampledData {
     ///
     /// Weights stay as they are until this is called again: the outer loop of iteratively reweighted least
     /// squares.
-    #[must_use]
     pub fn doubted(&self, view: &View, loss: Loss) -> Self {
         let (width, levels) = (view.width(), prediction::levels(view));
         Self::of(self.grid.reweighted(|x, y, value, weight| {
@@ -83,13 +80,11 @@ impl SampledData {
     }
 
     /// Σ w over the sampled pixels: what the cost is divided by for a mean.
-    #[must_use]
     pub fn total_weight(&self) -> f64 {
         self.total_weight
     }
 
     /// Pixels between samples.
-    #[must_use]
     pub fn stride(&self) -> usize {
         self.grid.stride
     }
@@ -178,7 +173,6 @@ pub struct WorldBlocks {
 
 impl WorldBlocks {
     /// Nothing yet.
-    #[must_use]
     pub fn new(limbs: usize) -> Self {
         Self { joints: vec![JointSums::default(); limbs], wrenches: vec![None; limbs] }
     }
@@ -190,7 +184,6 @@ impl WorldBlocks {
     }
 
     /// Whether no pixel of any camera pulls at any limb: the body is out of every picture.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         let no_wrench = |sums: &Option<(SMatrix<f64, 7, 7>, _)>| {
             sums.as_ref().is_none_or(|(products, _)| products.trace() == 0.0)

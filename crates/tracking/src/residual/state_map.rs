@@ -22,7 +22,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Simd, WithSimd};
 
-use super::composite::{Composite, Row, add_combined, add_lifted};
+use super::composite::{Composite, Quad, add_combined, add_lifted};
 use super::silhouette::WorldBlocks;
 use crate::body::{Branches, Kinematics, MovingColumn, Parameters};
 use crate::optimize::NormalEquations;
@@ -38,7 +38,7 @@ pub struct StateMap {
     /// By rotation, the sums of what it carries about its pivot.
     carried: Vec<Composite>,
     /// By rotation, R: rows turn and scaling, a number a column.
-    rates: Vec<[Row; 4]>,
+    rates: Vec<[Quad; 4]>,
 }
 
 impl StateMap {
@@ -96,7 +96,7 @@ impl StateMap {
         let count = branches.parents.len();
         self.carried.clear();
         self.carried.resize(count, Composite::default());
-        self.rates.resize(count, [Row::default(); 4]);
+        self.rates.resize(count, [Quad::default(); 4]);
         for (rotation, rows) in self.rates.iter_mut().enumerate() {
             for column in 0..4 {
                 // Tangent steps have no fourth column.
@@ -169,14 +169,14 @@ impl StateMap {
                 continue;
             }
             let (rates, first) = (&self.rates[rotation], 3 + COLUMNS * rotation);
-            let (mut with_root, mut turned) = ([Row::default(); 3], [Row::default(); 4]);
+            let (mut with_root, mut turned) = ([Quad::default(); 3], [Quad::default(); 4]);
             for i in 0..3 {
                 add_combined(simd, &mut with_root[i], &composite.ft[i], rates);
             }
             for i in 0..4 {
                 add_combined(simd, &mut turned[i], &composite.tt[i], rates);
             }
-            let mut forces = Row::default();
+            let mut forces = Quad::default();
             add_combined(simd, &mut forces, &composite.t, rates);
             for column in 0..COLUMNS {
                 equations.jtr[first + column] += forces[column];
@@ -206,8 +206,8 @@ impl StateMap {
 
 /// Rᵀ X.
 #[inline(always)]
-fn against<S: Simd>(simd: S, rates: &[Row; 4], rows: &[Row; 4]) -> [Row; 4] {
-    let mut block = [Row::default(); 4];
+fn against<S: Simd>(simd: S, rates: &[Quad; 4], rows: &[Quad; 4]) -> [Quad; 4] {
+    let mut block = [Quad::default(); 4];
     for i in 0..4 {
         add_combined(simd, &mut block[i], &[rates[0][i], rates[1][i], rates[2][i], rates[3][i]], rows);
     }
@@ -219,7 +219,7 @@ fn against<S: Simd>(simd: S, rates: &[Row; 4], rows: &[Row; 4]) -> [Row; 4] {
 fn add_block<const ROWS: usize, const COLUMNS: usize>(
     equations: &mut NormalEquations,
     [row, column]: [usize; 2],
-    block: &[Row],
+    block: &[Quad],
 ) {
     let pitch = equations.jtj.nrows();
     let entries = equations.jtj.as_mut_slice();

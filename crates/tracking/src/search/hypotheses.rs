@@ -28,7 +28,7 @@ use super::sketch::Sketch;
 use super::start;
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, Prepared, Stage};
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, PreparedFit, Stage};
 use crate::optimize::{LeastSquares, NormalEquations, Solver, SolverOptions};
 use crate::posing;
 use crate::render::BACKGROUND;
@@ -109,7 +109,7 @@ pub fn search(
     cancel: &CancelToken,
 ) -> Result<Hypotheses, FitError> {
     effort.check()?;
-    let prepared = Prepared::new(model, views, start, options, Sketch::reach_px)?;
+    let prepared = PreparedFit::new(model, views, start, options, Sketch::reach_px)?;
     Ok(run(model, &prepared, options, effort, cancel))
 }
 
@@ -128,7 +128,7 @@ pub fn fit_best(
 ) -> Result<(Fit, Vec<Hypothesis>), FitError> {
     effort.check()?;
     let options = options.at_scale(&model, &views, start);
-    let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
+    let prepared = PreparedFit::new(&model, views, start, &options, Sketch::reach_px)?;
     let found = run(&model, &prepared, &options, effort, cancel).found;
     let fit = Fit::at_last_stage(model, prepared, options, &found[0].pose);
     Ok((fit, found))
@@ -152,7 +152,7 @@ pub(super) struct Search<'a> {
 /// All that is found from a prepared start and from the body that faces the other way.
 fn run(
     model: &Arc<Model>,
-    prepared: &Prepared,
+    prepared: &PreparedFit,
     options: &FitOptions,
     effort: &SearchOptions,
     cancel: &CancelToken,
@@ -178,12 +178,12 @@ impl<'a> Search<'a> {
     pub(super) fn about(
         start: &'a Pose,
         model: &'a Arc<Model>,
-        prepared: &'a Prepared,
+        prepared: &'a PreparedFit,
         options: &'a FitOptions,
         effort: &'a SearchOptions,
         cancel: &'a CancelToken,
     ) -> Self {
-        let Prepared { views, distances, .. } = prepared;
+        let PreparedFit { views, distances, .. } = prepared;
         let objective = |&stage: &Stage| {
             let reference = start.clone();
             (stage, Objective::new(Arc::clone(model), views, distances, options, stage, reference))
@@ -233,14 +233,14 @@ impl<'a> Search<'a> {
     ///
     /// Its priors pull towards its own start, or the start's would hold it back by a whole turn. It is ranked as if
     /// it were as far from the start as the best of the others, and a little behind.
-    fn try_the_other_way(&mut self, prepared: &Prepared, chains: &[usize], subject: f64) {
+    fn try_the_other_way(&mut self, prepared: &PreparedFit, chains: &[usize], subject: f64) {
         let best = self.found[0].clone();
         let turned = posing::turn_round(self.model, &best.pose);
         let mut other = Search::about(&turned, self.model, prepared, self.options, self.effort, self.cancel);
         other.try_turned(&turned, chains);
         let last = self.options.stages[self.options.stages.len() - 1];
         let free = FitOptions { proximal_weight: 0.0, ..self.options.clone() };
-        let Prepared { views, distances, start, .. } = prepared;
+        let PreparedFit { views, distances, start, .. } = prepared;
         let mut judge = Objective::new(Arc::clone(self.model), views, distances, &free, last, start.clone());
         let mut judged = |pose: &Pose| {
             let mut equations = NormalEquations::zeros(judge.columns());

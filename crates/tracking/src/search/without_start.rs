@@ -41,7 +41,7 @@ use super::options::SearchOptions;
 use super::sketch::Sketch;
 use crate::body::{Model, ModelError, Parameters, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{FitError, FitOptions, FitView, Prepared};
+use crate::fit::{FitError, FitOptions, FitView, PreparedFit};
 
 /// A body is made as much larger or smaller as this at most.
 const LARGEST_SCALE: f64 = 2.0;
@@ -252,7 +252,7 @@ fn with_subject(
     let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
     if seen.is_empty() {
         // Says who sees nothing.
-        Prepared::new(model, views.to_vec(), &Pose::rest(model), options, |_, _, _| 0.0)?;
+        PreparedFit::new(model, views.to_vec(), &Pose::rest(model), options, |_, _, _| 0.0)?;
     }
     Ok(seen)
 }
@@ -302,7 +302,7 @@ impl InPlace<'_> {
         let standing = stance.pose(model, middle, place.up, place.to_cameras);
         let seen = reduced(model, self.seen, &standing);
         let options = choices.fit.clone().at_scale(model, &seen, &standing);
-        let prepared = Prepared::new(model, seen, &standing, &options, Sketch::reach_px)?;
+        let prepared = PreparedFit::new(model, seen, &standing, &options, Sketch::reach_px)?;
         let rounds = Rounds {
             model,
             prepared: &prepared,

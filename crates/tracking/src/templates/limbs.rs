@@ -10,7 +10,7 @@ use super::pictures::{Held, Pictures, Template};
 use super::steps::{Record, TemplateStep};
 use crate::body::{Kinematics, Pose};
 use crate::geometry::rotation::exp;
-use crate::residual::joint_limit;
+use crate::residual::pose_prior;
 
 /// What a pixel in another template is worth beside one of the subject's that is free; background is worth −1.
 const CLAIMED: f64 = 0.1;
@@ -118,7 +118,7 @@ fn untwist(frame: &Frame<'_>, pose: &mut Pose, [upper, lower]: [&Segment; 2]) {
         let mut pose = pose.clone();
         pose.rotations[upper.rotation] *= exp(limb(upper).direction * twist);
         frame.point(&mut pose, lower, along);
-        (joint_limit::cost(frame.model, &pose, 1.0), pose)
+        (pose_prior::limit_cost(frame.model, &pose, 1.0), pose)
     };
     // From none to half a turn, either way: the first of equals twists least.
     let twists = (0..=TWISTS)

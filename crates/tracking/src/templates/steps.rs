@@ -11,7 +11,7 @@ use super::pictures::{Pictures, Template};
 use super::{limbs, trunk};
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{FitView, Prepared, Stage};
+use crate::fit::{FitView, PreparedFit, Stage};
 use crate::particles::{Likelihood, LikelihoodMemory};
 use crate::search::{Place, reduced};
 
@@ -73,7 +73,7 @@ pub fn place(
     options.check()?;
     let frame = Frame::new(model).ok_or_else(|| TemplateError::NoHead { model: model.name().to_owned() })?;
     let at_rest = Pose::rest(model);
-    let seen = Prepared::new(model, views.to_vec(), &at_rest, &options.fit, |_, _, _| 0.0)?.views;
+    let seen = PreparedFit::new(model, views.to_vec(), &at_rest, &options.fit, |_, _, _| 0.0)?.views;
     let place = Place::of(&seen, options.up, frame.stance.height(), cancel)?;
     let standing = frame.stance.pose(model, place.middle(), place.up, place.to_cameras);
     let seen = reduced(model, &seen, &standing);

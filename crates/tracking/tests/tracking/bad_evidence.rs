@@ -2,27 +2,22 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::body::{Model, Parameters, Pose, builtin};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView, Preset};
-use backlit_tracking::metrics::JointErrors;
+use backlit_tracking::metrics::{JointErrors, mean_joint_error_mm};
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use backlit_tracking::track::{FrameEstimate, Track, Tracker};
 use glam::DVec3;
 
+use crate::fixtures::{LEFT_AND_RIGHT, camera_pair, mask};
+
 const SIZE: [usize; 2] = [80, 60];
 
 fn cameras() -> [Arc<Camera>; 2] {
-    [("left", DVec3::new(1.6, 0.4, 2.0)), ("right", DVec3::new(-1.9, 0.5, 1.7))].map(|(name, centre)| {
-        let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.25, 0.0), DVec3::Y);
-        let intrinsics = Intrinsics { fx: 105.0, fy: 105.0, cx: 39.5, cy: 29.5 };
-        Arc::new(
-            Camera::new(name, SIZE.map(|side| side as u64), intrinsics, Distortion::None, place).unwrap(),
-        )
-    })
+    camera_pair(LEFT_AND_RIGHT, SIZE.map(|side| side as u64), 105.0, DVec3::Y)
 }
 
 /// Where the body is in a frame: it turns and moves a little.
@@ -34,12 +29,6 @@ fn truth(model: &Model, frame: usize) -> Pose {
         *value = 0.2 * (index as f64 * 1.7).sin() + 0.02 * time * (index as f64).cos();
     }
     Pose::rest(model).retract(Parameters::Tangent, &step)
-}
-
-fn silhouette(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
-    let drawn = predict(model, &Kinematics::new(model, pose), camera, RendererKind::Capsule, Ramp::Half);
-    let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-    Mask::new(SIZE[0], SIZE[1], drawn.lambda.iter().map(label).collect()).unwrap()
 }
 
 fn filled(label: Label) -> Mask {
@@ -56,13 +45,11 @@ fn views(masks: [Mask; 2]) -> Vec<FitView> {
 }
 
 fn seen(model: &Model, frame: usize) -> [Mask; 2] {
-    cameras().map(|camera| silhouette(model, &truth(model, frame), &camera))
+    cameras().map(|camera| mask(model, &truth(model, frame), &camera))
 }
 
 fn error_mm(model: &Model, frame: usize, pose: &Pose) -> f64 {
-    let (a, b) = (Kinematics::new(model, pose), Kinematics::new(model, &truth(model, frame)));
-    let sum: f64 = a.ends().iter().zip(b.ends()).map(|(a, b)| a.distance(*b)).sum();
-    1000.0 * sum / a.ends().len() as f64
+    mean_joint_error_mm(model, pose, &truth(model, frame))
 }
 
 /// The same but for the rounding of unit quaternions.

@@ -1,13 +1,14 @@
 //! Pictures for the screen against the reference kernel: every renderer, ramp, odd size and view.
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, Distortion};
 use backlit_tracking::render::{BodyMotion, MOST_ERROR, draw_plainly, jacobian_along};
-use backlit_tracking::render::{Drawing, Prediction, Ramp, RendererKind, View, Wanted, draw};
+use backlit_tracking::render::{DrawOptions, Drawing, Prediction, Ramp, RendererKind, View, draw};
 use backlit_tracking::search::start;
 use glam::DVec3;
 
 use crate::bodies::with_own_spheres;
+use crate::fixtures;
 
 const RAMPS: [Ramp; 7] = [
     Ramp::Thesis,
@@ -32,11 +33,15 @@ const FLAT_DERIVATIVE_TOLERANCE: f32 = 1e-2;
 fn camera(size: [u64; 2], azimuth: f64, distance: f64, lens: Distortion) -> Camera {
     crate::vectors::choose();
     let centre = DVec3::new(distance * azimuth.cos(), 0.3, distance * azimuth.sin());
-    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.25, 0.1), DVec3::Y);
     let f = 1.1 * size[0].max(size[1]) as f64;
-    let pinhole =
-        Intrinsics { fx: f, fy: 1.02 * f, cx: 0.5 * size[0] as f64 - 0.7, cy: 0.5 * size[1] as f64 + 0.4 };
-    Camera::new("camera", size, pinhole, lens, place).unwrap()
+    fixtures::lens_camera(
+        lens,
+        size,
+        [f, 1.02 * f, 0.5 * size[0] as f64 - 0.7, 0.5 * size[1] as f64 + 0.4],
+        centre,
+        DVec3::new(0.0, 0.25, 0.1),
+        DVec3::Y,
+    )
 }
 
 /// All limbs as thick as each other: whole joints are ties.
@@ -69,8 +74,8 @@ impl Case {
         }
     }
 
-    fn wanted(&self) -> Wanted<'_> {
-        Wanted { gradient: true, motion: Some(&self.motion) }
+    fn wanted(&self) -> DrawOptions<'_> {
+        DrawOptions { gradient: true, motion: Some(&self.motion) }
     }
 
     /// Says where a drawing is not the oracle's.
@@ -148,8 +153,8 @@ fn full_hd_drawings_are_the_oracle_s() {
         let ramp = Ramp::Distance { inner_px: 1.5, outer_px: 1.5 };
         let case = Case::new(&body, 100 + seed as u64, &camera, *renderer, ramp);
         assert!(case.view.suits_lanes());
-        let oracle = draw_plainly(&case.view, Wanted::default());
-        case.compare(&draw(&case.view, Wanted::default()), &oracle, &mut failures);
+        let oracle = draw_plainly(&case.view, DrawOptions::default());
+        case.compare(&draw(&case.view, DrawOptions::default()), &oracle, &mut failures);
     }
     let count = failures.len();
     failures.truncate(30);
@@ -212,7 +217,7 @@ fn only_what_is_wanted_is_drawn_and_threads_change_no_bit() {
         for threads in [2, 5] {
             assert_eq!(pool(threads).install(|| draw(&case.view, case.wanted())), whole);
         }
-        let bare = draw(&case.view, Wanted::default());
+        let bare = draw(&case.view, DrawOptions::default());
         assert!(bare.gradient.is_empty() && bare.change.is_empty());
         assert_eq!(bare.prediction, whole.prediction);
     }
@@ -225,7 +230,7 @@ fn sights_are_of_the_owner() {
     let camera = camera([45, 60], 1.0, 2.0, Distortion::None);
     for renderer in RENDERERS {
         let case = Case::new(&model, 5, &camera, renderer, Ramp::Thesis);
-        let drawing = draw(&case.view, Wanted::default());
+        let drawing = draw(&case.view, DrawOptions::default());
         for (pixel, &owner) in drawing.prediction.owner.iter().enumerate() {
             let sight = case.view.seen_limb(pixel % 45, pixel / 45);
             assert_eq!(sight.map_or(u16::MAX, |sight| sight.limb as u16), owner);

@@ -4,11 +4,13 @@
 //! Pixels at a kink (the winner changes or the ramp clips within the difference step) are skipped, and few are.
 
 use backlit_tracking::body::{Kinematics, LimbSphere, Model, ModelSpec, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, Distortion, Intrinsics};
 use backlit_tracking::optimize::gradient_check::{DifferenceOptions, GradientCheck, check_jacobian};
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use glam::DVec3;
 use rayon::prelude::*;
+
+use crate::fixtures;
 
 /// Largest share of derivatives that may lie at a kink.
 const MOST_SKIPPED: f64 = 0.001;
@@ -25,16 +27,16 @@ const RAMPS: [Ramp; 4] =
 const LENS: Distortion = Distortion::OpenCv { k1: -0.2, k2: 0.06, p1: 2e-3, p2: -1e-3, k3: 0.01 };
 
 fn camera(distortion: Distortion, size: [u64; 2]) -> Camera {
-    let place = CameraFromWorld::looking_at(
+    let (width, height) = (size[0] as f64, size[1] as f64);
+    let focal = 1.6 * width;
+    fixtures::lens_camera(
+        distortion,
+        size,
+        [focal, 1.05 * focal, 0.5 * width - 0.3, 0.5 * height - 0.6],
         DVec3::new(1.3, 0.6, 2.0),
         DVec3::new(0.05, 0.25, 0.0),
         DVec3::new(0.1, 1.0, 0.0),
-    );
-    let (width, height) = (size[0] as f64, size[1] as f64);
-    let focal = 1.6 * width;
-    let intrinsics =
-        Intrinsics { fx: focal, fy: 1.05 * focal, cx: 0.5 * width - 0.3, cy: 0.5 * height - 0.6 };
-    Camera::new("camera", size, intrinsics, distortion, place).unwrap()
+    )
 }
 
 /// The upper body with three spheres of their own in every limb, off the axis and of different sizes.
@@ -240,10 +242,9 @@ fn jacobians_match_differences_of_axes_parallel_to_a_ray() {
     let mut cases = Vec::new();
     let direction = model.limbs()[0].direction;
     let aside = direction.any_orthonormal_vector();
-    let intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 10.0, cy: 8.0 };
-    let place = CameraFromWorld::looking_at(DVec3::ZERO, direction, aside);
-    let cameras = [Distortion::None, LENS]
-        .map(|lens| Camera::new("end on", [21, 17], intrinsics, lens, place).unwrap());
+    let cameras = [Distortion::None, LENS].map(|lens| {
+        fixtures::lens_camera(lens, [21, 17], [40.0, 40.0, 10.0, 8.0], DVec3::ZERO, direction, aside)
+    });
     let spheres = RendererKind::SphereTree { spheres: Some(3) };
     for renderer in [RendererKind::Cylinder, RendererKind::Capsule, spheres] {
         for ramp in RAMPS {
@@ -329,9 +330,13 @@ fn axes_parallel_to_a_ray_hold_no_nan() {
     let model = builtin::single_limb();
     let direction = model.limbs()[0].direction;
     // Odd sizes and a principal point on a pixel: the middle ray is the optical axis.
-    let intrinsics = Intrinsics { fx: 20.0, fy: 20.0, cx: 4.0, cy: 3.0 };
-    let place = CameraFromWorld::looking_at(DVec3::ZERO, direction, direction.any_orthonormal_vector());
-    let camera = Camera::new("end on", [9, 7], intrinsics, Distortion::None, place).unwrap();
+    let camera = fixtures::camera(
+        [9, 7],
+        [20.0, 20.0, 4.0, 3.0],
+        DVec3::ZERO,
+        direction,
+        direction.any_orthonormal_vector(),
+    );
     for offset in [-1.0, -0.2, 0.0, 0.5, 2.0] {
         for aside in [DVec3::ZERO, direction.any_orthonormal_vector() * 0.03] {
             let pose = Pose { root: direction * offset + aside, ..Pose::rest(&model) };

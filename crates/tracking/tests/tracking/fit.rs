@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::body::{Model, Parameters, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView, Preset, SolverSummary};
 use backlit_tracking::geometry::rotation::exp;
+use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::render::{Ramp, RendererKind, predict};
+use backlit_tracking::render::RendererKind;
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{Tracker, WhenToSearch};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+
+use crate::fixtures::{LEFT_AND_RIGHT, camera_pair, fit_view};
 
 const WIDTH: u64 = 96;
 const HEIGHT: u64 = 72;
@@ -40,26 +42,9 @@ fn scene() -> Scene {
         let limb = model.limb_index(limb).unwrap();
         truth.rotations[model.limbs()[limb].rotation] = exp(turn);
     }
-    let views =
-        [DVec3::new(1.6, 0.4, 2.0), DVec3::new(-1.9, 0.5, 1.7)].into_iter().enumerate().map(|(index, at)| {
-            let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.25, 0.0), DVec3::Y);
-            let intrinsics = Intrinsics { fx: 130.0, fy: 130.0, cx: 47.5, cy: 35.5 };
-            let name = ["left", "right"][index];
-            let camera = Camera::new(name, [WIDTH, HEIGHT], intrinsics, Distortion::None, place).unwrap();
-            view(&model, &truth, camera)
-        });
-    let views = views.collect();
+    let cameras = camera_pair(LEFT_AND_RIGHT, [WIDTH, HEIGHT], 130.0, DVec3::Y);
+    let views = cameras.map(|camera| fit_view(&model, &truth, camera)).into();
     Scene { model, truth, views }
-}
-
-fn view(model: &Model, truth: &Pose, camera: Camera) -> FitView {
-    let kinematics = Kinematics::new(model, truth);
-    let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
-    let labels =
-        drawn.lambda.iter().map(|&level| if level < 127.5 { Label::Subject } else { Label::Background });
-    let mask = Mask::new(camera.width(), camera.height(), labels.collect()).unwrap();
-    assert!(mask.count(Label::Subject) > 500, "the subject is out of the picture");
-    FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
 }
 
 fn direction(random: &mut Pcg64Mcg) -> DVec3 {
@@ -79,13 +64,6 @@ fn disturbed(pose: &Pose, seed: u64, degrees: f64, metres: f64) -> Pose {
         step.extend((direction(&mut random) * degrees.to_radians()).to_array());
     }
     pose.retract(Parameters::Tangent, &step)
-}
-
-/// Mean distance of the limbs' second joints, millimetres.
-fn joint_error_mm(model: &Model, a: &Pose, b: &Pose) -> f64 {
-    let (a, b) = (Kinematics::new(model, a), Kinematics::new(model, b));
-    let sum: f64 = a.ends().iter().zip(b.ends()).map(|(a, b)| a.distance(*b)).sum();
-    1000.0 * sum / a.ends().len() as f64
 }
 
 fn run(scene: &Scene, start: Pose, options: FitOptions) -> SolverSummary {
@@ -110,10 +88,10 @@ fn the_robust_preset_recovers_from_ten_degrees_and_five_centimetres() {
     let mut failures = Vec::new();
     for seed in 0..24 {
         let start = disturbed(&scene.truth, seed, 10.0, 0.05);
-        let before = joint_error_mm(&scene.model, &start, &scene.truth);
+        let before = mean_joint_error_mm(&scene.model, &start, &scene.truth);
         assert!(before > 50.0, "seed {seed} starts only {before:.0} mm off");
         let summary = run(&scene, start, FitOptions::preset(Preset::Robust));
-        let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
+        let after = mean_joint_error_mm(&scene.model, &summary.pose, &scene.truth);
         let is_near = after < 8.0;
         if !is_near {
             failures
@@ -134,10 +112,10 @@ fn the_report_preset_finds_half_of_the_starts_from_five_degrees() {
     let (mut found, mut lines) = (Vec::new(), Vec::new());
     for seed in 0..10 {
         let start = disturbed(&scene.truth, seed, 5.0, 0.02);
-        let before = joint_error_mm(&scene.model, &start, &scene.truth);
+        let before = mean_joint_error_mm(&scene.model, &start, &scene.truth);
         let summary = run(&scene, start, options.clone());
         assert_eq!(summary.termination, Termination::StepLimit { steps: 25 });
-        let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
+        let after = mean_joint_error_mm(&scene.model, &summary.pose, &scene.truth);
         let [first, last] = [summary.initial_cost, summary.final_cost].map(|cost| cost / at_truth);
         lines.push(format!(
             "seed {seed}: cost {first:.2} to {last:.2} of the truth's, {before:.1} to {after:.1} mm"
@@ -287,8 +265,8 @@ fn only_free_rotations_move() {
                 assert!(angle < 1e-14, "{preset}: held rotation {rotation} moved by {angle:e}");
             }
         }
-        let before = joint_error_mm(&scene.model, &start, &scene.truth);
-        let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
+        let before = mean_joint_error_mm(&scene.model, &start, &scene.truth);
+        let after = mean_joint_error_mm(&scene.model, &summary.pose, &scene.truth);
         assert!(after < before, "{preset}: {before} mm became {after} mm");
     }
 }
@@ -310,7 +288,7 @@ fn a_tracker_that_begins_far_away_searches() {
                 assert!(tracker.track_frame(0, empty, &CancelToken::new()).unwrap().is_lost());
             }
             let found = tracker.track_frame(1, scene.views.clone(), &CancelToken::new()).unwrap();
-            joint_error_mm(&scene.model, &found.pose, &scene.truth)
+            mean_joint_error_mm(&scene.model, &found.pose, &scene.truth)
         });
         println!("seed {seed}: never, when poor, always: {errors:.1?} mm");
         let [never, poor, always] = errors;

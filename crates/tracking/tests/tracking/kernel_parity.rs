@@ -1,7 +1,7 @@
 //! The lanes against the reference kernel: costs and wrench blocks, for every ramp, stride and odd view.
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
@@ -14,6 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
 use crate::bodies::with_own_spheres;
+use crate::fixtures;
 
 const RAMPS: [Ramp; 6] = [
     Ramp::Thesis,
@@ -39,11 +40,14 @@ const COST_TOLERANCE: f64 = 1e-5;
 fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
     crate::vectors::choose();
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.3);
-    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 0.1), DVec3::Z);
     let f = 1.1 * width.max(height) as f64;
-    let pinhole =
-        Intrinsics { fx: f, fy: 1.02 * f, cx: 0.5 * width as f64 - 0.7, cy: 0.5 * height as f64 + 0.4 };
-    Camera::new("camera", [width, height], pinhole, Distortion::None, place).unwrap()
+    fixtures::camera(
+        [width, height],
+        [f, 1.02 * f, 0.5 * width as f64 - 0.7, 0.5 * height as f64 + 0.4],
+        centre,
+        DVec3::new(0.0, 0.0, 0.1),
+        DVec3::Z,
+    )
 }
 
 fn view(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> View {

@@ -1,11 +1,13 @@
 //! The two ways through a lens: every pixel's own ray, or one resampling to the ideal pinhole grid.
 
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rectification};
+use backlit_tracking::camera::{Camera, Distortion, Rectification};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::search::start;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
+
+use crate::fixtures;
 
 /// A ramp, and by how many grey levels the two ways may differ: at worst in a pixel with data, and in the mean over the
 /// pixels that either way are not background. Half a level is rounding; the rest is what bilinear mixing does to a ramp that
@@ -21,9 +23,14 @@ const BARREL: Distortion = Distortion::OpenCv { k1: -0.22, k2: 0.07, p1: 1.5e-3,
 const PINCUSHION: Distortion = Distortion::OpenCv { k1: 0.16, k2: 0.02, p1: -1e-3, p2: 8e-4, k3: 0.0 };
 
 fn camera(distortion: Distortion) -> Camera {
-    let place = CameraFromWorld::looking_at(DVec3::new(1.1, 0.5, 1.4), DVec3::new(0.0, 0.2, 0.0), DVec3::Y);
-    let intrinsics = Intrinsics { fx: 170.0, fy: 173.0, cx: 97.0, cy: 70.0 };
-    Camera::new("camera", [192, 144], intrinsics, distortion, place).unwrap()
+    fixtures::lens_camera(
+        distortion,
+        [192, 144],
+        [170.0, 173.0, 97.0, 70.0],
+        DVec3::new(1.1, 0.5, 1.4),
+        DVec3::new(0.0, 0.2, 0.0),
+        DVec3::Y,
+    )
 }
 
 fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {

@@ -4,29 +4,19 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::CueOptions;
-use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
 use backlit_tracking::geometry::rotation;
-use backlit_tracking::render::{Ramp, RendererKind, predict};
-use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{
     FrameEstimate, KalmanOptions, LOST_BELOW_IOU, Lost, Motion, Tracker, TrackerMemory, WhenToSearch,
 };
 use glam::DVec3;
 
+use crate::fixtures;
+
 /// The frame in which the arm is elsewhere.
 const JUMP: usize = 8;
-
-fn cameras() -> [Arc<Camera>; 2] {
-    [("front", DVec3::new(0.0, 0.0, 3.2)), ("right", DVec3::new(3.2, 0.0, 0.0))].map(|(name, at)| {
-        let intrinsics = Intrinsics { fx: 260.0, fy: 260.0, cx: 95.5, cy: 71.5 };
-        let middle = DVec3::new(0.0, 0.25, 0.0);
-        let place = CameraFromWorld::looking_at(at, middle, DVec3::NEG_Y);
-        Arc::new(Camera::new(name, [192, 144], intrinsics, Distortion::None, place).unwrap())
-    })
-}
 
 /// A body that sways a little; from [`JUMP`] on with one arm swung up, as after missing frames.
 fn truth(model: &Model, frame: usize) -> Pose {
@@ -40,14 +30,8 @@ fn truth(model: &Model, frame: usize) -> Pose {
 }
 
 fn views(model: &Model, pose: &Pose) -> Vec<FitView> {
-    let kinematics = Kinematics::new(model, pose);
-    let view = |camera: Arc<Camera>| {
-        let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
-        let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-        let mask = Mask::new(192, 144, drawn.lambda.iter().map(label).collect()).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
-    };
-    cameras().into_iter().map(view).collect()
+    let cameras = fixtures::camera_pair(fixtures::FRONT_AND_RIGHT, [192, 144], 260.0, DVec3::NEG_Y);
+    cameras.map(|camera| fixtures::fit_view(model, pose, camera)).into()
 }
 
 fn tracker(model: &Arc<Model>, search: WhenToSearch) -> Tracker {

@@ -11,6 +11,7 @@ mod drawing;
 mod errata;
 mod finite_differences;
 mod fit;
+mod fixtures;
 mod footage;
 mod golden;
 mod kernel_parity;

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::filter::consistency::{chi_square_bounds, normalised_square};
 use backlit_tracking::filter::update::update;
@@ -12,7 +12,6 @@ use backlit_tracking::filter::{Belief, ConstantVelocity, Innovation, tangent};
 use backlit_tracking::fit::{Evidence, FitOptions, FitView};
 use backlit_tracking::geometry::rotation;
 use backlit_tracking::metrics::mean_joint_error_mm;
-use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{Begins, FrameEstimate, KalmanOptions, Motion, Tracker};
 use glam::DVec3;
@@ -20,6 +19,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
+
+use crate::fixtures;
 
 const RATE: f64 = 30.0;
 
@@ -33,22 +34,14 @@ fn truth(model: &Model, frame: f64) -> Pose {
 }
 
 fn views(model: &Model, pose: Option<&Pose>) -> Vec<FitView> {
-    let view = |(name, at): (&str, DVec3)| {
-        let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 95.5, cy: 71.5 };
-        let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.25, 0.0), DVec3::NEG_Y);
-        let camera = Arc::new(Camera::new(name, [192, 144], intrinsics, Distortion::None, place).unwrap());
-        let mask = match pose {
-            Some(pose) => {
-                let kinematics = backlit_tracking::body::Kinematics::new(model, pose);
-                let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
-                let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-                Mask::new(192, 144, drawn.lambda.iter().map(label).collect()).unwrap()
-            }
-            None => Mask::filled(192, 144, Label::Background).unwrap(),
-        };
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    let view = |camera: Arc<Camera>| match pose {
+        Some(pose) => fixtures::fit_view(model, pose, camera),
+        None => {
+            let mask = Mask::filled(192, 144, Label::Background).unwrap();
+            FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        }
     };
-    [("front", DVec3::new(0.0, 0.0, 3.2)), ("right", DVec3::new(3.2, 0.0, 0.0))].map(view).into()
+    fixtures::camera_pair(fixtures::FRONT_AND_RIGHT, [192, 144], 200.0, DVec3::NEG_Y).map(view).into()
 }
 
 fn motions() -> [Motion; 2] {

@@ -1,19 +1,20 @@
 //! The sums that a fit steps on, against the long way: dense Jacobians for pixels, differences for priors.
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::geometry::rotation::{log, swing_twist};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use backlit_tracking::residual::point::PointTarget;
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
-use backlit_tracking::residual::{joint_limit, point, proximal_prior, rest_prior};
+use backlit_tracking::residual::{Loss, point, pose_prior};
 use backlit_tracking::silhouette::Measurement;
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
+use crate::fixtures::{self, BOTH};
+
 /// Largest relative error of sums in f32 lanes. Where two limbs share a joint they tie, and rounding may give
 /// such a pixel to either: with raw coefficients its stretch then counts for the other limb.
 const FAST_TOLERANCE: f64 = 5e-5;
@@ -45,11 +46,14 @@ fn cameras(model: &Model, up: DVec3) -> Vec<Camera> {
     let across = up.any_orthonormal_vector();
     [across, up.cross(across)]
         .iter()
-        .enumerate()
-        .map(|(index, side)| {
-            let place = CameraFromWorld::looking_at(centre + (*side * 3.5 + up * 0.7) * radius, centre, up);
-            let intrinsics = Intrinsics { fx: 70.0, fy: 72.0, cx: 25.3, cy: 21.8 };
-            Camera::new(&format!("{index}"), [52, 44], intrinsics, Distortion::None, place).unwrap()
+        .map(|side| {
+            fixtures::camera(
+                [52, 44],
+                [70.0, 72.0, 25.3, 21.8],
+                centre + (*side * 3.5 + up * 0.7) * radius,
+                centre,
+                up,
+            )
         })
         .collect()
 }
@@ -295,7 +299,9 @@ fn priors_match_differences_of_their_residuals() {
                     parameters,
                     &pose,
                     |equations, pose| {
-                        proximal_prior::add(equations, parameters, pose, &reference, turn, root);
+                        let loss = Loss::Squares;
+                        let factor = root / turn;
+                        pose_prior::add_proximal(equations, parameters, pose, &reference, turn, factor, loss);
                     },
                     |pose| {
                         let turns = pose.rotations.iter().zip(&reference.rotations);
@@ -311,7 +317,7 @@ fn priors_match_differences_of_their_residuals() {
                     &from("rest prior"),
                     parameters,
                     &pose,
-                    |equations, pose| rest_prior::add(equations, parameters, &model, pose, 7.0),
+                    |equations, pose| pose_prior::add_rest(equations, parameters, &model, pose, 7.0),
                     |pose| {
                         let twist = |(rotation, q): (usize, &DQuat)| {
                             let owner = model.rotation_owners()[rotation];
@@ -349,7 +355,7 @@ fn check_limits(name: &str, model: &Model, parameters: Parameters, pose: &Pose, 
         weighted(weight, each)
     };
     let add = |equations: &mut NormalEquations, pose: &Pose| {
-        joint_limit::add(equations, parameters, model, pose, weight);
+        pose_prior::add_limits(equations, parameters, model, pose, weight);
     };
     check_prior(name, parameters, pose, add, excess, failures);
 }
@@ -381,6 +387,6 @@ fn check_point(name: &str, model: &Model, parameters: Parameters, pose: &Pose, f
 fn a_pose_within_its_limits_costs_nothing() {
     let model = builtin::full_body();
     let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(model.rotation_count()));
-    joint_limit::add(&mut equations, Parameters::Tangent, &model, &Pose::rest(&model), 300.0);
+    pose_prior::add_limits(&mut equations, Parameters::Tangent, &model, &Pose::rest(&model), 300.0);
     assert_eq!(equations, NormalEquations::zeros(equations.columns()));
 }

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use backlit_lab::synthetic::capsules::hard_mask;
 use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Preset};
 use backlit_tracking::observability::{Cause, FrameInformation, Noise, Visibility, camera_subsets};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use glam::{DQuat, DVec3};
 use nalgebra::{DVector, Matrix3, Vector3};
+
+use crate::fixtures;
 
 fn options() -> FitOptions {
     FitOptions::preset(Preset::Robust)
@@ -220,10 +222,14 @@ fn a_limb_outside_all_pictures_is_without_bound() {
     let forearm = model.limb_index("right forearm").unwrap();
     let elbow = ends.starts()[forearm];
     // The right edge of the picture goes through the elbow.
-    let place = CameraFromWorld::looking_at(DVec3::new(0.0, 0.3, 2.5), DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
     let project = |cx: f64| {
-        let intrinsics = Intrinsics { fx: 160.0, fy: 160.0, cx, cy: 60.0 };
-        Camera::new("front", [120, 120], intrinsics, Distortion::None, place).unwrap()
+        fixtures::camera(
+            [120, 120],
+            [160.0, 160.0, cx, 60.0],
+            DVec3::new(0.0, 0.3, 2.5),
+            DVec3::new(0.0, 0.3, 0.0),
+            DVec3::Y,
+        )
     };
     let off = project(60.0).project(elbow).unwrap().x;
     let camera = Arc::new(project(if off < 60.0 { 60.0 - off - 14.0 } else { 60.0 + 119.0 - off + 14.0 }));

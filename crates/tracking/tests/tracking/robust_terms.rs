@@ -3,72 +3,34 @@
 use std::sync::Arc;
 
 use backlit_lab::synthetic::{capsules, upper_body};
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
+use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::residual::Loss;
 use backlit_tracking::residual::interpenetration::{self, LimbPairs};
-use backlit_tracking::residual::proximal_prior;
+use backlit_tracking::residual::pose_prior;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Label;
-use nalgebra::DVector;
 
-const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
-
-/// A pose with every joint turned.
-fn pose(model: &Model, phase: f64, size: f64) -> Pose {
-    let columns = Parameters::Tangent.columns(model.rotation_count());
-    let step: Vec<f64> = (0..columns).map(|i| size * (i as f64 * 1.7 + phase).sin()).collect();
-    Pose::rest(model).retract(Parameters::Tangent, &step)
-}
-
-/// −2 Jᵀρ against central differences of the cost, all columns reported at once. Returns the cost.
-fn check_gradient(
-    name: &str,
-    parameters: Parameters,
-    pose: &Pose,
-    add: impl Fn(&mut NormalEquations, &Pose),
-    failures: &mut Vec<String>,
-) -> f64 {
-    let columns = parameters.columns(pose.rotations.len());
-    let at = |pose: &Pose| {
-        let mut equations = NormalEquations::zeros(columns);
-        add(&mut equations, pose);
-        equations
-    };
-    let here = at(pose);
-    let h = 1e-6;
-    let numeric = DVector::from_fn(columns, |column, _| {
-        let cost = |offset: f64| at(&pose.nudged(parameters, column, offset)).cost;
-        -0.5 * (cost(h) - cost(-h)) / (2.0 * h)
-    });
-    let scale = 1.0 + numeric.amax();
-    for column in 0..columns {
-        if (numeric[column] - here.jtr[column]).abs() > 1e-5 * scale {
-            let (numeric, analytic) = (numeric[column], here.jtr[column]);
-            failures.push(format!("{name}, {parameters:?}, column {column}: {analytic} for {numeric}"));
-        }
-    }
-    here.cost
-}
+use crate::fixtures::{BOTH, bent, check_gradient};
 
 #[test]
 fn robust_proximal_priors_match_differences() {
     let model = builtin::upper_body();
-    let reference = pose(&model, 2.1, 0.3);
+    let reference = bent(&model, 0.3, 2.1);
     let mut failures = Vec::new();
     let scale = 0.35;
     for loss in [Loss::Squares, Loss::Huber { scale }, Loss::Cauchy { scale }, Loss::Tukey { scale }] {
         for (phase, size) in [(0.3, 0.1), (1.7, 0.4)] {
-            let pose = pose(&model, phase, size);
+            let pose = bent(&model, size, phase);
             for parameters in BOTH {
                 let name = format!("{loss:?}, pose {phase}");
                 let add = |equations: &mut NormalEquations, pose: &Pose| {
-                    proximal_prior::add_robust(equations, parameters, pose, &reference, 30.0, 11.0, loss);
+                    pose_prior::add_proximal(equations, parameters, pose, &reference, 30.0, 11.0, loss);
                 };
-                let cost = check_gradient(&name, parameters, &pose, add, &mut failures);
+                let cost = check_gradient(&name, parameters, &pose, add, 1e-5, &mut failures).cost;
                 assert!(cost > 0.0, "{name}");
             }
         }
@@ -83,7 +45,7 @@ fn interpenetration_matches_differences() {
     for model in [builtin::upper_body(), builtin::full_body()] {
         let pairs = LimbPairs::of(&model);
         for phase in 0..8 {
-            let pose = pose(&model, f64::from(phase), 0.9);
+            let pose = bent(&model, 0.9, f64::from(phase));
             for parameters in BOTH {
                 let name = format!("{}, pose {phase}", model.name());
                 let add = |equations: &mut NormalEquations, pose: &Pose| {
@@ -91,7 +53,7 @@ fn interpenetration_matches_differences() {
                     let memory = &mut Vec::new();
                     interpenetration::add(equations, parameters, &model, &kinematics, &pairs, 1e4, memory);
                 };
-                let cost = check_gradient(&name, parameters, &pose, add, &mut failures);
+                let cost = check_gradient(&name, parameters, &pose, add, 1e-5, &mut failures).cost;
                 overlapping += usize::from(cost > 0.0);
             }
         }

@@ -3,9 +3,11 @@
 use backlit_tracking::body::{
     Kinematics, LimbSphere, Model, ModelError, Parameters, Pose, SphereLevel, builtin,
 };
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use glam::DVec3;
+
+use crate::fixtures;
 
 const OWN: RendererKind = RendererKind::SphereTree { spheres: None };
 
@@ -38,13 +40,13 @@ fn body(error: f64) -> Model {
 }
 
 fn camera(size: [u64; 2], distance: f64, aside: f64) -> Camera {
-    let place = CameraFromWorld::looking_at(
+    fixtures::camera(
+        size,
+        [70.0, 74.0, 30.0, 21.0],
         DVec3::new(aside, 0.4, distance),
         DVec3::new(1.5 * aside, 0.3, 0.0),
         DVec3::Y,
-    );
-    let intrinsics = Intrinsics { fx: 70.0, fy: 74.0, cx: 30.0, cy: 21.0 };
-    Camera::new("c", size, intrinsics, Distortion::None, place).unwrap()
+    )
 }
 
 fn bent(model: &Model, seed: usize) -> Pose {

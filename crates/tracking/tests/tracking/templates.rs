@@ -4,18 +4,16 @@
 use std::sync::Arc;
 
 use backlit_lab::experiment::starts::{Draw, Level};
+use backlit_tracking::body::Model;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView};
+use backlit_tracking::fit::{Fit, FitError, FitOptions, FitView};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::metrics::mean_joint_error_mm;
-use backlit_tracking::render::{Ramp, RendererKind, predict};
-use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::templates::{Placed, TemplateError, TemplateOptions, place};
 use glam::{DQuat, DVec3};
 
-use backlit_tracking::body::Model;
+use crate::fixtures;
 
 /// Somebody who stands with the arms away from the trunk and the feet apart, turned by some angle.
 fn standing(model: &Model, heading: f64) -> Pose {
@@ -38,18 +36,11 @@ fn standing(model: &Model, heading: f64) -> Pose {
 }
 
 fn views(model: &Model, pose: &Pose, count: usize) -> Vec<FitView> {
-    let kinematics = Kinematics::new(model, pose);
     let view = |index: usize| {
         let angle = 0.4 + 1.3 * index as f64;
-        let at = DVec3::new(3.6 * angle.cos(), 3.6 * angle.sin(), 1.4);
-        let place = CameraFromWorld::looking_at(at, DVec3::new(0.15, 0.0, 0.95), DVec3::Z);
-        let pinhole = Intrinsics { fx: 220.0, fy: 220.0, cx: 79.5, cy: 79.5 };
-        let camera =
-            Camera::new(&format!("cam{index}"), [160, 160], pinhole, Distortion::None, place).unwrap();
-        let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
-        let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-        let mask = Mask::new(160, 160, drawn.lambda.iter().map(label).collect()).unwrap();
-        FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        let from = DVec3::new(3.6 * angle.cos(), 3.6 * angle.sin(), 1.4);
+        let (at, intrinsics) = (DVec3::new(0.15, 0.0, 0.95), [220.0, 220.0, 79.5, 79.5]);
+        fixtures::fit_view(model, pose, fixtures::camera([160, 160], intrinsics, from, at, DVec3::Z))
     };
     (0..count).map(view).collect()
 }

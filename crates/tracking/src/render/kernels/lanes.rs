@@ -31,26 +31,22 @@
 //! | `grid` | one camera's data, packed in tiles |
 //! | `solid` | constants of a solid |
 //! | `outline` | the tiles that a part may touch, and those that it darkens |
-//! | `ground` | all solids of a view and their tiles |
-//! | `band` | what is known of some tile rows, and the list of their tiles |
-//! | `dark` | the tiles that solids darken altogether |
+//! | `ground` | all solids of a view, their tiles, and those that they darken altogether |
+//! | `band` | what is known of some tile rows, the list of their tiles, and what winners cost |
 //! | `masks` | what is done in some lanes and not in others |
 //! | `winners` | the darkest part of every pixel |
-//! | `settle` | what winners cost, and the tiles in which each part pulls |
 //! | `pull` | forces of the pixels that a part has won, summed |
 //! | `whole` | the same of solids that have no parts |
 //! | `sums` | a solid's sums as a block |
 //! | `drawing` | whole pictures for the screen |
 
 mod band;
-mod dark;
 mod drawing;
 mod grid;
 mod ground;
 mod masks;
 mod outline;
 mod pull;
-mod settle;
 mod solid;
 mod sums;
 mod whole;
@@ -82,26 +78,26 @@ pub(crate) struct Lanes {
     sums: Vec<SolidSums>,
 }
 
-/// What a thread notes down while it goes through a picture, of which nothing is asked afterwards. One set serves all
-/// cameras and all fits: it stays in the second cache, and a fit that begins has no fresh memory to clear.
+/// A thread's buffers for one picture. One set serves all cameras and all fits: it stays in the second cache, and a fit
+/// that begins has no fresh memory to clear.
 #[derive(Debug, Default)]
-struct Notes {
+struct Scratch {
     band: Band,
     collected: Collected,
 }
 
 thread_local! {
-    static NOTES: Cell<Notes> = Cell::default();
+    static SCRATCH: Cell<Scratch> = Cell::default();
 }
 
-impl Notes {
-    /// Does work with the thread's notes. Work within work has notes of its own.
+impl Scratch {
+    /// Does work with the thread's buffers. Work within work has buffers of its own.
     fn with<T>(grid: &PixelGrid, work: impl FnOnce(&mut Self) -> T) -> T {
-        let mut notes = NOTES.take();
-        notes.band.resize(grid.band_tile_rows() * grid.entries());
-        notes.collected.reserve();
-        let found = work(&mut notes);
-        NOTES.set(notes);
+        let mut scratch = SCRATCH.take();
+        scratch.band.resize(grid.band_tile_rows() * grid.entries());
+        scratch.collected.reserve();
+        let found = work(&mut scratch);
+        SCRATCH.set(scratch);
         found
     }
 }
@@ -126,7 +122,9 @@ impl Lanes {
     }
 
     fn pass(&mut self, grid: &PixelGrid, pulls: bool) -> f64 {
-        Notes::with(grid, |notes| run_in_lanes(grid.tile.lanes(), Pass { lanes: self, notes, grid, pulls }))
+        Scratch::with(grid, |scratch| {
+            run_in_lanes(grid.tile.lanes(), Pass { lanes: self, scratch, grid, pulls })
+        })
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
@@ -134,8 +132,8 @@ impl Lanes {
     pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
         let grid = PixelGrid::without_data([view.width(), view.height()]);
         self.prepare(view, &grid);
-        Notes::with(&grid, |notes| {
-            run_in_lanes(grid.tile.lanes(), Look { lanes: self, notes, grid: &grid, see });
+        Scratch::with(&grid, |scratch| {
+            run_in_lanes(grid.tile.lanes(), Visit { lanes: self, scratch, grid: &grid, see });
         });
     }
 
@@ -159,7 +157,7 @@ impl PixelGrid {
 
 struct Pass<'a> {
     lanes: &'a mut Lanes,
-    notes: &'a mut Notes,
+    scratch: &'a mut Scratch,
     grid: &'a PixelGrid,
     pulls: bool,
 }
@@ -169,7 +167,7 @@ impl WithSimd for Pass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { lanes: Lanes { ground, sums }, notes: Notes { band, collected }, grid, pulls } = self;
+        let Self { lanes: Lanes { ground, sums }, scratch: Scratch { band, collected }, grid, pulls } = self;
         ground.cut_spans::<S, true>(simd, grid.tile_rows());
         let mut cost = 0.0;
         for rows in grid.bands() {
@@ -186,19 +184,19 @@ impl WithSimd for Pass<'_> {
 }
 
 /// [`Lanes::look`] as it is dispatched.
-struct Look<'a, F> {
+struct Visit<'a, F> {
     lanes: &'a mut Lanes,
-    notes: &'a mut Notes,
+    scratch: &'a mut Scratch,
     grid: &'a PixelGrid,
     see: F,
 }
 
-impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
+impl<F: FnMut(usize, usize, &[f32])> WithSimd for Visit<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes: Lanes { ground, .. }, notes: Notes { band, .. }, grid, mut see } = self;
+        let Self { lanes: Lanes { ground, .. }, scratch: Scratch { band, .. }, grid, mut see } = self;
         ground.cut_spans::<S, true>(simd, grid.tile_rows());
         let mut line = Vec::new();
         for rows in grid.bands() {

@@ -52,7 +52,6 @@ impl RowWinners {
 
     /// Index into [`View::primitives`] of the solid that wins pixel x; `None` for background.
     #[inline]
-    #[must_use]
     pub(crate) fn winner(&self, x: usize) -> Option<usize> {
         match self.winners[x] {
             NOBODY => None,
@@ -62,13 +61,11 @@ impl RowWinners {
 
     /// λ/255 before clipping at pixel x: above 0 and below 1 on a ramp.
     #[inline]
-    #[must_use]
     pub(crate) fn level(&self, x: usize) -> f64 {
         self.levels[x]
     }
 
     /// Columns that any solid may touch: from the first sampled one, end excluded.
-    #[must_use]
     pub(crate) fn touched(&self) -> std::ops::Range<usize> {
         self.touched.0..self.touched.1.max(self.touched.0)
     }

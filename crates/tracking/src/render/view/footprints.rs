@@ -5,7 +5,8 @@
 use glam::DVec3;
 
 use crate::body::{Kinematics, Model, Parameters, Pose, builtin};
-use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use crate::camera::{Camera, Distortion};
+use crate::fixtures;
 use crate::render::{Ramp, RendererKind, View, prediction};
 
 const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
@@ -22,10 +23,16 @@ const RENDERERS: [RendererKind; 4] = [
 
 fn camera(distortion: Distortion, size: [u64; 2], distance: f64, azimuth: f64) -> Camera {
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.2);
-    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 0.1), DVec3::Z);
     let f = 0.8 * size[0].max(size[1]) as f64;
     let (cx, cy) = (0.4 * size[0] as f64, 0.55 * size[1] as f64);
-    Camera::new("camera", size, Intrinsics { fx: f, fy: 1.04 * f, cx, cy }, distortion, place).unwrap()
+    fixtures::lens_camera(
+        distortion,
+        size,
+        [f, 1.04 * f, cx, cy],
+        centre,
+        DVec3::new(0.0, 0.0, 0.1),
+        DVec3::Z,
+    )
 }
 
 /// Complains of every pixel that is not background and lies in no box of the solid that makes it so.

@@ -12,7 +12,7 @@ use super::stance::{self, Stance};
 use super::{Candidate, Doubt, Rated, WithoutStart, WithoutStartError};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::fit::{FitOptions, Prepared, Stage};
+use crate::fit::{FitOptions, PreparedFit, Stage};
 use crate::geometry::rotation::log;
 use crate::posing;
 use crate::render::BACKGROUND;
@@ -57,7 +57,7 @@ const ONE_SIDED: f64 = 0.3;
 /// A search in front of its pictures.
 pub(super) struct Rounds<'a> {
     pub(super) model: &'a Arc<Model>,
-    pub(super) prepared: &'a Prepared,
+    pub(super) prepared: &'a PreparedFit,
     /// At the pictures' scale.
     pub(super) options: &'a FitOptions,
     pub(super) choices: &'a WithoutStart,

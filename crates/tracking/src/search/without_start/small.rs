@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::body::{Model, Pose};
 use crate::camera::{Camera, Intrinsics};
-use crate::fit::{Evidence, FitView, Scale};
+use crate::fit::{ApparentSize, Evidence, FitView};
 use crate::silhouette::{Label, Mask};
 
 /// Radius of the thinnest limb that the search is meant for, pixels: that of the robust preset.
@@ -13,7 +13,7 @@ const MEANT_FOR_PX: f64 = 4.6;
 /// The views with every block of pixels made one, where the thinnest limb is twice as thick as it need be and more. Grey
 /// levels stay as they are.
 pub(crate) fn reduced(model: &Model, views: &[FitView], pose: &Pose) -> Vec<FitView> {
-    let factor = (Scale::of(model, views, pose).thinnest_px / MEANT_FOR_PX).floor();
+    let factor = (ApparentSize::of(model, views, pose).thinnest_px / MEANT_FOR_PX).floor();
     if !(factor.is_finite() && factor >= 2.0) {
         return views.to_vec();
     }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::band::{Band, Places, solid_of};
 use super::grid::PixelGrid;
-use super::ground::{Ground, Part};
+use super::ground::{Ground, SolidPart};
 use super::masks::{lane_bits, on_ramp, put_f32s};
 use super::pull::{axis_force, ball_force, depth_rate};
 use super::solid::LaneSolid;
@@ -22,7 +22,7 @@ use super::whole::Force;
 use super::winners::AxisLanes;
 use crate::processor::run_in_lanes;
 use crate::render::View;
-use crate::render::drawing::{Drawing, MOST_ERROR, Strip, Wanted};
+use crate::render::drawing::{DrawOptions, Drawing, MOST_ERROR, Strip};
 use crate::render::jacobian::BodyMotion;
 use crate::render::prediction::NO_OWNER;
 use crate::render::primitive::Solid;
@@ -32,7 +32,7 @@ use crate::render::ramp::BACKGROUND;
 const LEAST_BANDS: usize = 4;
 
 /// Fills the pictures of a drawing that come in background. [`View::suits_lanes`] must hold.
-pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
+pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
     let grid = PixelGrid::without_data([view.width(), view.height()]);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
@@ -46,10 +46,10 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     let error = ground.solids.iter().map(|solid| solid.error).fold(0.0, f32::max);
     let plan = Plan { ground, grid, view, wanted, limbs, rates, error };
     let strips = drawing.strips(plan.grid.band_tile_rows() * plan.grid.tile.rows);
-    let draw = |scratch: &mut Scratch, strip: Strip<'_>| {
+    let draw = |scratch: &mut DrawScratch, strip: Strip<'_>| {
         run_in_lanes(plan.grid.tile.lanes(), DrawBand { plan: &plan, scratch, strip });
     };
-    strips.into_par_iter().with_min_len(LEAST_BANDS).for_each_init(Scratch::default, draw);
+    strips.into_par_iter().with_min_len(LEAST_BANDS).for_each_init(DrawScratch::default, draw);
 }
 
 struct CutSpans<'a> {
@@ -71,7 +71,7 @@ struct Plan<'a> {
     ground: Ground,
     grid: PixelGrid,
     view: &'a View,
-    wanted: Wanted<'a>,
+    wanted: DrawOptions<'a>,
     /// By solid.
     limbs: Vec<u16>,
     /// By solid, if a motion is looked at.
@@ -109,7 +109,7 @@ impl SolidRate {
 
 /// A thread's memory.
 #[derive(Debug, Default)]
-struct Scratch {
+struct DrawScratch {
     band: Band,
     gradients: Vec<f32>,
     changes: Vec<f32>,
@@ -127,7 +127,7 @@ struct Lines {
 
 struct DrawBand<'a> {
     plan: &'a Plan<'a>,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut DrawScratch,
     strip: Strip<'a>,
 }
 
@@ -161,7 +161,7 @@ impl WithSimd for DrawBand<'_> {
     }
 }
 
-impl Scratch {
+impl DrawScratch {
     /// Copies what is known of a row's columns to the pictures.
     #[inline(always)]
     fn put_row(
@@ -225,7 +225,7 @@ fn doubts<S: Simd>(
     }
 }
 
-impl Scratch {
+impl DrawScratch {
     /// How strongly the pixels of a band pull and how they change, where that is wanted; zero where they do not.
     #[inline(always)]
     fn derive_band<S: Simd>(&mut self, simd: S, plan: &Plan<'_>, rows: &Range<usize>) {
@@ -273,13 +273,13 @@ impl<S: Simd> Force<S> {
     #[inline(always)]
     fn of_part(
         simd: S,
-        (solid, part): (&LaneSolid, Part),
+        (solid, part): (&LaneSolid, SolidPart),
         rays: [S::f32s; 2],
         (level, fraction): (S::f32s, S::f32s),
     ) -> Self {
         let cap = [simd.splat_f32s(0.0); 3];
         match (part, &solid.sight) {
-            (Part::Axis, Some(sight)) => {
+            (SolidPart::Axis, Some(sight)) => {
                 let axis = AxisLanes::new(simd, solid, sight);
                 let distance = solid.ramp.distance.map(|part| simd.splat_f32s(part));
                 let distance = if solid.ramp.is_linear { Some(distance) } else { None };
@@ -291,7 +291,7 @@ impl<S: Simd> Force<S> {
                 });
                 Self { f, cap, fraction }
             }
-            (Part::Ball(end), _) => {
+            (SolidPart::Ball(end), _) => {
                 let f = ball_force(simd, (solid, end), rays, level);
                 Self { f, cap, fraction: simd.splat_f32s(end as f32) }
             }

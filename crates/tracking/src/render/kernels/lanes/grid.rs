@@ -30,7 +30,7 @@ impl Tile {
         Self::of_lanes(S::F32_LANES)
     }
 
-    /// A tile that fills a vector of so many f32.
+    /// A tile that fills a vector of `lanes` f32.
     const fn of_lanes(lanes: usize) -> Self {
         let columns = if lanes < TILE_COLUMNS { lanes } else { TILE_COLUMNS };
         Self { columns, rows: lanes / columns }
@@ -89,7 +89,6 @@ pub(crate) struct TileData<'a> {
 impl PixelGrid {
     /// Every `stride`-th pixel of row-major pictures D and its weights, `width` pixels across, from the middle
     /// of the first block on.
-    #[must_use]
     pub(crate) fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
         let size = [width, values.len() / width.max(1)];
         Self::of_rows(size, stride, |pixels, row_values, row_weights| {
@@ -100,7 +99,6 @@ impl PixelGrid {
 
     /// The same of a picture of a width and a height whose rows are worked out: `fill` hears which pixels a row has, and
     /// writes their D and their weights. Rows without samples are never asked for.
-    #[must_use]
     pub(crate) fn of_rows(
         size: [usize; 2],
         stride: usize,
@@ -132,7 +130,6 @@ impl PixelGrid {
     }
 
     /// Every pixel of a picture of a width and a height, without data: for looking at the winners alone.
-    #[must_use]
     pub(super) fn without_data([columns, rows]: [usize; 2]) -> Self {
         let tile = Tile::default();
         let pitch = (columns * tile.rows).next_multiple_of(PADDING.max(tile.lanes())) / tile.lanes();
@@ -164,7 +161,6 @@ impl PixelGrid {
 
     /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
     /// weight so far.
-    #[must_use]
     pub(crate) fn reweighted(&self, mut weight_of: impl FnMut(usize, usize, f32, f32) -> f32) -> Self {
         let mut weights = vec![0.0; self.tile_rows() * self.entries()];
         for row in 0..self.rows {
@@ -179,14 +175,12 @@ impl PixelGrid {
 
     /// Tile rows of the picture.
     #[inline]
-    #[must_use]
     pub(crate) fn tile_rows(&self) -> usize {
         self.rows.div_ceil(self.tile.rows)
     }
 
     /// Entries of a tile row.
     #[inline]
-    #[must_use]
     pub(crate) fn entries(&self) -> usize {
         self.pitch * self.tile.lanes()
     }
@@ -202,7 +196,6 @@ impl PixelGrid {
 
     /// D and weight of a sampled pixel.
     #[inline]
-    #[must_use]
     pub(crate) fn at(&self, row: usize, column: usize) -> (f32, f32) {
         let entry = self.entry(row, column);
         (self.values[entry], self.weights[if self.weighs_one() { entry % self.entries() } else { entry }])
@@ -216,7 +209,6 @@ impl PixelGrid {
 
     /// The data of a tile row.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn tile_row(&self, tile_row: usize) -> TileData<'_> {
         let entries = tile_row * self.entries()..(tile_row + 1) * self.entries();
         let weights = if self.weighs_one() { &self.weights[..] } else { &self.weights[entries.clone()] };
@@ -260,13 +252,11 @@ impl PixelGrid {
 
     /// Pixel coordinate of a sampled column or row.
     #[inline]
-    #[must_use]
     pub(crate) fn pixel(&self, index: usize) -> usize {
         self.offset + index * self.stride
     }
 
     /// First sampled column or row at or after a pixel, at most `limit`.
-    #[must_use]
     pub(crate) fn index_from(&self, pixel: usize, limit: usize) -> usize {
         let past = pixel.saturating_sub(self.offset);
         // A division takes as long as a dozen other steps.

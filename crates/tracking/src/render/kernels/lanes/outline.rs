@@ -45,12 +45,12 @@ impl Lattice {
 
 /// `slope` · tile row + `start`, a column.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct RowLine {
     slope: f32,
     start: f32,
 }
 
-impl Line {
+impl RowLine {
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, tile_rows: S::f32s) -> S::f32s {
         simd.mul_add_e_f32s(simd.splat_f32s(self.slope), tile_rows, simd.splat_f32s(self.start))
@@ -59,7 +59,7 @@ impl Line {
 
 /// Of a tile row, all rows count or any does.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Rows {
+pub(super) enum RowRule {
     Any,
     All,
 }
@@ -67,15 +67,16 @@ pub(super) enum Rows {
 /// A half of the picture as a lowest and a highest column, one of which is beyond all.
 #[derive(Debug, Clone, Copy)]
 struct Half {
-    low: Line,
-    high: Line,
+    low: RowLine,
+    high: RowLine,
 }
 
 impl Half {
-    const ALL: Self = Self { low: Line { slope: 0.0, start: -FAR }, high: Line { slope: 0.0, start: FAR } };
+    const ALL: Self =
+        Self { low: RowLine { slope: 0.0, start: -FAR }, high: RowLine { slope: 0.0, start: FAR } };
 
     /// Where n·e ≤ 0.
-    fn new(n: DVec3, rows: Rows, lattice: &Lattice) -> Self {
+    fn new(n: DVec3, rows: RowRule, lattice: &Lattice) -> Self {
         let tile_rows = lattice.tile.rows as f64;
         let by_row = n.y * lattice.step[1];
         let by_column = {
@@ -87,10 +88,10 @@ impl Half {
         // The worst or the best of a tile row's rows, and a little more.
         let spread = 0.5 * by_row.abs() * (tile_rows - 1.0) + SLACK * (by_row.abs() + by_column.abs());
         let middle = first + 0.5 * by_row * (tile_rows - 1.0);
-        let value = if rows == Rows::Any { middle - spread } else { middle + spread };
+        let value = if rows == RowRule::Any { middle - spread } else { middle + spread };
         let inverse = -1.0 / by_column;
         let start = (value * inverse).clamp(f64::from(-f32::MAX), f64::from(f32::MAX)) as f32;
-        let line = Line { slope: (by_row * tile_rows * inverse) as f32, start };
+        let line = RowLine { slope: (by_row * tile_rows * inverse) as f32, start };
         if by_column > 0.0 { Self { high: line, ..Self::ALL } } else { Self { low: line, ..Self::ALL } }
     }
 }
@@ -101,7 +102,7 @@ pub(super) struct Bounds([Half; HALVES]);
 
 impl Bounds {
     /// Where all of some halves n·e ≤ 0 are.
-    pub(super) fn new<const N: usize>(normals: [DVec3; N], rows: Rows, lattice: &Lattice) -> Self {
+    pub(super) fn new<const N: usize>(normals: [DVec3; N], rows: RowRule, lattice: &Lattice) -> Self {
         let mut halves = [Half::ALL; HALVES];
         for (half, normal) in halves.iter_mut().zip(normals) {
             *half = Half::new(normal, rows, lattice);
@@ -111,7 +112,7 @@ impl Bounds {
 
     /// The same from a first column to a last; there must be a half to spare.
     pub(super) fn and_columns(mut self, [first, last]: [f64; 2]) -> Self {
-        let line = |column: f64| Line { slope: 0.0, start: column as f32 };
+        let line = |column: f64| RowLine { slope: 0.0, start: column as f32 };
         self.0[HALVES - 1] = Half { low: line(first - SLACK), high: line(last + SLACK) };
         self
     }
@@ -237,7 +238,7 @@ impl BallOutline {
             row: (y - y0) / dy,
             middle: [(slope * dy * column) as f32, ((slope * y - m2 * inverse - x0) * column) as f32],
             square: [bend as f32, top as f32],
-            cut: cut.map_or(Half::ALL, |normal| Half::new(normal, Rows::Any, lattice)),
+            cut: cut.map_or(Half::ALL, |normal| Half::new(normal, RowRule::Any, lattice)),
         }
     }
 

@@ -17,7 +17,7 @@ use pulp::Simd;
 
 use super::band::{Band, Places};
 use super::grid::{PixelGrid, TileData};
-use super::ground::{Ground, Part};
+use super::ground::{Ground, SolidPart};
 use super::masks::on_ramp;
 use super::solid::{AxisSight, LaneSolid, Shape};
 use super::sums::{AXIS_SUMS, BALL_SUMS, SolidSums};
@@ -106,11 +106,11 @@ impl Collected {
             let tiles = &band.tiles[work.tiles.clone()];
             let by_depth = solid.ramp.by_depth;
             match (work.part, &solid.sight) {
-                (Part::Axis, Some(sight)) => {
+                (SolidPart::Axis, Some(sight)) => {
                     let part = (solid, sight);
                     sum_axis(simd, &pulling, part, (owner, tiles), &mut self.vectors, &mut sums.axis);
                 }
-                (Part::Ball(end), _) => {
+                (SolidPart::Ball(end), _) => {
                     let sums = &mut sums.balls[end];
                     match by_depth {
                         None => sum_ball::<S, false>(simd, &pulling, (solid, end), owner, tiles, sums),

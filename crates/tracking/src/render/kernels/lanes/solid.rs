@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::grid::PixelGrid;
-use super::outline::{BallOutline, Bounds, Lattice, Rows};
+use super::outline::{BallOutline, Bounds, Lattice, RowRule};
 use crate::camera::Intrinsics;
 use crate::render::primitive::{Footprint, Primitive, Solid};
 use crate::render::ramp::{RampForm, SolidRamp};
@@ -30,9 +30,9 @@ pub(super) struct LaneSolid {
     /// What is nearest to a ray.
     pub shape: Shape,
     /// First joint, from which t is counted.
-    pub start: Joint,
+    pub start: LaneJoint,
     /// Second joint; used by flat caps.
-    pub end: Joint,
+    pub end: LaneJoint,
     /// a = p1 − p0, metres.
     pub a: Vec3,
     /// a / z₀: the axis in units of the first joint's depth.
@@ -116,7 +116,7 @@ pub(super) struct GridBox {
 
 /// A joint p = z ê with ê = (x, y, 1).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Joint {
+pub(super) struct LaneJoint {
     pub x: f32,
     pub y: f32,
     pub z: f32,
@@ -181,8 +181,8 @@ impl LaneSolid {
             limb: primitive.limb,
             primitive: 0,
             shape,
-            start: Joint::new(p0, axis),
-            end: Joint::new(p1, axis),
+            start: LaneJoint::new(p0, axis),
+            end: LaneJoint::new(p1, axis),
             a: a.as_vec3(),
             axis: axis.as_vec3(),
             cross: (p0 / p0.z).cross(axis).as_vec3(),
@@ -204,7 +204,7 @@ impl LaneSolid {
 impl LaneSolid {
     /// Its first joint or its second.
     #[inline(always)]
-    pub(super) fn joint(&self, end: usize) -> &Joint {
+    pub(super) fn joint(&self, end: usize) -> &LaneJoint {
         if end == 0 { &self.start } else { &self.end }
     }
 }
@@ -274,13 +274,13 @@ impl AxisFrame {
         let [low, high] = self.edges(ramp.reach());
         let axis = Bounds::new(
             [low, high, -beyond(start, start.min(0.0) * bend), beyond(end, end.max(0.0) * bend)],
-            Rows::Any,
+            RowRule::Any,
             lattice,
         );
         let core = ramp.darkness().map(|darkness| {
             let [low, high] = self.edges(darkness * (1.0 - 1e3 * REACH_MARGIN));
             let ends = [-beyond(start, start.max(0.0) * bend), beyond(end, end.min(0.0) * bend)];
-            Bounds::new([low, high, ends[0], ends[1]], Rows::All, lattice)
+            Bounds::new([low, high, ends[0], ends[1]], RowRule::All, lattice)
         });
         let cuts = [beyond(start, start.max(0.0) * bend), -beyond(end, end.min(0.0) * bend)];
         let balls = [0, 1].map(|end| BallOutline::new(joints[end], reach, Some(cuts[end]), lattice));
@@ -300,7 +300,7 @@ fn error(ramp: &SolidRamp, p0: DVec3, p1: DVec3) -> f32 {
     (steepness * distance + ROUNDINGS * rounding * offset.abs().max(1.0)) as f32
 }
 
-impl Joint {
+impl LaneJoint {
     fn new(p: DVec3, axis: DVec3) -> Self {
         let unit = p / p.z;
         Self { x: unit.x as f32, y: unit.y as f32, z: p.z as f32, axis_along: axis.dot(unit) as f32 }
@@ -336,8 +336,8 @@ impl GridBox {
     fn within(&self, halves: Option<[DVec3; 2]>, lattice: &Lattice) -> Bounds {
         let [low, high] = self.columns.map(|column| column as f64);
         let bounds = match halves {
-            Some(halves) => Bounds::new(halves, Rows::Any, lattice),
-            None => Bounds::new([], Rows::Any, lattice),
+            Some(halves) => Bounds::new(halves, RowRule::Any, lattice),
+            None => Bounds::new([], RowRule::Any, lattice),
         };
         bounds.and_columns([low, high - 1.0])
     }

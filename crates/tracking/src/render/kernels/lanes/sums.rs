@@ -4,8 +4,7 @@ use glam::DVec3;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
 
 use super::solid::{Anchor, AxisSight, LaneSolid, Outline, Shape};
-use crate::render::joint_forces::JointBlock;
-use crate::render::wrench::{Wrench, WrenchBlock};
+use crate::render::wrench::{JointBlock, Wrench, WrenchBlock};
 
 /// Sums of an axis with f = [S, T]: Σ f fᵀ, Σ t f fᵀ, Σ t² f fᵀ (upper triangles), Σ ρ f, Σ t ρ f, and with c = ∂λ/∂z
 /// Σ c f, Σ c t f, Σ c², Σ c ρ.

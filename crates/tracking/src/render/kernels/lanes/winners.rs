@@ -6,9 +6,9 @@ use pulp::Simd;
 
 use super::band::{Band, Cells, Places};
 use super::grid::PixelGrid;
-use super::ground::{Ground, Part};
+use super::ground::{Ground, SolidPart};
 use super::masks::put_f32s;
-use super::solid::{AxisSight, GridBox, Joint, LaneSolid, Shape};
+use super::solid::{AxisSight, GridBox, LaneJoint, LaneSolid, Shape};
 
 /// f32 of this size have no digits after the point: adding and taking it away rounds to a whole number.
 const ROUNDER: f32 = 12_582_912.0;
@@ -53,7 +53,7 @@ impl Ground {
             let tiles = &tiles[work.tiles.clone()];
             let (owner, is_linear) = (work.owner, solid.ramp.is_linear);
             match (work.part, &solid.sight) {
-                (Part::Axis, Some(sight)) if is_linear => {
+                (SolidPart::Axis, Some(sight)) if is_linear => {
                     challenge_axis::<S, DOUBTS, true>(
                         simd,
                         (solid, sight),
@@ -63,7 +63,7 @@ impl Ground {
                         &mut cells,
                     );
                 }
-                (Part::Axis, Some(sight)) => {
+                (SolidPart::Axis, Some(sight)) => {
                     challenge_axis::<S, DOUBTS, false>(
                         simd,
                         (solid, sight),
@@ -73,13 +73,13 @@ impl Ground {
                         &mut cells,
                     );
                 }
-                (Part::Ball(end), _) if is_linear => {
+                (SolidPart::Ball(end), _) if is_linear => {
                     challenge_ball::<S, DOUBTS, true>(simd, (solid, end), owner, tiles, &places, &mut cells);
                 }
-                (Part::Ball(end), _) => {
+                (SolidPart::Ball(end), _) => {
                     challenge_ball::<S, DOUBTS, false>(simd, (solid, end), owner, tiles, &places, &mut cells);
                 }
-                (Part::Whole, Some(sight)) if solid.shape == Shape::Capsule => {
+                (SolidPart::Whole, Some(sight)) if solid.shape == Shape::Capsule => {
                     let part = (solid, sight);
                     if is_linear {
                         challenge_capsule::<S, DOUBTS, true>(
@@ -430,7 +430,7 @@ pub(super) struct FlatHit<S: Simd> {
 
 impl<S: Simd> FlatHit<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, solid: &LaneSolid, joint: &Joint, [x, y]: [S::f32s; 2]) -> Self {
+    pub(super) fn new(simd: S, solid: &LaneSolid, joint: &LaneJoint, [x, y]: [S::f32s; 2]) -> Self {
         let splat = |value: f32| simd.splat_f32s(value);
         let (dx, dy) = (simd.sub_f32s(x, splat(joint.x)), simd.sub_f32s(y, splat(joint.y)));
         let across = simd.mul_f32s(splat(solid.axis.y), dy);

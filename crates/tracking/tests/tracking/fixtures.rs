@@ -1,0 +1,121 @@
+//! What tests of the core share, within the crate and outside it: cameras, poses, silhouettes, derivatives against differences.
+
+#![allow(dead_code, reason = "the crate's own tests use some, those outside it others")]
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::optimize::NormalEquations;
+use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use backlit_tracking::silhouette::{Label, Mask};
+use glam::DVec3;
+
+/// Both parametrisations.
+pub(crate) const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
+
+/// A lens that bends nothing, but is one.
+pub(crate) const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+
+/// An ideal camera with these intrinsics, fx, fy, cx and cy, that looks from a place at another.
+pub(crate) fn camera(size: [u64; 2], intrinsics: [f64; 4], from: DVec3, at: DVec3, up: DVec3) -> Camera {
+    named_camera("camera", Distortion::None, size, intrinsics, from, at, up)
+}
+
+/// The same with a lens.
+pub(crate) fn lens_camera(
+    lens: Distortion,
+    size: [u64; 2],
+    intrinsics: [f64; 4],
+    from: DVec3,
+    at: DVec3,
+    up: DVec3,
+) -> Camera {
+    named_camera("camera", lens, size, intrinsics, from, at, up)
+}
+
+/// The same with a name.
+pub(crate) fn named_camera(
+    name: &str,
+    lens: Distortion,
+    size: [u64; 2],
+    [fx, fy, cx, cy]: [f64; 4],
+    from: DVec3,
+    at: DVec3,
+    up: DVec3,
+) -> Camera {
+    let place = CameraFromWorld::looking_at(from, at, up);
+    Camera::new(name, size, Intrinsics { fx, fy, cx, cy }, lens, place).unwrap()
+}
+
+/// Two cameras that look at the upper body, the principal point in the middle of the picture.
+pub(crate) fn camera_pair(
+    places: [(&str, DVec3); 2],
+    size: [u64; 2],
+    focal_px: f64,
+    up: DVec3,
+) -> [Arc<Camera>; 2] {
+    let [cx, cy] = size.map(|side| 0.5 * (side as f64 - 1.0));
+    let (middle, lens) = (DVec3::new(0.0, 0.25, 0.0), Distortion::None);
+    let intrinsics = [focal_px, focal_px, cx, cy];
+    places.map(|(name, at)| Arc::new(named_camera(name, lens, size, intrinsics, at, middle, up)))
+}
+
+/// From the left and from the right, in front of the upper body.
+pub(crate) const LEFT_AND_RIGHT: [(&str, DVec3); 2] =
+    [("left", DVec3::new(1.6, 0.4, 2.0)), ("right", DVec3::new(-1.9, 0.5, 1.7))];
+
+/// From the front and from the right, at right angles.
+pub(crate) const FRONT_AND_RIGHT: [(&str, DVec3); 2] =
+    [("front", DVec3::new(0.0, 0.0, 3.2)), ("right", DVec3::new(3.2, 0.0, 0.0))];
+
+/// A pose with every joint turned by up to `amount` radians, and the root moved.
+pub(crate) fn bent(model: &Model, amount: f64, phase: f64) -> Pose {
+    let columns = Parameters::Tangent.columns(model.rotation_count());
+    let step: Vec<f64> = (0..columns).map(|i| amount * (i as f64 * 1.7 + phase).sin()).collect();
+    Pose::rest(model).retract(Parameters::Tangent, &step)
+}
+
+/// The silhouette of a body of capsules.
+pub(crate) fn mask(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
+    let kinematics = Kinematics::new(model, pose);
+    let view = View::new(model, &kinematics, camera, RendererKind::Capsule, Ramp::Half);
+    let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
+    let labels = prediction::covered(&view).into_iter().map(label).collect();
+    Mask::new(camera.width(), camera.height(), labels).unwrap()
+}
+
+/// What a camera that sees such a silhouette contributes to a fit.
+pub(crate) fn fit_view(model: &Model, pose: &Pose, camera: impl Into<Arc<Camera>>) -> FitView {
+    let camera = camera.into();
+    let evidence = Evidence::Mask(Arc::new(mask(model, pose, &camera)));
+    FitView { camera, evidence, weight: 1.0 }
+}
+
+/// −2 Jᵀρ of what a residual adds against central differences of the cost, all columns reported at once. Returns what it adds.
+pub(crate) fn check_gradient(
+    name: &str,
+    parameters: Parameters,
+    pose: &Pose,
+    add: impl Fn(&mut NormalEquations, &Pose),
+    tolerance: f64,
+    failures: &mut Vec<String>,
+) -> NormalEquations {
+    let columns = parameters.columns(pose.rotations.len());
+    let at = |pose: &Pose| {
+        let mut equations = NormalEquations::zeros(columns);
+        add(&mut equations, pose);
+        equations
+    };
+    let (here, h) = (at(pose), 1e-6);
+    for column in 0..columns {
+        let cost = |offset: f64| at(&pose.nudged(parameters, column, offset)).cost;
+        let numeric = -0.5 * (cost(h) - cost(-h)) / (2.0 * h);
+        let analytic = here.jtr[column];
+        if (numeric - analytic).abs() > tolerance * (1.0 + here.jtr.amax()) {
+            failures.push(format!("{name}, {parameters:?}, column {column}: {analytic} for {numeric}"));
+        }
+    }
+    here
+}
