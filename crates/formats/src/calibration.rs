@@ -3,9 +3,9 @@
 //! | file | format |
 //! |---|---|
 //! | [`backlit`] | `backlit-cameras 1`, our own JSON |
-//! | [`matrices`] | JSON with `OpenCV`'s matrices K, R, t a camera |
-//! | [`qualisys`] | Qualisys Track Manager's `.qca.txt` XML |
-//! | `opencv`, `opencv_xml` | `OpenCV`'s `FileStorage` as YAML, XML and JSON, and JSON written by hand |
+//! | `matrices` | JSON with `OpenCV`'s matrices K, R, t a camera |
+//! | `qualisys` | Qualisys Track Manager's `.qca.txt` XML |
+//! | `opencv`, `xml` | `OpenCV`'s `FileStorage` as YAML, XML and JSON, and JSON written by hand |
 //! | `easymocap` | `EasyMocap`'s `intri.yml` and `extri.yml` |
 //! | `anipose` | TOML of Anipose, `Pose2Sim` and `FreeMoCap` |
 //! | `caliscope` | Caliscope's `camera_array.toml` |
@@ -15,15 +15,15 @@
 //! | `opencap`, `pickle` | `OpenCap`'s pickles, read without running anything |
 //! | [`mod@write`] | the formats that are written |
 //!
-//! `node` is the tree that YAML, XML, JSON and TOML are brought to, `yaml` the reader of two of them, `lens` turns
-//! numbers into lenses, and `part` makes a rig of what one or two files tell.
+//! `tree` is what YAML, XML, JSON and TOML are brought to, `yaml` and `xml` read such texts, `lens` turns numbers into
+//! lenses, and `partial` makes a rig of what one or two files say.
 
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::camera::{Camera, CameraError, Rig};
+use backlit_tracking::camera::{Camera, Rig};
 
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, json_text, text};
-use part::Parts;
+use super::{DiskFiles, FileError, FileProblem, TakeFiles, text};
+use partial::PartialCameras;
 
 mod anipose;
 pub mod backlit;
@@ -32,18 +32,18 @@ mod colmap;
 mod easymocap;
 mod kalibr;
 mod lens;
-pub mod matrices;
-mod node;
+mod matrices;
 mod opencap;
 mod opencv;
-mod opencv_xml;
-mod part;
+mod partial;
 mod pickle;
-pub mod qualisys;
+mod qualisys;
 mod ros;
 mod transforms;
+mod tree;
 mod vicon;
 pub mod write;
+mod xml;
 mod yaml;
 
 /// Largest calibration file that is read, bytes.
@@ -92,12 +92,12 @@ pub struct Calibration {
     /// The cameras that can be used.
     pub rig: Rig,
     /// Those that cannot.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedCamera>,
 }
 
 /// A camera of a file that is not in the rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct SkippedCamera {
     /// As the file calls it.
     pub name: String,
     /// Why.
@@ -109,7 +109,7 @@ enum Content {
     /// Whole cameras.
     Rig(Rig),
     /// Cameras that may lack something.
-    Parts(Parts),
+    Partial(PartialCameras),
 }
 
 /// Parses the content of a calibration of any of the formats; `path` is for the error's message, and for the name of a
@@ -167,19 +167,17 @@ pub fn load_pair(
     let parts = |path: &Path| {
         let bytes = DiskFiles.read(path, MAX_BYTES)?;
         match content(path, &bytes, options)? {
-            Content::Parts(parts) => Ok(parts),
+            Content::Partial(parts) => Ok(parts),
             Content::Rig(_) => {
-                let (found, expected) = ("a whole calibration", "only the lenses or only the places");
-                let (field, found) = ("cameras".to_owned(), found.to_owned());
-                let problem = FileProblem::Field { field, found, expected: expected.to_owned() };
-                Err(FileError::new(path, problem))
+                let expected = "only the lenses or only the places";
+                Err(FileProblem::field("cameras", "a whole calibration", expected).at(path, None))
             }
         }
     };
     let (lenses, places) = (parts(intrinsics)?, parts(extrinsics)?);
     let is_swapped = lenses.lacks_lenses() && places.lacks_places();
     let (lenses, places) = if is_swapped { (places, lenses) } else { (lenses, places) };
-    Parts::joined(places, lenses).calibration(extrinsics, options)
+    PartialCameras::joined(places, lenses).calibration(extrinsics, options)
 }
 
 /// As [`read`], of any files.
@@ -201,18 +199,18 @@ fn load_from(
         return load_from(files, &inside, options);
     }
     let found = match content(path, &files.read(path, MAX_BYTES)?, options)? {
-        Content::Parts(parts) if parts.lacks_lenses() != parts.lacks_places() => parts,
+        Content::Partial(parts) if parts.lacks_lenses() != parts.lacks_places() => parts,
         whole => return finish(path, whole, options),
     };
     let Some(other) = companions(path).into_iter().find(|other| files.exists(other)) else {
         return found.calibration(path, options);
     };
     match content(&other, &files.read(&other, MAX_BYTES)?, options)? {
-        Content::Parts(beside) if found.lacks_places() && !beside.lacks_places() => {
-            Parts::joined(beside, found).calibration(path, options)
+        Content::Partial(beside) if found.lacks_places() && !beside.lacks_places() => {
+            PartialCameras::joined(beside, found).calibration(path, options)
         }
-        Content::Parts(beside) if found.lacks_lenses() && !beside.lacks_lenses() => {
-            Parts::joined(found, beside).calibration(path, options)
+        Content::Partial(beside) if found.lacks_lenses() && !beside.lacks_lenses() => {
+            PartialCameras::joined(found, beside).calibration(path, options)
         }
         _ => found.calibration(path, options),
     }
@@ -235,7 +233,7 @@ fn companions(path: &Path) -> Vec<PathBuf> {
 fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<Calibration, FileError> {
     match content {
         Content::Rig(rig) => Ok(rig.into()),
-        Content::Parts(parts) => parts.calibration(path, options),
+        Content::Partial(parts) => parts.calibration(path, options),
     }
 }
 
@@ -245,38 +243,36 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
         return Err(FileError::new(path, FileProblem::TooLarge { limit: MAX_BYTES }));
     }
     if let [0x80, 2..=5, ..] = bytes {
-        return opencap::parts(path, bytes).map(Content::Parts);
+        return opencap::parts(path, bytes).map(Content::Partial);
     }
     if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
-        let (found, expected) = ("a MATLAB file", "another format: MATLAB's files are not read");
-        let (field, found, expected) = ("format".to_owned(), found.to_owned(), expected.to_owned());
-        return Err(FileError::new(path, FileProblem::Field { field, found, expected }));
+        let expected = "another format: MATLAB's files are not read";
+        return Err(FileProblem::field("format", "a MATLAB file", expected).at(path, None));
     }
     let content = text::decode(path, bytes)?;
     let first = content.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
     let parts = match first.unwrap_or_default() {
-        first if first.starts_with('<') => match opencv_xml::root_name(content) {
-            "opencv_storage" => opencv::parts(path, &opencv_xml::parse(path, content)?)?,
+        first if first.starts_with('<') => match xml::root_name(content) {
+            "opencv_storage" => opencv::parts(path, &xml::parse(path, content)?)?,
             "Cameras" => vicon::parts(path, content)?,
-            _ => return qualisys::parse(path, content, options).map(Content::Rig),
+            _ => qualisys::parts(path, content, options.size)?,
         },
         first if first.starts_with('{') => {
             if says_its_format(content) {
                 return backlit::parse(path, content, options).map(Content::Rig);
             }
-            json_text::parse::<serde::de::IgnoredAny>(path, content)?;
-            let node = yaml::parse(path, content)?;
+            let node = tree::from_json(path, content)?;
             let is_matrices = node.get("cameras").is_some_and(matrices::is_one);
             if transforms::is_one(&node) {
                 transforms::parts(path, &node)?
             } else if is_matrices || node.entries().is_empty() {
-                return matrices::parse(path, content, options).map(Content::Rig);
+                matrices::parts(path, &node, options.size)?
             } else {
                 opencv::parts(path, &node)?
             }
         }
         first if is_toml(first) => {
-            let node = node::from_toml(path, content)?;
+            let node = tree::from_toml(path, content)?;
             if caliscope::is_one(&node) {
                 caliscope::parts(path, &node)?
             } else {
@@ -295,10 +291,10 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
         }
         _ => match colmap::which(content) {
             Some(which) => colmap::parts(path, content, which)?,
-            None => return Err(FileError::new(path, FileProblem::UnknownCalibration)),
+            None => return Err(FileProblem::UnknownCalibration.at(path, None)),
         },
     };
-    Ok(Content::Parts(parts))
+    Ok(Content::Partial(parts))
 }
 
 /// Whether a first line is a table's head or `key = value`.
@@ -341,55 +337,35 @@ fn stem(path: &Path) -> String {
 
 fn says_its_format(text: &str) -> bool {
     #[derive(serde::Deserialize)]
-    struct Head {
+    struct FormatOnly {
         format: Option<serde::de::IgnoredAny>,
     }
-    match serde_json::from_str::<Head>(text) {
-        Ok(head) => head.format.is_some(),
+    match serde_json::from_str::<FormatOnly>(text) {
+        Ok(found) => found.format.is_some(),
         Err(_) => text.contains("\"backlit-cameras"),
     }
 }
 
-/// The camera for pictures of another size of the same proportions.
-fn sized(camera: Camera, size: Option<[u64; 2]>) -> Result<Camera, SizeProblem> {
-    let Some([width, height]) = size else { return Ok(camera) };
-    if [width, height] == [camera.width() as u64, camera.height() as u64] {
-        return Ok(camera);
-    }
-    let stretch = (width as f64 / camera.width() as f64) / (height as f64 / camera.height() as f64);
-    if (stretch - 1.0).abs() > PROPORTION_TOLERANCE {
-        return Err(SizeProblem::Proportions { found: [camera.width(), camera.height()] });
-    }
-    camera.resized(width, height).map_err(SizeProblem::Camera)
-}
-
-enum SizeProblem {
-    Proportions { found: [usize; 2] },
-    Camera(CameraError),
-}
-
-/// The error for a camera that does not come in the size asked for.
-fn size_error(path: &Path, camera: &str, size: [u64; 2], problem: SizeProblem) -> FileError {
-    let problem = match problem {
-        SizeProblem::Camera(error) => FileProblem::Camera { camera: camera.to_owned(), error },
-        SizeProblem::Proportions { found: [width, height] } => FileProblem::Field {
-            field: format!("cameras.{camera}"),
-            found: format!("for pictures of {width}×{height}"),
-            expected: format!("the proportions of {}×{}", size[0], size[1]),
-        },
-    };
-    FileError::new(path, problem)
-}
-
 /// The rig of these cameras, each for pictures of the size asked for.
 fn rig(path: &Path, cameras: Vec<Camera>, size: Option<[u64; 2]>) -> Result<Rig, FileError> {
-    let mut fitted = Vec::with_capacity(cameras.len());
-    for camera in cameras {
-        let name = camera.name().to_owned();
-        let wanted = size.unwrap_or_default();
-        fitted.push(sized(camera, size).map_err(|problem| size_error(path, &name, wanted, problem))?);
+    let sized = |camera: Camera| match size {
+        Some(size) if size != [camera.width() as u64, camera.height() as u64] => resized(path, &camera, size),
+        _ => Ok(camera),
+    };
+    let cameras = cameras.into_iter().map(sized).collect::<Result<_, _>>()?;
+    Rig::new(cameras).map_err(|error| FileProblem::Rig { error }.at(path, None))
+}
+
+/// The camera for pictures of another size of the same proportions.
+fn resized(path: &Path, camera: &Camera, [width, height]: [u64; 2]) -> Result<Camera, FileError> {
+    let stretch = (width as f64 / camera.width() as f64) / (height as f64 / camera.height() as f64);
+    if (stretch - 1.0).abs() > PROPORTION_TOLERANCE {
+        let found = format!("for pictures of {}×{}", camera.width(), camera.height());
+        let expected = format!("the proportions of {width}×{height}");
+        return Err(FileProblem::field(format!("cameras.{}", camera.name()), found, expected).at(path, None));
     }
-    Rig::new(fitted).map_err(|error| FileError::new(path, FileProblem::Rig { error }))
+    let failed = |error| FileProblem::Camera { camera: camera.name().to_owned(), error }.at(path, None);
+    camera.resized(width, height).map_err(failed)
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ impl FileError {
     /// A problem of a whole file.
     #[must_use]
     pub fn new(path: &Path, problem: FileProblem) -> Self {
-        Self { path: path.to_owned(), line: None, problem: Box::new(problem) }
+        problem.at(path, None)
     }
 
     /// The same at a line, counted from 1.
@@ -157,6 +157,24 @@ pub enum FileProblem {
     PictureTooLarge { found: [usize; 2] },
     #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
     PictureSize { found: [usize; 2], expected: [usize; 2] },
+}
+
+impl FileProblem {
+    /// A field that holds something else than what is expected.
+    pub fn field(field: impl Into<String>, found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Field { field: field.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// A text that its format does not allow.
+    pub fn syntax(format: TextFormat, message: impl Into<String>) -> Self {
+        Self::Syntax { format, field: None, message: message.into() }
+    }
+
+    /// The error of a file with this problem, at a line where one is known.
+    #[must_use]
+    pub fn at(self, path: &Path, line: impl Into<Option<usize>>) -> FileError {
+        FileError { path: path.to_owned(), line: line.into(), problem: Box::new(self) }
+    }
 }
 
 /// A text format that a library parses for us.

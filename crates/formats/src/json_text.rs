@@ -41,7 +41,7 @@ pub fn parse_versioned<T: DeserializeOwned>(
 ///
 /// # Errors
 /// Not JSON, or not such a value. The error names the line and the field.
-pub fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, FileError> {
+pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T, FileError> {
     serde_json::from_str(text).map_err(|error| {
         let start =
             text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();

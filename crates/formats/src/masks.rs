@@ -13,4 +13,4 @@ mod values;
 pub(crate) use evidence::{drawn, mask_of, shares};
 pub(crate) use numbers::Numbers;
 pub use values::{MaskProblem, MaskValues};
-pub(crate) use values::{Source, told};
+pub(crate) use values::{MaskSequence, values_of};

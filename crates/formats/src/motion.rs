@@ -3,24 +3,24 @@
 //!
 //! A motion lies in the world of its take, whose axes are anybody's. It is turned by `file_from_world`, so that `up` of
 //! the [`MotionOptions`] points along the file's own, and scaled to the file's unit:
-//! `p_file = scale · (file_from_world p)`. A skeleton's nodes turn by `file_from_world W file_from_body⁻¹`, where W is
-//! the world rotation of the node's limb and `file_from_body` makes the rest pose stand upright in the file.
+//! `p_file = scale · (file_from_world p)`. A skeleton's bones turn by `file_from_world W file_from_body⁻¹`, where W is
+//! the world rotation of the bone's limb and `file_from_body` makes the rest pose stand upright in the file.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `options` | [`MotionOptions`]: axes, unit, frames, names, order of angles |
 //! | `names` | joints and bones as other programs call them |
-//! | `scene` | the frames to write, in the file's axes and unit |
-//! | `skeleton` | limbs as a tree of turning nodes |
-//! | `euler` | quaternions as three angles, without jumps |
+//! | `frames` | the frames to write, in the file's axes and unit |
+//! | `bones` | limbs as a tree of bones; rotations as three angles, without jumps |
 //! | `bvh` | Biovision hierarchy |
-//! | `trc`, `mot` | OpenSim: markers, and coordinates |
+//! | `tables` | OpenSim's TRC and MOT, CSV |
 //! | `c3d` | C3D points |
-//! | `glb`, `glb_buffer`, `capsule` | glTF 2.0 with a skinned body |
-//! | `npz`, `zip` | NumPy arrays |
-//! | `rows` | CSV |
+//! | `glb` | glTF 2.0 with a skinned body |
+//! | `npz` | NumPy arrays |
 //! | `joints` | [`JointTrack`]: joints over time, of a track or a BVH |
 //! | `labels` | `labels.csv`: what motions of a folder are called |
+//!
+//! A format is a variant of [`MotionFormat`] with its row of `FORMATS`, and a function that writes it in a file of its own.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,29 +32,23 @@ use super::export::TrackExport;
 use super::export::track_read::WrittenTrack;
 use super::{FileError, FileProblem, atomic};
 
+mod bones;
 mod bvh;
 mod c3d;
-mod capsule;
-mod euler;
+mod frames;
 mod glb;
-mod glb_buffer;
 mod joints;
 mod labels;
-mod mot;
 mod names;
 mod npz;
 mod options;
-mod rows;
-mod scene;
-mod skeleton;
-mod trc;
-mod zip;
+mod tables;
 
 pub use joints::{JointTrack, parse_bvh, read_joints};
 pub use labels::{MotionLabel, parse_labels, read_labels};
 pub use options::{Axes, EulerOrder, MotionOptions, Names, Unit};
 
-use scene::Scene;
+use frames::MotionFrames;
 
 /// Most frames between the first and the last, where a format has no gaps.
 pub const MAX_FRAMES: usize = 1_000_000;
@@ -118,18 +112,20 @@ impl MotionFormat {
     /// All of them.
     pub const ALL: [Self; 7] = [Self::Bvh, Self::Trc, Self::Mot, Self::C3d, Self::Glb, Self::Npz, Self::Csv];
 
+    fn entry(self) -> &'static FormatEntry {
+        &FORMATS[self as usize]
+    }
+
     /// How its files' names end, without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Bvh => "bvh",
-            Self::Trc => "trc",
-            Self::Mot => "mot",
-            Self::C3d => "c3d",
-            Self::Glb => "glb",
-            Self::Npz => "npz",
-            Self::Csv => "csv",
-        }
+        self.entry().extension
+    }
+
+    /// What people call it.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        self.entry().label
     }
 
     /// The format whose files end like this.
@@ -141,35 +137,63 @@ impl MotionFormat {
     /// Axes and unit where none are chosen: what programs expect of such a file.
     #[must_use]
     pub fn defaults(self) -> (Axes, Unit) {
-        match self {
-            Self::Bvh => (Axes::YUp, Unit::Centimetres),
-            Self::Trc | Self::Mot | Self::Glb => (Axes::YUp, Unit::Metres),
-            Self::C3d => (Axes::ZUp, Unit::Millimetres),
-            Self::Npz | Self::Csv => (Axes::World, Unit::Metres),
-        }
+        (self.entry().axes, self.entry().unit)
     }
 }
+
+/// What there is to know of a format.
+#[derive(Debug)]
+struct FormatEntry {
+    extension: &'static str,
+    label: &'static str,
+    axes: Axes,
+    unit: Unit,
+    rest: RestPose,
+    write: fn(&MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>,
+}
+
+/// How a file's skeleton stands at rest where the file says which way is up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum RestPose {
+    /// As the body model has it.
+    AsInBody,
+    /// Upright, looking along z.
+    AlongZ,
+    /// Upright, looking along x.
+    AlongX,
+}
+
+const fn entry(
+    [extension, label]: [&'static str; 2],
+    (axes, unit): (Axes, Unit),
+    rest: RestPose,
+    write: fn(&MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>,
+) -> FormatEntry {
+    FormatEntry { extension, label, axes, unit, rest, write }
+}
+
+/// All formats, in the order of [`MotionFormat`].
+static FORMATS: [FormatEntry; 7] = [
+    entry(["bvh", "BVH"], (Axes::YUp, Unit::Centimetres), RestPose::AlongZ, bvh::to_bytes),
+    entry(["trc", "TRC"], (Axes::YUp, Unit::Metres), RestPose::AsInBody, tables::trc),
+    entry(["mot", "MOT"], (Axes::YUp, Unit::Metres), RestPose::AlongX, tables::mot),
+    entry(["c3d", "C3D"], (Axes::ZUp, Unit::Millimetres), RestPose::AsInBody, c3d::to_bytes),
+    entry(["glb", "glTF"], (Axes::YUp, Unit::Metres), RestPose::AlongZ, glb::to_bytes),
+    entry(["npz", "NumPy"], (Axes::World, Unit::Metres), RestPose::AsInBody, npz::to_bytes),
+    entry(["csv", "CSV"], (Axes::World, Unit::Metres), RestPose::AsInBody, tables::csv),
+];
 
 /// The bytes of a motion's file.
 ///
 /// # Errors
-/// No frame, a pose that is not the body's or not finite, a frame rate or `up` that is none, or more than the format
+/// No frame, a pose that is not the body's or not finite, a frame rate or `up` out of range, or more than the format
 /// can hold. The error names the field.
 pub fn to_bytes(
     format: MotionFormat,
     motion: &Motion,
     options: &MotionOptions,
 ) -> Result<Vec<u8>, FileProblem> {
-    let scene = Scene::new(format, motion, options)?;
-    match format {
-        MotionFormat::Bvh => bvh::to_bytes(&scene),
-        MotionFormat::Trc => trc::to_bytes(&scene),
-        MotionFormat::Mot => Ok(mot::to_bytes(&scene)),
-        MotionFormat::C3d => c3d::to_bytes(&scene),
-        MotionFormat::Glb => glb::to_bytes(&scene),
-        MotionFormat::Npz => npz::to_bytes(&scene),
-        MotionFormat::Csv => Ok(rows::to_bytes(&scene)),
-    }
+    (format.entry().write)(&MotionFrames::new(format.entry(), motion, options)?)
 }
 
 /// Writes a motion, whole or not at all.
@@ -182,6 +206,6 @@ pub fn write(
     motion: &Motion,
     options: &MotionOptions,
 ) -> Result<(), FileError> {
-    let bytes = to_bytes(format, motion, options).map_err(|problem| FileError::new(path, problem))?;
+    let bytes = to_bytes(format, motion, options).map_err(|problem| problem.at(path, None))?;
     atomic::write(path, &bytes)
 }

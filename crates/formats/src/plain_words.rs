@@ -54,11 +54,6 @@ pub(crate) fn plain(message: &str) -> String {
     }
 }
 
-/// What is there, of a message that says so.
-pub(crate) fn found(message: &str) -> String {
-    mismatch(message).map_or_else(|| plain(message), |(found, _)| found)
-}
-
 /// What is there and what was expected, where a message says both.
 fn mismatch(message: &str) -> Option<(String, String)> {
     if let Some(rest) = message.strip_prefix("invalid length ") {

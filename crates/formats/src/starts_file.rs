@@ -10,17 +10,16 @@
 //! `root_m` are what the writer noted for people.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use backlit_tracking::body::{self, LimbSpec, Model, ModelError, ModelSpec, Pose, PoseError};
+use backlit_tracking::body::{self, LimbSpec, Model, ModelSpec, Pose};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::fit::{Evidence, FitView};
-use backlit_tracking::silhouette::{Label, Mask, MaskError};
+use backlit_tracking::silhouette::{Label, Mask};
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use thiserror::Error;
 
 use crate::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
 use crate::json_text::{self, Entries};
@@ -43,30 +42,6 @@ pub struct Start {
     pub start: Pose,
     /// By number of cameras, what each sees.
     pub views: BTreeMap<usize, Vec<FitView>>,
-}
-
-/// Why a file of starts could not be read.
-#[derive(Debug, Error)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
-pub enum StartsFileError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{}: `model`: {error}", path.display())]
-    Model { path: PathBuf, error: ModelError },
-    #[error("{}: `model.limbs[{limb}].{field}` is {value}; expected the index of another", path.display())]
-    Limb { path: PathBuf, limb: usize, field: &'static str, value: i64 },
-    #[error("{}: `cameras.{count}`: {error}", path.display())]
-    Camera { path: PathBuf, count: usize, error: CameraError },
-    #[error("{}: `starts[{start}].{field}`: {error}", path.display())]
-    Pose { path: PathBuf, start: usize, field: &'static str, error: PoseError },
-    #[error("{}: `starts[{start}].masks.{count}` has {found} masks; expected {expected}, one a camera of `cameras.{count}`", path.display())]
-    Masks { path: PathBuf, start: usize, count: usize, found: usize, expected: usize },
-    #[error("{}: `starts[{start}].masks.{count}[{camera}]` has {found} pixels; expected {expected}", path.display())]
-    Pixels { path: PathBuf, start: usize, count: usize, camera: usize, found: usize, expected: usize },
-    #[error("{}: `starts[{start}].masks.{count}`: {error}", path.display())]
-    Mask { path: PathBuf, start: usize, count: usize, error: MaskError },
-    #[error("{}: `starts` is empty; expected at least one", path.display())]
-    Empty { path: PathBuf },
 }
 
 #[derive(Deserialize)]
@@ -135,7 +110,7 @@ type Cameras = BTreeMap<usize, Vec<Arc<Camera>>>;
 ///
 /// # Errors
 /// The first thing that is wrong, by field.
-pub fn read(path: &Path) -> Result<Vec<Start>, StartsFileError> {
+pub fn read(path: &Path) -> Result<Vec<Start>, FileError> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
 
@@ -143,48 +118,54 @@ pub fn read(path: &Path) -> Result<Vec<Start>, StartsFileError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>, StartsFileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>, FileError> {
     let file: StartsJson = json_text::parse(path, decode(path, bytes)?)?;
-    if file.starts.is_empty() {
-        return Err(StartsFileError::Empty { path: path.to_owned() });
-    }
-    let model = Arc::new(file.model.model(path)?);
-    let mut cameras = BTreeMap::new();
-    for (key, list) in &file.cameras.0 {
-        let count = counted(path, "cameras", key)?;
-        if list.len() != count {
-            let (field, found) = (format!("cameras.{key}"), format!("a list of {}", list.len()));
-            return Err(wrong(path, field, found, format!("{count} cameras")).into());
-        }
-        let camera = |(index, camera): (usize, &CameraJson)| camera.camera(index).map(Arc::new);
-        let list = list.iter().enumerate().map(camera).collect::<Result<Vec<_>, _>>();
-        let failed = |error| StartsFileError::Camera { path: path.to_owned(), count, error };
-        cameras.insert(count, list.map_err(failed)?);
-    }
-    let starts = file.starts.iter().enumerate();
-    starts.map(|(index, start)| start.start(path, index, &model, &cameras)).collect()
+    file.starts().map_err(|problem| problem.at(path, None))
 }
 
 /// A key that says how many cameras a list is for.
-fn counted(path: &Path, field: &str, key: &str) -> Result<usize, FileError> {
+fn counted(field: &str, key: &str) -> Result<usize, FileProblem> {
     let count = key.parse::<usize>().ok().filter(|count| count.to_string() == key);
-    count.ok_or_else(|| {
-        wrong(path, field.to_owned(), format!("with the key \"{key}\""), "a number of cameras".to_owned())
-    })
+    count.ok_or_else(|| FileProblem::field(field, format!("with the key \"{key}\""), "a number of cameras"))
 }
 
-fn wrong(path: &Path, field: String, found: String, expected: String) -> FileError {
-    FileError::new(path, FileProblem::Field { field, found, expected })
+/// What another type says is wrong with a field.
+fn wrong(field: String) -> impl FnOnce(&dyn std::fmt::Display) -> FileProblem {
+    move |error| FileProblem::Option { field, message: error.to_string() }
+}
+
+impl StartsJson {
+    fn starts(&self) -> Result<Vec<Start>, FileProblem> {
+        if self.starts.is_empty() {
+            return Err(FileProblem::field("starts", "empty", "at least one"));
+        }
+        let model = Arc::new(self.model.model()?);
+        let mut cameras = BTreeMap::new();
+        for (key, list) in &self.cameras.0 {
+            let count = counted("cameras", key)?;
+            if list.len() != count {
+                let found = format!("a list of {}", list.len());
+                return Err(FileProblem::field(format!("cameras.{key}"), found, format!("{count} cameras")));
+            }
+            let camera = |(index, camera): (usize, &CameraJson)| camera.camera(index).map(Arc::new);
+            let list = list.iter().enumerate().map(camera).collect::<Result<Vec<_>, _>>();
+            cameras.insert(count, list.map_err(|error| wrong(format!("cameras.{count}"))(&error))?);
+        }
+        let starts = self.starts.iter().enumerate();
+        starts.map(|(index, start)| start.start(&format!("starts[{index}]"), &model, &cameras)).collect()
+    }
 }
 
 impl ModelJson {
-    fn model(&self, path: &Path) -> Result<Model, StartsFileError> {
+    fn model(&self) -> Result<Model, FileProblem> {
         let owners: Vec<&str> =
             self.limbs.iter().filter(|limb| limb.own).map(|limb| limb.name.as_str()).collect();
         let mut limbs = Vec::with_capacity(self.limbs.len());
         for (index, limb) in self.limbs.iter().enumerate() {
-            let wrong =
-                |field, value| StartsFileError::Limb { path: path.to_owned(), limb: index, field, value };
+            let wrong = |field: &str, value: i64| {
+                let field = format!("model.limbs[{index}].{field}");
+                FileProblem::field(field, value.to_string(), "the index of another")
+            };
             let parent = match usize::try_from(limb.parent) {
                 Ok(parent) => {
                     let other = self.limbs.get(parent).ok_or_else(|| wrong("parent", limb.parent))?;
@@ -207,7 +188,7 @@ impl ModelJson {
             });
         }
         let spec = ModelSpec { format: body::FORMAT.to_owned(), name: "starts".to_owned(), limbs };
-        Model::new(&spec).map_err(|error| StartsFileError::Model { path: path.to_owned(), error })
+        Model::new(&spec).map_err(|error| wrong("model".to_owned())(&error))
     }
 }
 
@@ -223,40 +204,28 @@ impl CameraJson {
 }
 
 impl StartJson {
-    fn start(
-        &self,
-        path: &Path,
-        index: usize,
-        model: &Arc<Model>,
-        cameras: &Cameras,
-    ) -> Result<Start, StartsFileError> {
-        let pose = |field, state: &[f64]| {
-            let failed = |error| StartsFileError::Pose { path: path.to_owned(), start: index, field, error };
-            Pose::from_state(model, state).map(|pose| pose.normalized()).map_err(failed)
+    /// The start, which stands at `field` of the file.
+    fn start(&self, field: &str, model: &Arc<Model>, cameras: &Cameras) -> Result<Start, FileProblem> {
+        let pose = |name: &str, state: &[f64]| {
+            let pose = Pose::from_state(model, state).map(|pose| pose.normalized());
+            pose.map_err(|error| wrong(format!("{field}.{name}"))(&error))
         };
         if !(0.0..=360.0).contains(&self.angle_deg) {
-            let (field, found) = (format!("starts[{index}].angle_deg"), self.angle_deg.to_string());
-            return Err(wrong(path, field, found, "degrees from 0 to 360".to_owned()).into());
+            let (field, found) = (format!("{field}.angle_deg"), self.angle_deg.to_string());
+            return Err(FileProblem::field(field, found, "degrees from 0 to 360"));
         }
         let mut views = BTreeMap::new();
         for (key, masks) in &self.masks.0 {
-            let field = format!("starts[{index}].masks");
-            let count = counted(path, &field, key)?;
-            let Some(cameras) = cameras.get(&count) else {
+            let field = format!("{field}.masks");
+            let count = counted(&field, key)?;
+            let cameras = cameras.get(&count).ok_or_else(|| {
                 let found = format!("with masks of {count} cameras");
-                return Err(wrong(path, field, found, "as many as a list of `cameras` has".to_owned()).into());
-            };
-            views.insert(count, self.views(path, [index, count], cameras, masks)?);
+                FileProblem::field(&*field, found, "as many as a list of `cameras` has")
+            })?;
+            views.insert(count, masks_of(&format!("{field}.{count}"), count, cameras, masks)?);
         }
-        if let Some((count, cameras)) = cameras.iter().find(|(count, _)| !views.contains_key(*count)) {
-            let (count, expected) = (*count, cameras.len());
-            return Err(StartsFileError::Masks {
-                path: path.to_owned(),
-                start: index,
-                count,
-                found: 0,
-                expected,
-            });
+        if let Some((&count, cameras)) = cameras.iter().find(|(count, _)| !views.contains_key(*count)) {
+            masks_of(&format!("{field}.masks.{count}"), count, cameras, &[])?;
         }
         Ok(Start {
             model: Arc::clone(model),
@@ -268,43 +237,31 @@ impl StartJson {
     }
 }
 
-impl StartJson {
-    /// What a list of cameras sees.
-    fn views(
-        &self,
-        path: &Path,
-        [start, count]: [usize; 2],
-        cameras: &[Arc<Camera>],
-        masks: &[String],
-    ) -> Result<Vec<FitView>, StartsFileError> {
-        let path = || path.to_owned();
-        let (found, expected) = (masks.len(), cameras.len());
-        if found != expected {
-            return Err(StartsFileError::Masks { path: path(), start, count, found, expected });
-        }
-        let mut list = Vec::with_capacity(cameras.len());
-        for (at, (camera, text)) in cameras.iter().zip(masks).enumerate() {
-            let (width, height) = (camera.width(), camera.height());
-            let (bits, expected) = (bits(text), width * height);
-            // Bytes are whole, and so are the characters of six bits.
-            if !(expected..expected + PADDING_BITS).contains(&bits.len()) {
-                let found = bits.len();
-                return Err(StartsFileError::Pixels {
-                    path: path(),
-                    start,
-                    count,
-                    camera: at,
-                    found,
-                    expected,
-                });
-            }
-            let failed = |error| StartsFileError::Mask { path: path(), start, count, error };
-            let mask = Mask::new(width, height, bits[..expected].to_vec()).map_err(failed)?;
-            let evidence = Evidence::Mask(Arc::new(mask));
-            list.push(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 });
-        }
-        Ok(list)
+/// What a list of cameras sees.
+fn masks_of(
+    field: &str,
+    count: usize,
+    cameras: &[Arc<Camera>],
+    masks: &[String],
+) -> Result<Vec<FitView>, FileProblem> {
+    let (found, expected) = (masks.len(), cameras.len());
+    if found != expected {
+        let expected = format!("{expected}, one a camera of `cameras.{count}`");
+        return Err(FileProblem::field(field, format!("a list of {found} masks"), expected));
     }
+    let view = |(at, (camera, text)): (usize, (&Arc<Camera>, &String))| {
+        let (width, height) = (camera.width(), camera.height());
+        let (bits, expected) = (bits(text), width * height);
+        // Bytes are whole, and so are the characters of six bits.
+        if !(expected..expected + PADDING_BITS).contains(&bits.len()) {
+            let found = format!("a mask of {} pixels", bits.len());
+            return Err(FileProblem::field(format!("{field}[{at}]"), found, expected.to_string()));
+        }
+        let mask = Mask::new(width, height, bits[..expected].to_vec());
+        let mask = mask.map_err(|error| wrong(field.to_owned())(&error))?;
+        Ok(FitView { camera: Arc::clone(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 })
+    };
+    cameras.iter().zip(masks).enumerate().map(view).collect()
 }
 
 /// The bits of a base64 text as labels, highest first; characters of no meaning are left out.
@@ -326,7 +283,7 @@ mod tests {
         "starts": [{"angle_deg": 5, "truth": [0, 0, 0, 1, 0, 0, 0], "start": [0, 0, 0, 1, 0, 0, 0],
             "masks": {"1": ["Bg=="]}}]}"#;
 
-    fn read_text(text: &str) -> Result<Vec<Start>, StartsFileError> {
+    fn read_text(text: &str) -> Result<Vec<Start>, FileError> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         read(file.path())
@@ -348,16 +305,20 @@ mod tests {
             ("\"parent\": 0", "\"parent\": 7", "`model.limbs[1].parent` is 7"),
             ("\"rot\": 0, \"own\": false", "\"rot\": 3, \"own\": false", "`model.limbs[1].rot` is 3"),
             ("\"f\": 4", "\"f\": 0", "`cameras.1`: `fx` is 0"),
-            ("Bg==", "", "`starts[0].masks.1[0]` has 0 pixels; expected 8"),
+            ("Bg==", "", "`starts[0].masks.1[0]` is a mask of 0 pixels; expected 8"),
             ("\"truth\": [0, 0,", "\"truth\": [0,", "`starts[0].truth`"),
             ("\"starts\": [{", "\"starts\": {", "`starts` is a table; expected a list"),
-            ("[\"Bg==\"]", "[]", "`starts[0].masks.1` has 0 masks; expected 1, one a camera of `cameras.1`"),
-            ("[\"Bg==\"]", "[\"Bg==\", \"Bg==\"]", "`starts[0].masks.1` has 2 masks; expected 1"),
-            ("{\"1\": [\"Bg==\"]}", "{}", "`starts[0].masks.1` has 0 masks; expected 1"),
+            (
+                "[\"Bg==\"]",
+                "[]",
+                "`starts[0].masks.1` is a list of 0 masks; expected 1, one a camera of `cameras.1`",
+            ),
+            ("[\"Bg==\"]", "[\"Bg==\", \"Bg==\"]", "`starts[0].masks.1` is a list of 2 masks; expected 1"),
+            ("{\"1\": [\"Bg==\"]}", "{}", "`starts[0].masks.1` is a list of 0 masks; expected 1"),
             ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"3\": []}", "is with masks of 3 cameras"),
             ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"1\": [\"Bg==\"]}", "\"1\" is given twice"),
             ("{\"1\": [\"Bg==\"]}", "{\"01\": [\"Bg==\"]}", "with the key \"01\""),
-            ("Bg==", "BgAAAAAA", "has 48 pixels; expected 8"),
+            ("Bg==", "BgAAAAAA", "is a mask of 48 pixels; expected 8"),
             ("\"angle_deg\"", "\"angles_deg\"", "unknown field `angles_deg`"),
             ("\"angle_deg\": 5", "\"angle_deg\": -5", "`starts[0].angle_deg` is -5; expected degrees"),
             ("\"cameras\": {\"1\"", "\"cameras\": {\"2\"", "`cameras.2` is a list of 1; expected 2 cameras"),

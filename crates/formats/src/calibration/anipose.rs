@@ -8,17 +8,17 @@
 
 use std::path::Path;
 
-use super::node::{Field, Node};
 use super::opencv;
-use super::part::Parts;
+use super::partial::PartialCameras;
+use super::tree::{Field, Tree};
 use crate::{FileError, FileProblem};
 
 /// Metres in a millimetre.
 const MILLIMETRE: f64 = 0.001;
 
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
     let root = Field::root(path, node);
-    let mut parts = Parts::new(metres_per_unit(&root)?);
+    let mut parts = PartialCameras::new(metres_per_unit(&root)?);
     for (key, table) in root.children() {
         if key == "metadata" || table.node.entries().is_empty() {
             continue;

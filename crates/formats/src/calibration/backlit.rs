@@ -160,7 +160,7 @@ pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig
                 model => (format!("\"{}\" beside `{stray}`", model.name()), format!("no `{stray}`")),
             };
             let field = format!("cameras[{index}].distortion.model");
-            return Err(FileError::new(path, FileProblem::Field { field, found, expected }));
+            return Err(FileProblem::field(field, found, expected).at(path, None));
         }
         let intrinsics = Intrinsics { fx: spec.fx, fy: spec.fy, cx: spec.cx, cy: spec.cy };
         let camera_from_world = CameraFromWorld {

@@ -6,14 +6,14 @@
 
 use std::path::Path;
 
-use super::node::{Field, Node};
 use super::opencv;
-use super::part::Parts;
+use super::partial::PartialCameras;
+use super::tree::{Field, Tree};
 use crate::{FileError, FileProblem};
 
 /// Whether the tables are Caliscope's: of older releases only the port tells.
-pub(super) fn is_one(node: &Node) -> bool {
-    let is_array = |node: &Node| {
+pub(super) fn is_one(node: &Tree) -> bool {
+    let is_array = |node: &Tree| {
         node.entries().iter().any(|(_, table)| {
             let has = |key: &str| table.get(key).is_some();
             has("size") && (has("cam_id") || has("port")) && (has("rotation_count") || has("matrix"))
@@ -22,10 +22,10 @@ pub(super) fn is_one(node: &Node) -> bool {
     node.get("cameras").is_some_and(is_array) || is_array(node)
 }
 
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
     let root = Field::root(path, node);
     let cameras = root.find(&["cameras"]).unwrap_or(root);
-    let mut parts = Parts::new(Some(1.0));
+    let mut parts = PartialCameras::new(Some(1.0));
     for (key, table) in cameras.children() {
         if table.find(&["size"]).is_none() {
             continue;

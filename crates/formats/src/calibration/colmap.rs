@@ -10,7 +10,7 @@ use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DQuat, DVec3};
 
 use super::lens;
-use super::part::{Part, Parts, Pinhole};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use crate::{FileError, FileProblem};
 
 /// Which of the two files a text is.
@@ -36,11 +36,11 @@ pub(super) fn which(text: &str) -> Option<Which> {
     (words.len() >= 10 && numbers == 9).then_some(Which::Images)
 }
 
-pub(super) fn parts(path: &Path, text: &str, which: Which) -> Result<Parts, FileError> {
-    let mut parts = Parts::new(None);
+pub(super) fn parts(path: &Path, text: &str, which: Which) -> Result<PartialCameras, FileError> {
+    let mut parts = PartialCameras::new(None);
     let mut is_points = false;
     for (index, line) in text.lines().enumerate() {
-        let row = Row { path, line: index + 1, words: line.split_ascii_whitespace().collect() };
+        let row = ColmapLine { path, line: index + 1, words: line.split_ascii_whitespace().collect() };
         if line.trim_start().starts_with('#') {
             continue;
         }
@@ -61,16 +61,15 @@ pub(super) fn parts(path: &Path, text: &str, which: Which) -> Result<Parts, File
     Ok(parts)
 }
 
-struct Row<'a> {
+struct ColmapLine<'a> {
     path: &'a Path,
     line: usize,
     words: Vec<&'a str>,
 }
 
-impl Row<'_> {
+impl ColmapLine<'_> {
     fn error(&self, field: &str, found: &str, expected: &str) -> FileError {
-        let (field, found, expected) = (field.to_owned(), found.to_owned(), expected.to_owned());
-        FileError::new(self.path, FileProblem::Field { field, found, expected }).at_line(Some(self.line))
+        FileProblem::field(field, found, expected).at(self.path, self.line)
     }
 
     fn word(&self, index: usize, field: &str) -> Result<&str, FileError> {
@@ -84,12 +83,12 @@ impl Row<'_> {
     }
 
     /// `CAMERA_ID MODEL WIDTH HEIGHT PARAMS`.
-    fn lens(&self) -> Result<Part, FileError> {
+    fn lens(&self) -> Result<PartialCamera, FileError> {
         let side = |index, field| {
             let word = self.word(index, field)?;
             word.parse::<u64>().ok().ok_or_else(|| self.error(field, word, "a whole number of pixels"))
         };
-        let mut part = Part::new(self.word(0, "CAMERA_ID")?, self.line);
+        let mut part = PartialCamera::new(self.word(0, "CAMERA_ID")?, self.line);
         part.size = Some([side(2, "WIDTH")?, side(3, "HEIGHT")?]);
         let model = self.word(1, "MODEL")?;
         // How many focal lengths, and how many coefficients after the centre.
@@ -127,7 +126,7 @@ impl Row<'_> {
     }
 
     /// `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; a name may have spaces in it.
-    fn image(&self, line: &str) -> Result<Part, FileError> {
+    fn image(&self, line: &str) -> Result<PartialCamera, FileError> {
         const NUMBERS: [&str; 7] = ["QW", "QX", "QY", "QZ", "TX", "TY", "TZ"];
         let mut numbers = [0.0; 7];
         for (index, number) in numbers.iter_mut().enumerate() {
@@ -145,7 +144,7 @@ impl Row<'_> {
             rest =
                 rest.split_once(|c: char| c.is_ascii_whitespace()).map_or("", |(_, rest)| rest.trim_start());
         }
-        let mut part = Part::new(rest, self.line);
+        let mut part = PartialCamera::new(rest, self.line);
         part.lens_name = Some(self.word(8, "CAMERA_ID")?.to_owned());
         part.place = Some(CameraFromWorld {
             rotation: DMat3::from_quat(quaternion.normalize()),

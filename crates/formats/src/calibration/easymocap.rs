@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use backlit_tracking::camera::{CameraFromWorld, Distortion};
 
-use super::node::Field;
-use super::part::{Part, Parts};
+use super::partial::{PartialCamera, PartialCameras};
+use super::tree::Field;
 use super::{MAX_CAMERAS, lens, opencv};
 use crate::FileError;
 
@@ -21,11 +21,11 @@ pub(super) fn is_one(root: &Field<'_>) -> bool {
     named("K_") || (named("Rot_") || named("R_")) && named("T_")
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<Parts, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     let mut names: Vec<&str> = Vec::new();
     for name in root.find(&["names"]).map(|names| names.items()).unwrap_or_default() {
         names.push(match name.node.value {
-            super::node::Value::Plain(ref text) | super::node::Value::Text(ref text) => text,
+            super::tree::Value::Plain(ref text) | super::tree::Value::Text(ref text) => text,
             _ => return Err(name.unexpected("a camera's name")),
         });
     }
@@ -39,11 +39,11 @@ pub(super) fn parts(root: &Field<'_>) -> Result<Parts, FileError> {
             }
         }
     }
-    let mut parts = Parts::new(None);
+    let mut parts = PartialCameras::new(None);
     for name in names {
         let find = |prefix: &str| root.find(&[&format!("{prefix}_{name}")]);
         let need = |prefix: &str, expected| root.need(&[&format!("{prefix}_{name}")], expected);
-        let mut part = Part::new(name, root.node.line);
+        let mut part = PartialCamera::new(name, root.node.line);
         if let Some(matrix) = find("K") {
             part.line = matrix.node.line;
             let distortion = find("dist").map_or(Ok(Distortion::None), |found| lens::opencv(&found))?;

@@ -10,20 +10,20 @@ use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
 use super::lens;
-use super::node::{Field, Node};
 use super::opencv::size;
-use super::part::{Part, Parts, Pinhole};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
+use super::tree::{Field, Tree};
 use crate::FileError;
 
 /// Whether a table has Kalibr's `camera_model` and `intrinsics`.
-pub(super) fn is_one(node: &Node) -> bool {
+pub(super) fn is_one(node: &Tree) -> bool {
     node.entries()
         .iter()
         .any(|(_, table)| table.get("camera_model").is_some() && table.get("intrinsics").is_some())
 }
 
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
-    let mut parts = Parts::new(Some(1.0));
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
+    let mut parts = PartialCameras::new(Some(1.0));
     let mut place = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for (index, (name, table)) in Field::root(path, node).children().enumerate() {
         if index > 0 {
@@ -41,7 +41,7 @@ pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
             parts.leave_out(name, &format!("its `camera_model` is {model}; only pinhole can be used"));
             continue;
         }
-        let mut part = Part::new(name, table.node.line);
+        let mut part = PartialCamera::new(name, table.node.line);
         let [fx, fy, cx, cy] = table.need(&["intrinsics"], "[fx, fy, cx, cy]")?.array()?;
         let Some(distortion) = distortion(&table)? else {
             parts.leave_out(name, "its `distortion_model` is none of radtan, equidistant and none");

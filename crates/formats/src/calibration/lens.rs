@@ -3,7 +3,7 @@
 use backlit_tracking::camera::Distortion;
 use glam::{DMat3, DQuat, DVec3};
 
-use super::node::Field;
+use super::tree::Field;
 use crate::FileError;
 
 /// Coefficients k1 k2 p1 p2 k3 k4 k5 k6 of OpenCV, or fewer; those of a thin prism or a tilted sensor must be 0.

@@ -6,139 +6,79 @@
 
 use std::path::Path;
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
-use glam::{DMat3, DVec3};
-use serde::Deserialize;
-use serde_json::Value;
+use glam::DVec3;
 
-use super::node::{Node, Value as Tree};
-use super::{CalibrationOptions, rig};
-use crate::json_text::{self, Entries};
-use crate::{FileError, FileProblem, plain_words};
+use backlit_tracking::camera::CameraFromWorld;
 
-#[derive(Deserialize)]
-struct RigSpec {
-    cameras: Entries<Entries<Value>>,
-}
+use super::partial::{PartialCamera, PartialCameras};
+use super::tree::{Field, Tree, Value};
+use super::{lens, opencv};
+use crate::FileError;
 
 /// Whether `cameras` is a map as this reader knows it: `OpenCV`'s own matrices are objects, not lists.
-pub(super) fn is_one(cameras: &Node) -> bool {
-    let is_other = |camera: &Node| camera.get("K").is_none_or(|matrix| matrix.get("data").is_some());
+pub(super) fn is_one(cameras: &Tree) -> bool {
+    let is_other = |camera: &Tree| camera.get("K").is_none_or(|matrix| matrix.get("data").is_some());
     let entries = cameras.entries();
-    matches!(cameras.value, Tree::Map(_))
+    matches!(cameras.value, Value::Map(_))
         && (entries.is_empty() || !entries.iter().all(|(_, camera)| is_other(camera)))
 }
 
-/// Parses the content of such a file; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or not valid cameras. The error names the line, the camera and the field.
-pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
-    let spec: RigSpec = json_text::parse(path, text)?;
-    let mut cameras = Vec::with_capacity(spec.cameras.0.len());
-    for (name, entries) in &spec.cameras.0 {
-        let source = Source { path, text, name, entries };
-        cameras.push(source.camera(options)?);
+/// The cameras, with the matrices for pictures of `size` where the file has them.
+pub(super) fn parts(path: &Path, tree: &Tree, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
+    let mut parts = PartialCameras::new(None);
+    for (name, camera) in Field::root(path, tree).need(&["cameras"], "a table of cameras")?.children() {
+        parts.push(path, partial(name, &camera, size)?)?;
     }
-    rig(path, cameras, options.size)
+    Ok(parts)
 }
 
-/// One camera's entries and where they stand.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
-    name: &'a str,
-    entries: &'a Entries<Value>,
-}
-
-impl Source<'_> {
-    fn camera(&self, options: CalibrationOptions) -> Result<Camera, FileError> {
-        let mut size = self.numbers::<u64>("size", "[width, height] in pixels", 2..=2)?;
-        let mut matrix_key = "K".to_owned();
-        if let Some([width, height]) = options.size {
-            let scaled = format!("K_{width}x{height}");
-            if self.entries.0.iter().any(|(key, _)| *key == scaled) {
-                (matrix_key, size) = (scaled, vec![width, height]);
-            }
-        }
-        let k = self.matrix(&matrix_key)?;
-        let intrinsics = Intrinsics { fx: k.x_axis.x, fy: k.y_axis.y, cx: k.z_axis.x, cy: k.z_axis.y };
-        let pinhole = DMat3::from_cols_array(&[
-            intrinsics.fx,
-            0.0,
-            0.0,
-            0.0,
-            intrinsics.fy,
-            0.0,
-            intrinsics.cx,
-            intrinsics.cy,
-            1.0,
-        ]);
-        if k != pinhole {
-            let expected = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
-            return Err(self.problem(&matrix_key, "another matrix", expected));
-        }
-        let lens = self.numbers::<f64>("dist", "[k1, k2, p1, p2] or [k1, k2, p1, p2, k3]", 4..=5)?;
-        let distortion = if lens.iter().all(|coefficient| *coefficient == 0.0) {
-            Distortion::None
-        } else {
-            let k3 = lens.get(4).copied().unwrap_or(0.0);
-            Distortion::OpenCv { k1: lens[0], k2: lens[1], p1: lens[2], p2: lens[3], k3 }
-        };
-        let translation = self.numbers::<f64>("t", "three numbers", 3..=3)?;
-        let camera_from_world = CameraFromWorld {
-            rotation: self.matrix("R")?,
-            translation: DVec3::from_slice(&translation) * options.metres_per_unit,
-        };
-        let size = [size[0], size[1]];
-        Camera::new(self.name, size, intrinsics, distortion, camera_from_world).map_err(|error| {
-            let problem = FileProblem::Camera { camera: self.name.to_owned(), error };
-            FileError::new(self.path, problem).at_line(json_text::line_of(self.text, &["cameras", self.name]))
-        })
+fn partial(name: &str, camera: &Field<'_>, wanted: Option<[u64; 2]>) -> Result<PartialCamera, FileError> {
+    const LENS: &str = "[k1, k2, p1, p2] or [k1, k2, p1, p2, k3]";
+    const ROWS: &str = "three rows of three numbers";
+    let sides = camera.need(&["size"], "[width, height] in pixels")?;
+    let mut size = match sides.items().as_slice() {
+        [width, height] => [width.pixels()?, height.pixels()?],
+        _ => return Err(sides.unexpected("[width, height] in pixels")),
+    };
+    let mut k = camera.find(&["K"]);
+    if let Some(wanted) = wanted
+        && let Some(scaled) = camera.find(&[&format!("K_{}x{}", wanted[0], wanted[1])])
+    {
+        (size, k) = (wanted, Some(scaled));
     }
-
-    fn value(&self, key: &str, expected: &str) -> Result<&Value, FileError> {
-        let entry = self.entries.0.iter().find(|(found, _)| found == key);
-        entry.map(|(_, value)| value).ok_or_else(|| self.problem(key, "missing", expected))
-    }
-
-    fn numbers<T: serde::de::DeserializeOwned>(
-        &self,
-        key: &str,
-        expected: &str,
-        count: std::ops::RangeInclusive<usize>,
-    ) -> Result<Vec<T>, FileError> {
-        match Vec::<T>::deserialize(self.value(key, expected)?) {
-            Ok(numbers) if count.contains(&numbers.len()) => Ok(numbers),
-            Ok(numbers) => Err(self.problem(key, &format!("{} numbers", numbers.len()), expected)),
-            Err(error) => Err(self.problem(key, &plain_words::found(&error.to_string()), expected)),
+    let k = k.ok_or_else(|| camera.missing("K", ROWS))?;
+    let lens = camera.need(&["dist"], LENS)?;
+    let translation = camera.need(&["t"], "three numbers")?;
+    let rotation = camera.need(&["R"], ROWS)?;
+    for matrix in [&k, &rotation] {
+        let rows = matrix.items();
+        if rows.len() != 3 || rows.iter().any(|row| row.items().len() != 3) {
+            return Err(matrix.unexpected(ROWS));
         }
     }
-
-    fn matrix(&self, key: &str) -> Result<DMat3, FileError> {
-        let expected = "three rows of three numbers";
-        match <[[f64; 3]; 3]>::deserialize(self.value(key, expected)?) {
-            Ok(rows) => Ok(DMat3::from_cols_array_2d(&rows).transpose()),
-            Err(error) => Err(self.problem(key, &plain_words::found(&error.to_string()), expected)),
-        }
+    let count = lens.numbers()?.len();
+    if !(4..=5).contains(&count) {
+        return Err(lens.error(&format!("{count} numbers"), LENS));
     }
-
-    fn problem(&self, key: &str, found: &str, expected: &str) -> FileError {
-        let problem = FileProblem::Field {
-            field: format!("cameras.{}.{key}", self.name),
-            found: found.to_owned(),
-            expected: expected.to_owned(),
-        };
-        let keys = ["cameras", self.name, key];
-        let line = json_text::line_of(self.text, &keys).or_else(|| json_text::line_of(self.text, &keys[..2]));
-        FileError::new(self.path, problem).at_line(line)
-    }
+    Ok(PartialCamera {
+        size: Some(size),
+        lens: Some((opencv::pinhole(&k)?, lens::opencv(&lens)?)),
+        place: Some(CameraFromWorld {
+            rotation: rotation.matrix()?,
+            translation: DVec3::from_array(translation.array()?),
+        }),
+        ..PartialCamera::new(name, camera.node.line)
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::parse as parse_any;
-    use super::*;
+    use std::path::Path;
+
+    use backlit_tracking::camera::Camera;
+    use glam::DVec3;
+
+    use super::super::{CalibrationOptions, parse as parse_any};
 
     const GOOD: &str = r#"{"note": "by hand", "cameras": {
         "right": {"size": [1088, 1920],
@@ -179,10 +119,13 @@ mod tests {
         let cases = [
             (
                 GOOD.replacen("\"t\": [1, 2, 3]", "\"t\": [1, 2]", 1),
-                "line 7: `cameras.right.t` is 2 numbers; expected three",
+                "line 7: `cameras.right.t` is 2 numbers; expected 3",
             ),
             (GOOD.replacen("\"t\": [1, 2, 3]", "\"x\": 1", 1), "line 2: `cameras.right.t` is missing"),
-            (GOOD.replacen("536.0", "\"a\"", 1), "line 3: `cameras.right.K` is \"a\"; expected three rows"),
+            (
+                GOOD.replacen("536.0", "\"a\"", 1),
+                "line 3: `cameras.right.K[0][2]` is \"a\"; expected a finite number",
+            ),
             (
                 GOOD.replacen("\"K\": [[1680.0, 0,", "\"K\": [[1680.0, 1,", 1),
                 "line 3: `cameras.right.K` is another matrix; expected [[fx",
@@ -191,10 +134,13 @@ mod tests {
                 GOOD.replacen("[0, 1, 0]", "[0, 2, 0]", 1),
                 "line 2: camera \"right\": `rotation` is not a rotation",
             ),
-            (GOOD.replacen("[1088, 1920]", "[-1, 1920]", 1), "line 2: `cameras.right.size`"),
+            (
+                GOOD.replacen("[1088, 1920]", "[-1, 1920]", 1),
+                "line 2: `cameras.right.size[0]` is -1; expected a whole number",
+            ),
             (GOOD.replacen("-0.05", "NaN", 1), "line 5: is not valid JSON: in `cameras.right.dist[0]`: NaN"),
             (GOOD.replacen("\"left\"", "\"right\"", 1), "`right` is given twice"),
-            ("{}".to_owned(), "missing field `cameras`"),
+            ("{}".to_owned(), "`cameras` is missing; expected a table of cameras"),
         ];
         for (text, expected) in cases {
             let message =

@@ -7,8 +7,8 @@
 
 use std::path::Path;
 
-use super::node::{Field, Node, Value};
-use super::part::Parts;
+use super::partial::PartialCameras;
+use super::tree::{Field, Tree, Value};
 use super::{opencv, pickle, stem};
 use crate::FileError;
 
@@ -17,7 +17,7 @@ const ENDINGS: [&str; 2] = ["cameraIntrinsicsExtrinsics", "cameraIntrinsics"];
 /// Metres in a millimetre.
 const MILLIMETRE: f64 = 0.001;
 
-pub(super) fn parts(path: &Path, bytes: &[u8]) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, bytes: &[u8]) -> Result<PartialCameras, FileError> {
     let mut entries = Vec::new();
     for (key, array) in pickle::arrays(path, bytes)? {
         let mut numbers = array.numbers;
@@ -26,14 +26,14 @@ pub(super) fn parts(path: &Path, bytes: &[u8]) -> Result<Parts, FileError> {
             numbers.reverse();
         }
         // With all digits: what is written so is read as the same number again.
-        let items = numbers.iter().map(|number| Node { line: 1, value: Value::Plain(format!("{number:?}")) });
-        entries.push((key, Node { line: 1, value: Value::List(items.collect()) }));
+        let items = numbers.iter().map(|number| Tree { line: 1, value: Value::Plain(format!("{number:?}")) });
+        entries.push((key, Tree { line: 1, value: Value::List(items.collect()) }));
     }
-    let root = Node { line: 1, value: Value::Map(entries) };
+    let root = Tree { line: 1, value: Value::Map(entries) };
     let field = Field::root(path, &root);
     field.need(&["intrinsicMat"], "a 3 × 3 matrix")?;
     field.need(&["distortion"], "the lens's coefficients")?;
-    let mut parts = Parts::new(Some(MILLIMETRE));
+    let mut parts = PartialCameras::new(Some(MILLIMETRE));
     parts.push(path, opencv::camera(&field, &name(path))?)?;
     Ok(parts)
 }

@@ -10,8 +10,8 @@ use std::path::Path;
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
-use super::node::{Field, Node, Value};
-use super::part::{Part, Parts, Pinhole};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
+use super::tree::{Field, Tree, Value};
 use super::{easymocap, lens, stem};
 use crate::{FileError, FileProblem};
 
@@ -56,16 +56,16 @@ const FIRST_LENS: [[&str; 4]; 2] =
     [["D1", "dist1", "distCoeffs1", "dist_coeffs_1"], ["D2", "dist2", "distCoeffs2", "dist_coeffs_2"]];
 
 /// What a tree with such keys says of cameras.
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
     let root = Field::root(path, node);
     if easymocap::is_one(&root) {
         return easymocap::parts(&root);
     }
-    let mut parts = Parts::new(None);
+    let mut parts = PartialCameras::new(None);
     let pose = root.find(&ROTATION).zip(root.find(&TRANSLATION));
     if root.find(&FIRST[0]).is_some() && root.find(&FIRST[1]).is_some() {
         for index in 0..2 {
-            let mut part = Part::new(["1", "2"][index], node.line);
+            let mut part = PartialCamera::new(["1", "2"][index], node.line);
             part.size = size(&root)?;
             let matrix = root.need(&FIRST[index], "a 3 × 3 matrix")?;
             part.lens = Some((pinhole(&matrix)?, coefficients(&root, &FIRST_LENS[index])?));
@@ -76,7 +76,7 @@ pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
         parts.push(path, camera(&root, &name_of(&root, &stem(path)))?)?;
     } else if pose.is_some() {
         for index in 0..2 {
-            let mut part = Part::new(["1", "2"][index], node.line);
+            let mut part = PartialCamera::new(["1", "2"][index], node.line);
             part.place = Some(stereo_place(&root, index)?);
             parts.push(path, part)?;
         }
@@ -110,8 +110,8 @@ fn name_of(field: &Field<'_>, otherwise: &str) -> String {
 }
 
 /// One camera with its keys in a map.
-pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<Part, FileError> {
-    let mut part = Part::new(name, field.node.line);
+pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera, FileError> {
+    let mut part = PartialCamera::new(name, field.node.line);
     part.size = size(field)?;
     part.lens = Some(match field.find(&MATRIX) {
         Some(matrix) => (pinhole(&matrix)?, coefficients(field, &LENS)?),

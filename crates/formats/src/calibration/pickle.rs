@@ -62,7 +62,7 @@ pub(super) struct Array {
 
 /// The arrays of a pickled dict by their keys; other values of it are passed over.
 pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<(String, Array)>, FileError> {
-    let mut machine = Machine {
+    let mut machine = PickleMachine {
         path,
         bytes,
         at: 0,
@@ -92,7 +92,7 @@ pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<(String, Array)>, 
     Ok(found)
 }
 
-struct Machine<'a> {
+struct PickleMachine<'a> {
     path: &'a Path,
     bytes: &'a [u8],
     at: usize,
@@ -103,10 +103,10 @@ struct Machine<'a> {
     encoded: usize,
 }
 
-impl<'a> Machine<'a> {
+impl<'a> PickleMachine<'a> {
     fn error(&self, message: &str) -> FileError {
         let message = format!("byte {}: {message}", self.at);
-        FileError::new(self.path, FileProblem::Syntax { format: TextFormat::Pickle, field: None, message })
+        FileProblem::syntax(TextFormat::Pickle, message).at(self.path, None)
     }
 
     fn take(&mut self, count: usize) -> Result<&'a [u8], FileError> {

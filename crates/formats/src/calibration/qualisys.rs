@@ -12,126 +12,88 @@
 //! the sensor's own.
 
 use std::path::Path;
-use std::str::FromStr;
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
-use roxmltree::Node;
 
-use super::{CalibrationOptions, opencv_xml, rig};
-use crate::{FileError, FileProblem};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
+use super::xml::{self, Element};
+use crate::FileError;
 
 /// The file's pixel numbers in one pixel.
 const PER_PIXEL: f64 = 64.0;
 
-/// Parses the content of such a file; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or not valid cameras. The error names the line, the camera and the field.
-pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
-    let document = opencv_xml::document(path, text)?;
-    let mut cameras = Vec::new();
+/// The cameras that film, turned as pictures of this size are.
+pub(super) fn parts(path: &Path, text: &str, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
+    let document = xml::document(path, text)?;
+    let mut parts = PartialCameras::new(Some(1.0));
     for node in document.descendants().filter(|node| node.has_tag_name("camera")) {
-        let source = Source { path, node };
-        if source.films() {
-            cameras.push(source.camera(options.size)?);
+        let element = Element { path, node };
+        if films(element) {
+            parts.push(path, camera(element, size)?)?;
         }
     }
-    rig(path, cameras, options.size)
+    Ok(parts)
 }
 
-struct Source<'a, 'input> {
-    path: &'a Path,
-    node: Node<'a, 'input>,
+/// Whether a camera takes pictures. A file that other tools have made need not say the model.
+fn films(camera: Element<'_, '_>) -> bool {
+    let model = camera.attribute("model").unwrap_or_default().trim().to_lowercase();
+    let takes_video = model.is_empty() || model == "none" || model.contains("video");
+    camera.attribute("active") != Some("0") && takes_video
 }
 
-impl Source<'_, '_> {
-    /// Whether it takes pictures. A file that other tools have made need not say the model.
-    fn films(&self) -> bool {
-        let model = self.node.attribute("model").unwrap_or_default().trim().to_lowercase();
-        let takes_video = model.is_empty() || model == "none" || model.contains("video");
-        self.node.attribute("active") != Some("0") && takes_video
+fn camera(element: Element<'_, '_>, pictures: Option<[u64; 2]>) -> Result<PartialCamera, FileError> {
+    let side = |first, last| -> Result<(u64, f64), FileError> {
+        let [first, last]: [i32; 2] =
+            [element.child_number("fov_video", first)?, element.child_number("fov_video", last)?];
+        Ok(((i64::from(last) - i64::from(first) + 1).max(0).unsigned_abs(), f64::from(first)))
+    };
+    let ((width, left), (height, top)) = (side("left", "right")?, side("top", "bottom")?);
+    let lens = |field| element.child_number::<f64>("intrinsic", field);
+    let px = |field| lens(field).map(|value| value / PER_PIXEL);
+    let intrinsics = Intrinsics {
+        fx: px("focalLengthU")?,
+        fy: px("focalLengthV")?,
+        cx: px("centerPointU")? - left,
+        cy: px("centerPointV")? - top,
+    };
+    let distortion = Distortion::OpenCv {
+        k1: lens("radialDistortion1")?,
+        k2: lens("radialDistortion2")?,
+        p1: lens("tangentalDistortion1")?,
+        p2: lens("tangentalDistortion2")?,
+        k3: lens("radialDistortion3")?,
+    };
+    let place = |field| element.child_number::<f64>("transform", field);
+    let row = |a, b, c| Ok::<_, FileError>(DVec3::new(place(a)?, place(b)?, place(c)?));
+    let rows =
+        DMat3::from_cols(row("r11", "r12", "r13")?, -row("r21", "r22", "r23")?, -row("r31", "r32", "r33")?);
+    let rotation = rows.transpose();
+    let centre = row("x", "y", "z")? * 0.001;
+    let camera_from_world = CameraFromWorld { rotation, translation: -(rotation * centre) };
+    let mut turned = Turned { size: [width, height], intrinsics, distortion, camera_from_world };
+    let turns = quarter_turns(element)?;
+    if turns % 2 == 1 && pictures.is_some_and(|size| is_portrait(size) != is_portrait(turned.size)) {
+        (0..turns).for_each(|_| turned = turned.clockwise());
     }
+    let name = element.attribute("serial").unwrap_or_default();
+    Ok(PartialCamera {
+        size: Some(turned.size),
+        lens: Some((Pinhole::Pixels(turned.intrinsics), turned.distortion)),
+        place: Some(turned.camera_from_world),
+        ..PartialCamera::new(name, element.line())
+    })
+}
 
-    /// The camera, turned as the pictures of this size are.
-    fn camera(&self, pictures: Option<[u64; 2]>) -> Result<Camera, FileError> {
-        let name = self.node.attribute("serial").unwrap_or_default();
-        let side = |first, last| -> Result<(u64, f64), FileError> {
-            let (first, last): (i32, i32) =
-                (self.number("fov_video", first)?, self.number("fov_video", last)?);
-            Ok(((i64::from(last) - i64::from(first) + 1).max(0).unsigned_abs(), f64::from(first)))
-        };
-        let ((width, left), (height, top)) = (side("left", "right")?, side("top", "bottom")?);
-        let px = |field| self.number::<f64>("intrinsic", field).map(|value| value / PER_PIXEL);
-        let intrinsics = Intrinsics {
-            fx: px("focalLengthU")?,
-            fy: px("focalLengthV")?,
-            cx: px("centerPointU")? - left,
-            cy: px("centerPointV")? - top,
-        };
-        let lens = |field| self.number::<f64>("intrinsic", field);
-        let distortion = Distortion::OpenCv {
-            k1: lens("radialDistortion1")?,
-            k2: lens("radialDistortion2")?,
-            p1: lens("tangentalDistortion1")?,
-            p2: lens("tangentalDistortion2")?,
-            k3: lens("radialDistortion3")?,
-        };
-        let place = |field| self.number::<f64>("transform", field);
-        let row = |a, b, c| Ok::<_, FileError>(DVec3::new(place(a)?, place(b)?, place(c)?));
-        let rows = DMat3::from_cols(
-            row("r11", "r12", "r13")?,
-            -row("r21", "r22", "r23")?,
-            -row("r31", "r32", "r33")?,
-        );
-        let rotation = rows.transpose();
-        let centre = row("x", "y", "z")? * 0.001;
-        let camera_from_world = CameraFromWorld { rotation, translation: -(rotation * centre) };
-        let mut camera = Turned { size: [width, height], intrinsics, distortion, camera_from_world };
-        let turns = self.quarter_turns()?;
-        if turns % 2 == 1 && pictures.is_some_and(|size| is_portrait(size) != is_portrait(camera.size)) {
-            (0..turns).for_each(|_| camera = camera.clockwise());
-        }
-        let Turned { size, intrinsics, distortion, camera_from_world } = camera;
-        Camera::new(name, size, intrinsics, distortion, camera_from_world).map_err(|error| {
-            let problem = FileProblem::Camera { camera: name.to_owned(), error };
-            FileError::new(self.path, problem).at_line(Some(self.line(self.node)))
-        })
-    }
-
-    /// Clockwise, from the sensor's picture to the upright one.
-    fn quarter_turns(&self) -> Result<u32, FileError> {
-        match self.node.attribute("viewrotation").map(str::trim) {
-            None | Some("" | "0") => Ok(0),
-            Some("90") => Ok(1),
-            Some("180") => Ok(2),
-            Some("270") => Ok(3),
-            Some(other) => {
-                let problem = FileProblem::Field {
-                    field: "camera.viewrotation".to_owned(),
-                    found: format!("{other:?}"),
-                    expected: "0, 90, 180 or 270".to_owned(),
-                };
-                Err(FileError::new(self.path, problem).at_line(Some(self.line(self.node))))
-            }
-        }
-    }
-
-    fn number<T: FromStr>(&self, element: &str, attribute: &str) -> Result<T, FileError> {
-        let child = self.node.children().find(|child| child.has_tag_name(element));
-        let found = child.and_then(|child| child.attribute(attribute));
-        found.and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
-            let problem = FileProblem::Field {
-                field: format!("{element}.{attribute}"),
-                found: found.map_or_else(|| "missing".to_owned(), |text| format!("{text:?}")),
-                expected: "a number".to_owned(),
-            };
-            FileError::new(self.path, problem).at_line(Some(self.line(child.unwrap_or(self.node))))
-        })
-    }
-
-    fn line(&self, node: Node<'_, '_>) -> usize {
-        node.document().text_pos_at(node.range().start).row as usize
+/// Clockwise, from the sensor's picture to the upright one.
+fn quarter_turns(camera: Element<'_, '_>) -> Result<u32, FileError> {
+    match camera.attribute("viewrotation").map(str::trim) {
+        None | Some("" | "0") => Ok(0),
+        Some("90") => Ok(1),
+        Some("180") => Ok(2),
+        Some("270") => Ok(3),
+        Some(other) => Err(camera.error("viewrotation", &format!("{other:?}"), "0, 90, 180 or 270")),
     }
 }
 
@@ -174,7 +136,12 @@ impl Turned {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::path::Path;
+
+    use backlit_tracking::camera::{Camera, Rig};
+    use glam::DVec3;
+
+    use super::super::{CalibrationOptions, parse};
 
     const GOOD: &str = r#"<?xml version='1.0' encoding='ASCII'?>
 <calibration source="x"><cameras>
@@ -189,7 +156,7 @@ mod tests {
 
     #[test]
     fn cameras_look_along_their_backwards_axis() {
-        let rig = parse(Path::new("c.qca.txt"), GOOD, CalibrationOptions::default()).unwrap();
+        let rig = parse(Path::new("c.qca.txt"), GOOD.as_bytes(), CalibrationOptions::default()).unwrap();
         assert_eq!(rig.count(), 1);
         let camera = &rig.cameras()[0];
         assert_eq!((camera.name(), camera.width(), camera.height()), ("cam01", 1088, 1920));
@@ -202,7 +169,7 @@ mod tests {
 
     fn read(text: &str, size: Option<[u64; 2]>) -> Rig {
         let options = CalibrationOptions { size, ..CalibrationOptions::default() };
-        parse(Path::new("c.qca.txt"), text, options).unwrap()
+        parse(Path::new("c.qca.txt"), text.as_bytes(), options).unwrap()
     }
 
     #[test]
@@ -242,7 +209,7 @@ mod tests {
             assert_eq!(read(&text, None).cameras()[0], *upright, "{degrees}°");
             assert_eq!(read(&text, Some([1088, 1920])).cameras()[0], *upright, "{degrees}°");
             let options = CalibrationOptions { size: Some([1920, 1088]), ..CalibrationOptions::default() };
-            let turned = parse(Path::new("c"), &text, options);
+            let turned = parse(Path::new("c"), text.as_bytes(), options);
             if turn == 0 {
                 let message = turned.unwrap_err().to_string();
                 assert!(message.contains("the proportions of 1920×1088"), "{message}");
@@ -278,8 +245,9 @@ mod tests {
             ("<calibration/>".to_owned(), "there is no camera"),
         ];
         for (text, expected) in cases {
-            let message =
-                parse(Path::new("c.txt"), &text, CalibrationOptions::default()).unwrap_err().to_string();
+            let message = parse(Path::new("c.txt"), text.as_bytes(), CalibrationOptions::default())
+                .unwrap_err()
+                .to_string();
             assert!(message.contains(expected), "{message:?} should contain {expected:?}");
         }
     }

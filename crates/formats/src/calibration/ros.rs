@@ -8,23 +8,23 @@ use std::path::Path;
 
 use backlit_tracking::camera::Distortion;
 
-use super::node::{Field, Node};
-use super::part::{Part, Parts};
+use super::partial::{PartialCamera, PartialCameras};
+use super::tree::{Field, Tree};
 use super::{lens, opencv, stem};
 use crate::FileError;
 
-pub(super) fn is_one(node: &Node) -> bool {
+pub(super) fn is_one(node: &Tree) -> bool {
     node.get("distortion_model").is_some()
 }
 
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
     let root = Field::root(path, node);
     let header = root.find(&["header"]).and_then(|header| header.find(&["frame_id"]));
     let name = match root.find(&["camera_name"]).or(header) {
         Some(name) => name.text()?.to_owned(),
         None => stem(path),
     };
-    let mut part = Part::new(&name, node.line);
+    let mut part = PartialCamera::new(&name, node.line);
     part.size = opencv::size(&root)?;
     let matrix = root.need(&["camera_matrix", "K", "k"], "a 3 × 3 matrix")?;
     let model = root.need(&["distortion_model"], "the name of a model")?;
@@ -36,7 +36,7 @@ pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
         _ => return Err(model.unexpected("plumb_bob, rational_polynomial or equidistant")),
     };
     part.lens = Some((opencv::pinhole(&matrix)?, distortion));
-    let mut parts = Parts::new(None);
+    let mut parts = PartialCameras::new(None);
     parts.push(path, part)?;
     Ok(parts)
 }

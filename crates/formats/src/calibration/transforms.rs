@@ -10,21 +10,21 @@ use std::path::Path;
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
-use super::node::{Field, Node};
 use super::opencv::{named_lens, size};
-use super::part::{Part, Parts, Pinhole};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
+use super::tree::{Field, Tree};
 use crate::FileError;
 
-pub(super) fn is_one(node: &Node) -> bool {
+pub(super) fn is_one(node: &Tree) -> bool {
     node.get("frames").is_some()
 }
 
-pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
     let root = Field::root(path, node);
-    let mut parts = Parts::new(None);
+    let mut parts = PartialCameras::new(None);
     for frame in root.need(&["frames"], "a list of frames")?.items() {
         let name = frame.need(&["file_path"], "the picture's path")?.text()?;
-        let mut part = Part::new(name, frame.node.line);
+        let mut part = PartialCamera::new(name, frame.node.line);
         part.size = size(&frame)?.or(size(&root)?);
         part.lens = Some((pinhole(&root, &frame, part.size)?, distortion(&root, &frame)?));
         part.place = Some(place(&frame)?);

@@ -12,136 +12,81 @@ use std::path::Path;
 
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
-use roxmltree::Node;
 
-use super::opencv_xml::document;
-use super::part::{Part, Parts, Pinhole};
-use crate::{FileError, FileProblem};
+use super::partial::{PartialCamera, PartialCameras, Pinhole};
+use super::xml::{Element, document};
+use crate::FileError;
 
 /// Radii at which the lens is fitted.
 const SAMPLES: u32 = 400;
 /// A fit that is this far off somewhere in the picture is none.
 const WORST_FIT_PX: f64 = 2.0;
 
-pub(super) fn parts(path: &Path, text: &str) -> Result<Parts, FileError> {
+pub(super) fn parts(path: &Path, text: &str) -> Result<PartialCameras, FileError> {
     let document = document(path, text)?;
-    let mut parts = Parts::new(Some(0.001));
+    let mut parts = PartialCameras::new(Some(0.001));
     for node in document.descendants().filter(|node| node.has_tag_name("Camera")) {
         let name = node.attribute("DEVICEID").unwrap_or_default();
-        let source = Source { path, node };
+        let frame = node.descendants().find(|child| child.has_tag_name("KeyFrame"));
         if node.attribute("SYSTEM").is_some_and(|system| system != "DV") {
             parts.leave_out(name, "it only sees markers");
-            continue;
-        }
-        let frame = node.descendants().find(|child| child.has_tag_name("KeyFrame"));
-        let Some(frame) = frame else {
+        } else if let Some(frame) = frame {
+            let [camera, frame] = [node, frame].map(|node| Element { path, node });
+            parts.push(path, partial(camera, name, frame)?)?;
+        } else {
             parts.leave_out(name, "it is not calibrated");
-            continue;
-        };
-        parts.push(path, source.camera(name, frame)?)?;
+        }
     }
     Ok(parts)
 }
 
-struct Source<'a, 'input> {
-    path: &'a Path,
-    node: Node<'a, 'input>,
+fn partial(camera: Element<'_, '_>, name: &str, frame: Element<'_, '_>) -> Result<PartialCamera, FileError> {
+    let mut part = PartialCamera::new(name, camera.line());
+    let size: [f64; 2] = camera.numbers("SENSOR_SIZE")?;
+    if let Some(side) = size.iter().find(|side| !(**side >= 0.0 && side.fract() == 0.0 && **side < 1e6)) {
+        return Err(camera.error("SENSOR_SIZE", &side.to_string(), "whole numbers of pixels"));
+    }
+    part.size = Some(size.map(|side| side as u64));
+    let [fx] = frame.numbers("FOCAL_LENGTH")?;
+    let [cx, cy] = frame.numbers("PRINCIPAL_POINT")?;
+    let ratio = match camera.attribute("PIXEL_ASPECT_RATIO") {
+        Some(_) => camera.numbers::<1>("PIXEL_ASPECT_RATIO")?[0],
+        None => 1.0,
+    };
+    let pinhole = Intrinsics { fx, fy: fx / ratio, cx, cy };
+    part.lens = Some((Pinhole::Pixels(pinhole), lens(frame, pinhole, DVec2::from_array(size))?));
+    let [x, y, z, w] = frame.numbers("ORIENTATION")?;
+    let quaternion = DQuat::from_xyzw(x, y, z, w);
+    if (quaternion.length() - 1.0).abs() > 1e-3 {
+        let found = format!("of length {}", quaternion.length());
+        return Err(frame.error("ORIENTATION", &found, "a unit quaternion x y z w"));
+    }
+    let rotation = DMat3::from_quat(quaternion.normalize());
+    let centre = DVec3::from_array(frame.numbers("POSITION")?);
+    part.place = Some(CameraFromWorld { rotation, translation: -(rotation * centre) });
+    Ok(part)
 }
 
-impl Source<'_, '_> {
-    fn camera(&self, name: &str, frame: Node<'_, '_>) -> Result<Part, FileError> {
-        let mut part = Part::new(name, line(self.node));
-        let [width, height] = self.numbers(self.node, "SENSOR_SIZE")?;
-        for side in [width, height] {
-            if !(side >= 0.0 && side.fract() == 0.0 && side < 1e6) {
-                return Err(self.error(
-                    self.node,
-                    "SENSOR_SIZE",
-                    &side.to_string(),
-                    "whole numbers of pixels",
-                ));
-            }
-        }
-        part.size = Some([width as u64, height as u64]);
-        let [fx] = self.numbers(frame, "FOCAL_LENGTH")?;
-        let [cx, cy] = self.numbers(frame, "PRINCIPAL_POINT")?;
-        let ratio = match self.node.attribute("PIXEL_ASPECT_RATIO") {
-            Some(_) => self.numbers::<1>(self.node, "PIXEL_ASPECT_RATIO")?[0],
-            None => 1.0,
-        };
-        let pinhole = Intrinsics { fx, fy: fx / ratio, cx, cy };
-        part.lens = Some((Pinhole::Pixels(pinhole), self.lens(frame, pinhole, DVec2::new(width, height))?));
-        let [x, y, z, w] = self.numbers(frame, "ORIENTATION")?;
-        let quaternion = DQuat::from_xyzw(x, y, z, w);
-        if (quaternion.length() - 1.0).abs() > 1e-3 {
-            let found = format!("of length {}", quaternion.length());
-            return Err(self.error(frame, "ORIENTATION", &found, "a unit quaternion x y z w"));
-        }
-        let rotation = DMat3::from_quat(quaternion.normalize());
-        let centre = DVec3::from_array(self.numbers(frame, "POSITION")?);
-        part.place = Some(CameraFromWorld { rotation, translation: -(rotation * centre) });
-        Ok(part)
+fn lens(frame: Element<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion, FileError> {
+    const RADIAL2: &str = "VICON_RADIAL2";
+    let (centre, k) = if let Some(text) = frame.attribute(RADIAL2) {
+        let rest = text.trim().strip_prefix("Vicon3Parameter");
+        let rest = rest.ok_or_else(|| frame.error(RADIAL2, text, "Vicon3Parameter and five numbers"))?;
+        let [x, y, k1, k2, k3] = frame.numbers_in(RADIAL2, rest)?;
+        (DVec2::new(x, y), [k1, k2, k3])
+    } else if frame.attribute("VICON_RADIAL").is_some() {
+        let [k1, k2] = frame.numbers("VICON_RADIAL")?;
+        (DVec2::new(pinhole.cx, pinhole.cy), [k1, k2, 0.0])
+    } else {
+        return Ok(Distortion::None);
+    };
+    if k == [0.0; 3] {
+        return Ok(Distortion::None);
     }
-
-    fn lens(&self, frame: Node<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion, FileError> {
-        let (centre, k) = if let Some(text) = frame.attribute("VICON_RADIAL2") {
-            let rest = text.trim().strip_prefix("Vicon3Parameter").ok_or_else(|| {
-                let expected = "Vicon3Parameter and five numbers";
-                self.error(frame, "VICON_RADIAL2", text, expected)
-            })?;
-            let [x, y, k1, k2, k3] = self.parse(frame, "VICON_RADIAL2", rest)?;
-            (DVec2::new(x, y), [k1, k2, k3])
-        } else if frame.attribute("VICON_RADIAL").is_some() {
-            let [k1, k2] = self.numbers(frame, "VICON_RADIAL")?;
-            (DVec2::new(pinhole.cx, pinhole.cy), [k1, k2, 0.0])
-        } else {
-            return Ok(Distortion::None);
-        };
-        if k == [0.0; 3] {
-            return Ok(Distortion::None);
-        }
-        fitted(pinhole, size, centre, k).ok_or_else(|| {
-            self.error(
-                frame,
-                "VICON_RADIAL2",
-                "a lens that cannot be turned round",
-                "one that OpenCV's can meet",
-            )
-        })
-    }
-
-    fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N], FileError> {
-        let text = node.attribute(name);
-        let text = text.ok_or_else(|| self.error(node, name, "missing", &format!("{N} numbers")))?;
-        self.parse(node, name, text)
-    }
-
-    fn parse<const N: usize>(
-        &self,
-        node: Node<'_, '_>,
-        name: &str,
-        text: &str,
-    ) -> Result<[f64; N], FileError> {
-        let numbers =
-            text.split_ascii_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite()));
-        let numbers: Option<Vec<f64>> = numbers.collect();
-        numbers
-            .and_then(|numbers| numbers.try_into().ok())
-            .ok_or_else(|| self.error(node, name, &format!("\"{text}\""), &format!("{N} finite numbers")))
-    }
-
-    fn error(&self, node: Node<'_, '_>, name: &str, found: &str, expected: &str) -> FileError {
-        let problem = FileProblem::Field {
-            field: format!("{}.{name}", node.tag_name().name()),
-            found: found.to_owned(),
-            expected: expected.to_owned(),
-        };
-        FileError::new(self.path, problem).at_line(Some(line(node)))
-    }
-}
-
-fn line(node: Node<'_, '_>) -> usize {
-    node.document().text_pos_at(node.range().start).row as usize
+    let fitted = fitted(pinhole, size, centre, k);
+    fitted.ok_or_else(|| {
+        frame.error(RADIAL2, "a lens that cannot be inverted", "one that OpenCV's lens can meet")
+    })
 }
 
 /// The lens of ours that leads from Vicon's ideal pixels to the measured ones, by least squares from the centre to the

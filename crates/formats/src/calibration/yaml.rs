@@ -1,381 +1,130 @@
-//! The YAML that cameras are written in: OpenCV's dialect, the plain one of Kalibr and ROS, and JSON, which is part
-//! of it.
+//! The YAML that cameras are written in: OpenCV's dialect and the plain one of Kalibr and ROS.
 //!
-//! Read are block maps and lists by indentation, flow `[…]` and `{…}` over lines, quoted and plain scalars of one
-//! line, comments, `%YAML` headers of any release, and tags, which are passed over. Only the first document is read.
-//! Anchors, block texts (`|`, `>`) and texts over several lines are errors.
+//! Only the first document is read, and tags are ignored. Anchors and texts over several lines are errors. OpenCV leaves
+//! out the space behind a colon in `{ x:3 }`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::node::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Node, Value};
+use saphyr_parser::{Event, Parser, ScalarStyle, ScanError, Span};
+
+use super::tree::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Tree, Value};
 use crate::{FileError, FileProblem, TextFormat};
 
 /// Parses a text.
 ///
 /// # Errors
 /// Not this part of YAML, too deep, or too many values. The error names the line.
-pub(super) fn parse(path: &Path, text: &str) -> Result<Node, FileError> {
-    let mut reader = Reader { path, bytes: text.as_bytes(), text, at: 0, line: 1, start: 0, nodes: 0 };
-    reader.header();
-    let node = reader.block(0, 0)?;
-    reader.blank();
-    if reader.at < reader.bytes.len() && !reader.at_document_end() {
-        return Err(reader.error("expected the end, or a key in line with the first"));
+pub(super) fn parse(path: &Path, text: &str) -> Result<Tree, FileError> {
+    let mut open = OpenValues { path, open: Vec::new(), nodes: 0 };
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|error: ScanError| {
+            FileProblem::syntax(TextFormat::Yaml, error.info()).at(path, error.marker().line())
+        })?;
+        if let Some(whole) = open.event(event, span)? {
+            return Ok(whole);
+        }
     }
-    Ok(node)
+    Ok(Tree { line: 1, value: Value::Null })
 }
 
-struct Reader<'a> {
+/// Lists and maps that have not ended yet, the outermost first.
+struct OpenValues<'a> {
     path: &'a Path,
-    bytes: &'a [u8],
-    text: &'a str,
-    at: usize,
-    line: usize,
-    /// Where the line starts.
-    start: usize,
+    open: Vec<OpenValue>,
     nodes: usize,
 }
 
-impl Reader<'_> {
-    fn error(&self, message: &str) -> FileError {
-        let message = message.to_owned();
-        let problem = FileProblem::Syntax { format: TextFormat::Yaml, field: None, message };
-        FileError::new(self.path, problem).at_line(Some(self.line))
+struct OpenValue {
+    line: usize,
+    value: Value,
+    /// The key of a map whose value comes next, and all keys.
+    key: Option<Tree>,
+    keys: BTreeSet<String>,
+}
+
+impl OpenValues<'_> {
+    fn error<T>(&self, line: usize, message: impl Into<String>) -> Result<T, FileError> {
+        Err(FileProblem::syntax(TextFormat::Yaml, message).at(self.path, line))
     }
 
-    fn peek(&self, ahead: usize) -> u8 {
-        self.bytes.get(self.at + ahead).copied().unwrap_or(b'\n')
+    /// The whole document, once it has ended.
+    fn event(&mut self, event: Event<'_>, span: Span) -> Result<Option<Tree>, FileError> {
+        const NOT_READ: &str = "anchors and texts over several lines are not read here";
+        let line = span.start.line();
+        match event {
+            Event::Alias(_) => self.error(line, NOT_READ),
+            Event::Scalar(_, _, anchor, _)
+            | Event::SequenceStart(anchor, _)
+            | Event::MappingStart(anchor, _)
+                if anchor != 0 =>
+            {
+                self.error(line, NOT_READ)
+            }
+            Event::Scalar(text, style, ..) => {
+                let value = match style {
+                    ScalarStyle::Plain if matches!(&*text, "" | "~" | "null") => Value::Null,
+                    _ if span.end.line() != line => return self.error(line, NOT_READ),
+                    ScalarStyle::Plain => Value::Plain(text.into_owned()),
+                    _ => Value::Text(text.into_owned()),
+                };
+                self.push(Tree { line, value })
+            }
+            Event::SequenceStart(..) => self.begin(line, Value::List(Vec::new())),
+            Event::MappingStart(..) => self.begin(line, Value::Map(Vec::new())),
+            Event::SequenceEnd | Event::MappingEnd => match self.open.pop() {
+                Some(OpenValue { line, value, .. }) => self.push(Tree { line, value }),
+                None => Ok(None),
+            },
+            _ => Ok(None),
+        }
     }
 
-    fn column(&self) -> usize {
-        self.at - self.start
+    fn begin(&mut self, line: usize, value: Value) -> Result<Option<Tree>, FileError> {
+        if self.open.len() >= MAX_DEPTH {
+            return self.error(line, format!("more than {MAX_DEPTH} levels"));
+        }
+        self.open.push(OpenValue { line, value, key: None, keys: BTreeSet::new() });
+        Ok(None)
     }
 
-    fn node(&mut self, line: usize, value: Value) -> Result<Node, FileError> {
+    /// Puts a value where it belongs; the outermost one is given back.
+    fn push(&mut self, tree: Tree) -> Result<Option<Tree>, FileError> {
         self.nodes += 1;
         if self.nodes > MAX_NODES {
-            return Err(self.error(&format!("more than {MAX_NODES} values")));
+            return self.error(tree.line, format!("more than {MAX_NODES} values"));
         }
-        if matches!(&value, Value::Map(entries) if entries.len() > MAX_KEYS) {
-            return Err(self.error(&format!("more than {MAX_KEYS} keys in one table")));
-        }
-        Ok(Node { line, value })
-    }
-
-    /// Goes past spaces and a comment, not past the end of the line.
-    fn spaces(&mut self) {
-        while matches!(self.bytes.get(self.at), Some(b' ' | b'\t' | b'\r')) {
-            self.at += 1;
-        }
-        let is_apart = self.at == 0 || matches!(self.bytes[self.at - 1], b' ' | b'\t' | b'\n');
-        if is_apart && self.bytes.get(self.at) == Some(&b'#') {
-            while self.at < self.bytes.len() && self.bytes[self.at] != b'\n' {
-                self.at += 1;
+        let Some(open) = self.open.last_mut() else { return Ok(Some(tree)) };
+        let entries = match &mut open.value {
+            Value::Map(entries) => entries,
+            Value::List(items) => {
+                items.push(tree);
+                return Ok(None);
             }
-        }
-    }
-
-    /// Goes past spaces, comments and ends of lines.
-    fn blank(&mut self) {
-        loop {
-            self.spaces();
-            if self.bytes.get(self.at) != Some(&b'\n') {
-                return;
-            }
-            self.at += 1;
-            self.line += 1;
-            self.start = self.at;
-        }
-    }
-
-    fn header(&mut self) {
-        loop {
-            self.blank();
-            let rest = &self.bytes[self.at..];
-            if self.column() == 0 && (rest.starts_with(b"%") || rest.starts_with(b"---")) {
-                let is_start = rest.starts_with(b"---");
-                while self.at < self.bytes.len() && self.bytes[self.at] != b'\n' {
-                    self.at += 1;
-                }
-                if !is_start {
-                    continue;
-                }
-                self.blank();
-            }
-            return;
-        }
-    }
-
-    fn at_document_end(&self) -> bool {
-        let rest = &self.bytes[self.at..];
-        self.column() == 0 && (rest.starts_with(b"---") || rest.starts_with(b"..."))
-    }
-
-    fn is_over(&self) -> bool {
-        self.at >= self.bytes.len() || self.at_document_end()
-    }
-
-    fn is_dash(&self) -> bool {
-        self.peek(0) == b'-' && matches!(self.peek(1), b' ' | b'\n' | b'\r' | b'\t')
-    }
-
-    /// Where the colon is, if a key stands here.
-    fn key_end(&self) -> Option<usize> {
-        let mut at = self.at;
-        match self.peek(0) {
-            b'[' | b'{' => return None,
-            quote @ (b'"' | b'\'') => {
-                at += 1;
-                while at < self.bytes.len() && self.bytes[at] != quote {
-                    at += if self.bytes[at] == b'\\' && quote == b'"' { 2 } else { 1 };
-                }
-            }
-            _ => {}
-        }
-        while at < self.bytes.len() && self.bytes[at] != b'\n' {
-            let next = self.bytes.get(at + 1).copied().unwrap_or(b'\n');
-            match self.bytes[at] {
-                b':' if matches!(next, b' ' | b'\n' | b'\r' | b'\t') => return Some(at),
-                b'#' if at > 0 && self.bytes[at - 1] == b' ' => return None,
-                _ => at += 1,
-            }
-        }
-        None
-    }
-
-    /// What stands here and below, no further left than `indent`.
-    fn block(&mut self, indent: usize, depth: usize) -> Result<Node, FileError> {
-        if depth > MAX_DEPTH {
-            return Err(self.error(&format!("more than {MAX_DEPTH} levels")));
-        }
-        self.blank();
-        let (line, column) = (self.line, self.column());
-        if self.is_over() || column < indent {
-            return self.node(line, Value::Null);
-        }
-        if self.is_dash() {
-            self.block_list(column, depth)
-        } else if self.key_end().is_some() {
-            self.block_map(column, depth)
-        } else {
-            self.inline(depth)
-        }
-    }
-
-    fn block_map(&mut self, column: usize, depth: usize) -> Result<Node, FileError> {
-        let first = self.line;
-        let mut entries = Vec::new();
-        let mut keys = BTreeSet::new();
-        loop {
-            self.blank();
-            if self.is_over() || self.column() < column {
-                break;
-            }
-            let Some(end) = self.key_end().filter(|_| self.column() == column) else {
-                return Err(self.error("expected `key: value`, in line with the key above"));
-            };
-            let key = if matches!(self.peek(0), b'"' | b'\'') {
-                self.quoted()?
-            } else {
-                self.text.get(self.at..end).unwrap_or_default().trim_end().to_owned()
-            };
-            if !keys.insert(key.clone()) {
-                let problem = FileProblem::Duplicate { field: key };
-                return Err(FileError::new(self.path, problem).at_line(Some(self.line)));
-            }
-            self.at = end + 1;
-            entries.push((key, self.after_key(column, depth)?));
-        }
-        self.node(first, Value::Map(entries))
-    }
-
-    /// The value of a key that stands at `column`.
-    fn after_key(&mut self, column: usize, depth: usize) -> Result<Node, FileError> {
-        let line = self.line;
-        self.tag();
-        if !matches!(self.bytes.get(self.at), None | Some(b'\n')) {
-            return self.inline(depth + 1);
-        }
-        self.blank();
-        if self.is_over() || self.column() < column || self.column() == column && !self.is_dash() {
-            return self.node(line, Value::Null);
-        }
-        // A list may stand in line with its key.
-        self.block(column, depth + 1)
-    }
-
-    fn block_list(&mut self, column: usize, depth: usize) -> Result<Node, FileError> {
-        let first = self.line;
-        let mut items = Vec::new();
-        loop {
-            self.blank();
-            if self.is_over() || self.column() != column || !self.is_dash() {
-                break;
-            }
-            self.at += 1;
-            let line = self.line;
-            self.tag();
-            if matches!(self.bytes.get(self.at), None | Some(b'\n')) {
-                self.blank();
-                if self.is_over() || self.column() <= column {
-                    items.push(self.node(line, Value::Null)?);
-                    continue;
-                }
-            }
-            items.push(self.block(column + 1, depth + 1)?);
-        }
-        self.node(first, Value::List(items))
-    }
-
-    /// Goes past spaces and a tag such as `!!opencv-matrix`.
-    fn tag(&mut self) {
-        self.spaces();
-        if self.peek(0) == b'!' {
-            while !matches!(self.peek(0), b' ' | b'\n' | b'\r' | b'\t') {
-                self.at += 1;
-            }
-            self.spaces();
-        }
-    }
-
-    /// A value that starts in this line; nothing may follow it there.
-    fn inline(&mut self, depth: usize) -> Result<Node, FileError> {
-        let node = match self.peek(0) {
-            b'[' | b'{' | b'"' | b'\'' => self.flow(depth)?,
-            b'&' | b'*' | b'|' | b'>' => {
-                return Err(self.error("anchors and texts over several lines are not read here"));
-            }
-            _ => self.plain(b"")?,
+            _ => return Ok(None),
         };
-        self.spaces();
-        if !matches!(self.bytes.get(self.at), None | Some(b'\n')) {
-            return Err(self.error("expected the end of the line after a value"));
-        }
-        Ok(node)
-    }
-
-    /// A word or number, up to one of these bytes, a comment or the end of the line.
-    fn plain(&mut self, ends: &[u8]) -> Result<Node, FileError> {
-        let from = self.at;
-        while self.at < self.bytes.len() {
-            let byte = self.bytes[self.at];
-            let is_comment = byte == b'#' && self.at > from && self.bytes[self.at - 1] == b' ';
-            if byte == b'\n' || is_comment || ends.contains(&byte) {
-                break;
-            }
-            self.at += 1;
-        }
-        let word = self.text.get(from..self.at).unwrap_or_default().trim();
-        if word.is_empty() {
-            return Err(self.error("expected a value"));
-        }
-        let value = if matches!(word, "null" | "~") { Value::Null } else { Value::Plain(word.to_owned()) };
-        self.node(self.line, value)
-    }
-
-    /// A value inside brackets, or brackets.
-    fn flow(&mut self, depth: usize) -> Result<Node, FileError> {
-        if depth > MAX_DEPTH {
-            return Err(self.error(&format!("more than {MAX_DEPTH} levels")));
-        }
-        self.tag();
-        let line = self.line;
-        match self.peek(0) {
-            b'[' => {
-                let mut items = Vec::new();
-                self.at += 1;
-                while self.goes_on(b']', items.is_empty())? {
-                    items.push(self.flow(depth + 1)?);
-                }
-                self.node(line, Value::List(items))
-            }
-            b'{' => {
-                let mut entries = Vec::new();
-                let mut keys = BTreeSet::new();
-                self.at += 1;
-                while self.goes_on(b'}', entries.is_empty())? {
-                    let key = self.flow_key()?;
-                    if !keys.insert(key.clone()) {
-                        let problem = FileProblem::Duplicate { field: key };
-                        return Err(FileError::new(self.path, problem).at_line(Some(self.line)));
-                    }
-                    self.blank();
-                    entries.push((key, self.flow(depth + 1)?));
-                }
-                self.node(line, Value::Map(entries))
-            }
-            b'"' | b'\'' => {
-                let text = self.quoted()?;
-                self.node(line, Value::Text(text))
-            }
-            _ => self.plain(b",]}"),
-        }
-    }
-
-    /// Goes past the comma between items; whether one follows before `end`, which is passed.
-    fn goes_on(&mut self, end: u8, is_first: bool) -> Result<bool, FileError> {
-        self.blank();
-        if !is_first && self.bytes.get(self.at) == Some(&b',') {
-            self.at += 1;
-            self.blank();
-        } else if !is_first && self.bytes.get(self.at).is_some_and(|&found| found != end) {
-            return Err(self.error("expected a comma or the closing bracket"));
-        }
-        match self.bytes.get(self.at) {
-            None => Err(self.error("the text ends inside brackets")),
-            Some(&found) if found == end => {
-                self.at += 1;
-                Ok(false)
-            }
-            Some(_) => Ok(true),
-        }
-    }
-
-    fn flow_key(&mut self) -> Result<String, FileError> {
-        let key = if matches!(self.peek(0), b'"' | b'\'') {
-            self.quoted()?
-        } else {
-            let from = self.at;
-            while !matches!(self.peek(0), b':' | b',' | b'}' | b'\n') {
-                self.at += 1;
-            }
-            self.text.get(from..self.at).unwrap_or_default().trim().to_owned()
+        let Some(key) = open.key.take() else {
+            open.key = Some(tree);
+            return Ok(None);
         };
-        self.blank();
-        if self.bytes.get(self.at) != Some(&b':') {
-            return Err(self.error("expected a colon after a key"));
-        }
-        self.at += 1;
-        Ok(key)
-    }
-
-    fn quoted(&mut self) -> Result<String, FileError> {
-        let quote = self.peek(0);
-        let mut out = String::new();
-        let mut rest = self.text.get(self.at + 1..).unwrap_or_default().char_indices();
-        while let Some((index, found)) = rest.next() {
-            match found {
-                '\n' => break,
-                '\\' if quote == b'"' => match rest.next() {
-                    Some((_, 'n')) => out.push('\n'),
-                    Some((_, 't')) => out.push('\t'),
-                    Some((_, 'u')) => {
-                        let digits: String = rest.by_ref().take(4).map(|(_, digit)| digit).collect();
-                        let code = u32::from_str_radix(&digits, 16).ok().and_then(char::from_u32);
-                        out.push(code.unwrap_or('\u{fffd}'));
-                    }
-                    Some((_, other)) => out.push(other),
-                    None => break,
-                },
-                _ if found == char::from(quote) => {
-                    self.at += 1 + index + 1;
-                    return Ok(out);
-                }
-                _ => out.push(found),
+        let line = key.line;
+        let (key, tree) = match (key.value, tree.value) {
+            (Value::Plain(pair), Value::Null) if pair.contains(':') => {
+                let (key, value) = pair.split_once(':').unwrap_or_default();
+                (key.to_owned(), Tree { line, value: Value::Plain(value.to_owned()) })
             }
+            (Value::Plain(key) | Value::Text(key), value) => (key, Tree { line: tree.line, value }),
+            (Value::Null, value) => ("null".to_owned(), Tree { line: tree.line, value }),
+            _ => return self.error(line, "expected a text as a key"),
+        };
+        if !open.keys.insert(key.clone()) {
+            return Err(FileProblem::Duplicate { field: key }.at(self.path, line));
         }
-        Err(self.error("a text in quotes does not end in its line"))
+        entries.push((key, tree));
+        if entries.len() > MAX_KEYS {
+            return self.error(line, format!("more than {MAX_KEYS} keys in one table"));
+        }
+        Ok(None)
     }
 }
 
@@ -384,18 +133,18 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<String, String> {
-        parse(Path::new("c.yml"), text).map(|node| show(&node)).map_err(|error| error.to_string())
+        parse(Path::new("c.yml"), text).map(|tree| show(&tree)).map_err(|error| error.to_string())
     }
 
-    fn show(node: &Node) -> String {
-        match &node.value {
+    fn show(tree: &Tree) -> String {
+        match &tree.value {
             Value::Null => "~".to_owned(),
             Value::Plain(text) => text.clone(),
             Value::Text(text) => format!("{text:?}"),
             Value::List(items) => format!("[{}]", items.iter().map(show).collect::<Vec<_>>().join(",")),
             Value::Map(entries) => {
                 let entries: Vec<_> =
-                    entries.iter().map(|(key, node)| format!("{key}:{}", show(node))).collect();
+                    entries.iter().map(|(key, tree)| format!("{key}:{}", show(tree))).collect();
                 format!("{{{}}}", entries.join(","))
             }
         }
@@ -416,6 +165,7 @@ mod tests {
             ("a:\n- - 1.0\n  - 2.0\n- - 3\n  - 4\n", "{a:[[1.0,2.0],[3,4]]}"),
             ("a:\n  - x: 1\n    y: 2\n  - { x:3, y:4 }\n", "{a:[{x:1,y:2},{x:3,y:4}]}"),
             ("{\"a\": [1, {\"b\": null}], \"c\": \"d\\u0041\"}", "{a:[1,{b:~}],c:\"dA\"}"),
+            ("a: 1\n---\nb: 2\n", "{a:1}"),
             ("", "~"),
         ];
         for (text, expected) in cases {
@@ -427,12 +177,16 @@ mod tests {
     fn errors_name_the_line() {
         let deep = "[".repeat(100);
         let cases = [
-            ("a: [1, 2\n", "line 2: is not valid YAML: the text ends inside brackets"),
-            ("a: 1\n  b: 2\n", "line 2: is not valid YAML: expected `key: value`, in line"),
+            ("a: [1, 2\n", "line 2: is not valid YAML: while parsing a flow sequence, expected ',' or ']'"),
+            ("a: 1\n  b: 2\n", "line 2: is not valid YAML: mapping values are not allowed"),
             ("a: 1\na: 2\n", "line 2: `a` is given twice"),
-            ("a: [1 2]\nb: [[1][2]]", "line 2: is not valid YAML: expected a comma"),
+            (
+                "a: [1 2]\nb: [[1][2]]",
+                "line 2: is not valid YAML: while parsing a flow sequence, expected ','",
+            ),
             ("a: &b 1\n", "line 1: is not valid YAML: anchors"),
-            ("a: \"b\n", "line 1: is not valid YAML: a text in quotes"),
+            ("a: 1\nb: c\n  d\n", "line 2: is not valid YAML: anchors and texts over several lines"),
+            ("a: \"b\n", "is not valid YAML: while scanning a quoted scalar"),
             (&deep, "more than 32 levels"),
         ];
         for (text, expected) in cases {

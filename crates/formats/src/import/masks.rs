@@ -7,7 +7,7 @@ use super::matching::MatchedBy;
 use super::pictures::Pictures;
 use super::{FoundCamera, ImportError, plates};
 use crate::FileError;
-use crate::masks::{self, MaskValues, Numbers, Source};
+use crate::masks::{self, MaskSequence, MaskValues, Numbers};
 
 /// Words of names that masks have.
 const WORDS: [&str; 13] = [
@@ -123,12 +123,12 @@ fn found(camera: &FoundCamera, candidate: &Candidate, are_alone: bool) -> Result
             "they have {width}×{height} pixels, and the footage {expected_width}×{expected_height}"
         ));
     }
-    let source = Source {
+    let source = MaskSequence {
         count: found,
         path: &|index| pictures.path_of(index),
         read: &|index| numbers(&pictures, index),
     };
-    let values = masks::told(None, &source).map_err(|(_, error)| error.to_string());
+    let values = masks::values_of(None, &source).map_err(|(_, error)| error.to_string());
     Ok((values, pictures))
 }
 

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use toml::Value;
 
@@ -29,7 +30,8 @@ const IDS_BELOW: u16 = 64;
 const NAMED: usize = 8;
 
 /// What the numbers of a mask mean.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum MaskValues {
     /// Grey levels or probabilities: above half of white the subject; exactly half, 127 and 128 of 255, is unknown.
     Grey,
@@ -77,24 +79,14 @@ impl MaskValues {
     pub(crate) const EXPECTED: &str =
         "\"auto\", \"grey\", \"nonzero\", \"alpha\", \"classes\" or { ids = [numbers from 0 to 65535] }";
 
-    /// What a take file says: `Some(None)` for `"auto"`, `None` where it makes no sense.
+    /// What a take file says: `Some(None)` for `"auto"`, `None` for what is not accepted.
     pub(crate) fn parse(value: &Value) -> Option<Option<Self>> {
-        match value {
-            Value::String(word) => match word.as_str() {
-                "auto" => Some(None),
-                "grey" => Some(Some(Self::Grey)),
-                "nonzero" => Some(Some(Self::NonZero)),
-                "alpha" => Some(Some(Self::Alpha)),
-                "classes" => Some(Some(Self::Classes)),
-                _ => None,
-            },
-            Value::Table(table) if table.len() == 1 => {
-                let ids = table.get("ids")?.as_array()?;
-                let id = |id: &Value| id.as_integer().and_then(|id| u16::try_from(id).ok());
-                let ids: Vec<u16> = ids.iter().map(id).collect::<Option<_>>()?;
-                (1..=MOST_IDS).contains(&ids.len()).then_some(Some(Self::Ids(ids)))
-            }
-            _ => None,
+        if value.as_str() == Some("auto") {
+            return Some(None);
+        }
+        match Self::deserialize(value.clone()).ok()? {
+            Self::Ids(ids) if !(1..=MOST_IDS).contains(&ids.len()) => None,
+            values => Some(Some(values)),
         }
     }
 }
@@ -102,21 +94,12 @@ impl MaskValues {
 /// As a take file says it.
 impl fmt::Display for MaskValues {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Grey => f.write_str("\"grey\""),
-            Self::NonZero => f.write_str("\"nonzero\""),
-            Self::Alpha => f.write_str("\"alpha\""),
-            Self::Classes => f.write_str("\"classes\""),
-            Self::Ids(ids) => {
-                let ids: Vec<String> = ids.iter().map(u16::to_string).collect();
-                write!(f, "{{ ids = [{}] }}", ids.join(", "))
-            }
-        }
+        Value::try_from(self).map_err(|_error| fmt::Error)?.fmt(f)
     }
 }
 
 /// One camera's masks, to be looked at.
-pub(crate) struct Source<'a> {
+pub(crate) struct MaskSequence<'a> {
     pub(crate) count: usize,
     pub(crate) path: &'a dyn Fn(usize) -> PathBuf,
     pub(crate) read: &'a dyn Fn(usize) -> Result<Numbers, FileError>,
@@ -127,15 +110,15 @@ pub(crate) struct Source<'a> {
 ///
 /// # Errors
 /// A mask that cannot be read or understood, and which one.
-pub(crate) fn told(
+pub(crate) fn values_of(
     given: Option<&MaskValues>,
-    source: &Source<'_>,
+    source: &MaskSequence<'_>,
 ) -> Result<MaskValues, (usize, FileError)> {
-    let mut seen = Seen::default();
+    let mut seen = NumberStatistics::default();
     let few: Vec<usize> = spread(source.count, LOOKED_AT).collect();
     let many = spread(source.count, MOST_LOOKED_AT).filter(|index| !few.contains(index));
     for (order, index) in few.iter().copied().chain(many).enumerate() {
-        if order >= few.len() && seen.tells(given) {
+        if order >= few.len() && seen.suffices(given) {
             break;
         }
         let numbers = (source.read)(index).map_err(|error| (index, error))?;
@@ -148,7 +131,7 @@ pub(crate) fn told(
 
 /// What was seen in some masks.
 #[derive(Debug, Default)]
-struct Seen {
+struct NumberStatistics {
     masks: usize,
     numbers: BTreeSet<u16>,
     is_transparent: bool,
@@ -157,7 +140,7 @@ struct Seen {
     dark: u16,
 }
 
-impl Seen {
+impl NumberStatistics {
     fn add(&mut self, mask: &Numbers, given: Option<&MaskValues>) -> Result<(), MaskProblem> {
         self.masks += 1;
         let is_transparent = mask.alpha.as_ref().is_some_and(|alpha| alpha.iter().any(|&alpha| alpha < 255));
@@ -178,8 +161,8 @@ impl Seen {
         Ok(())
     }
 
-    /// Whether more masks would not tell more.
-    fn tells(&self, given: Option<&MaskValues>) -> bool {
+    /// Whether further masks need not be looked at.
+    fn suffices(&self, given: Option<&MaskValues>) -> bool {
         match given {
             Some(MaskValues::Ids(ids)) => ids.iter().any(|id| self.numbers.contains(id)),
             Some(_) => true,
@@ -189,7 +172,7 @@ impl Seen {
 
     fn values(&self, given: Option<&MaskValues>) -> Result<MaskValues, MaskProblem> {
         match given {
-            Some(MaskValues::Ids(ids)) if !self.tells(given) => {
+            Some(MaskValues::Ids(ids)) if !self.suffices(given) => {
                 let found = self.numbers.iter().copied().filter(|&number| number > 0).collect();
                 Err(MaskProblem::NoSuchId { ids: ids.clone(), found, looked_at: self.masks })
             }
@@ -229,12 +212,12 @@ mod tests {
     }
 
     fn told_of(given: Option<&MaskValues>, masks: &[Numbers]) -> Result<MaskValues, (usize, String)> {
-        let source = Source {
+        let source = MaskSequence {
             count: masks.len(),
             path: &|index| PathBuf::from(format!("{index}.png")),
             read: &|index| Ok(masks[index].clone()),
         };
-        told(given, &source).map_err(|(index, error)| (index, error.to_string()))
+        values_of(given, &source).map_err(|(index, error)| (index, error.to_string()))
     }
 
     #[test]

@@ -5,28 +5,27 @@
 
 use std::fmt::Write;
 
-use super::euler;
-use super::scene::Scene;
-use super::skeleton::Skeleton;
+use super::bones::{BoneTree, angles};
+use super::frames::MotionFrames;
 use crate::FileProblem;
 
-pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
-    let skeleton = Skeleton::new(scene);
+pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
+    let bones = BoneTree::new(scene);
     let poses = scene.bridged()?;
     let mut out = String::from("HIERARCHY\n");
     let mut order = Vec::new();
-    hierarchy(&mut out, scene, &skeleton, &mut order);
+    hierarchy(&mut out, scene, &bones, &mut order);
     out.push_str(&format!("MOTION\nFrames: {}\nFrame Time: {:.9}\n", poses.len(), 1.0 / scene.frame_rate));
-    let mut before = vec![None; skeleton.nodes.len()];
+    let mut before = vec![None; bones.bones.len()];
     for pose in &poses {
         let root = scene.point(pose.root);
         // Writing to a string cannot fail.
         let _ = write!(out, "{:.6} {:.6} {:.6}", root.x, root.y, root.z);
-        let turns = skeleton.turns(scene, pose);
+        let turns = bones.turns(scene, pose);
         for &node in &order {
-            let angles = euler::angles(scene.euler, turns[node], before[node]);
-            before[node] = Some(angles);
-            for angle in angles {
+            let turned = angles(scene.euler, turns[node], before[node]);
+            before[node] = Some(turned);
+            for angle in turned {
                 let _ = write!(out, " {:.6}", angle.to_degrees());
             }
         }
@@ -36,7 +35,7 @@ pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
 }
 
 /// Writes the tree, deepest first, and notes the order of its nodes.
-fn hierarchy(out: &mut String, scene: &Scene<'_>, skeleton: &Skeleton, order: &mut Vec<usize>) {
+fn hierarchy(out: &mut String, scene: &MotionFrames<'_>, bones: &BoneTree, order: &mut Vec<usize>) {
     let [a, b, c] = scene.euler.letters();
     // What is still to be written: a node, or the bracket that ends one.
     let mut open = vec![(0, 0, false)];
@@ -47,7 +46,7 @@ fn hierarchy(out: &mut String, scene: &Scene<'_>, skeleton: &Skeleton, order: &m
             continue;
         }
         order.push(node);
-        let this = &skeleton.nodes[node];
+        let this = &bones.bones[node];
         let (kind, positions) = match this.parent {
             Some(_) => ("JOINT", "3"),
             None => ("ROOT", "6 Xposition Yposition Zposition"),
@@ -60,9 +59,9 @@ fn hierarchy(out: &mut String, scene: &Scene<'_>, skeleton: &Skeleton, order: &m
             this.name, o.x, o.y, o.z
         );
         open.push((node, depth, true));
-        let mut children: Vec<usize> = skeleton.children(node).collect();
+        let mut children: Vec<usize> = bones.children(node).collect();
         if children.is_empty() {
-            let tip = skeleton.tip(node);
+            let tip = bones.tip(node);
             let _ = write!(
                 out,
                 "{tabs}\tEnd Site\n{tabs}\t{{\n{tabs}\t\tOFFSET {:.6} {:.6} {:.6}\n{tabs}\t}}\n",

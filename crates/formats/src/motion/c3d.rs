@@ -2,8 +2,8 @@
 //!
 //! A point is x, y, z and a residual: 0 where it is known, −1 in a gap. Frames count from 1: our frame 0 is 1.
 
+use super::frames::MotionFrames;
 use super::names;
-use super::scene::Scene;
 use crate::FileProblem;
 
 const BLOCK: usize = 512;
@@ -14,7 +14,7 @@ const MOST_LABELS: usize = 255;
 /// Bytes of a name, without the number that tells it from another.
 const LONGEST_LABEL: usize = 100;
 
-pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
+pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
     let frames = scene.without_gaps()?;
     let labels = labels(scene);
     let (first, last) = scene.first_and_last();
@@ -46,7 +46,7 @@ pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
 }
 
 /// The joints' names: ASCII, and so short that a list of 255 stays below 32 KiB.
-fn labels(scene: &Scene<'_>) -> Vec<String> {
+fn labels(scene: &MotionFrames<'_>) -> Vec<String> {
     let ascii = |c: char| if c.is_ascii() { c } else { '_' };
     let joints = names::joints(scene.model, scene.names, true);
     names::different(joints.iter().map(|name| name.chars().take(LONGEST_LABEL).map(ascii).collect()))
@@ -76,7 +76,7 @@ fn header(points: usize, [first, last]: [usize; 2], data_at: u16, rate: f64) -> 
 
 /// The parameter section, whole blocks.
 fn parameters(
-    scene: &Scene<'_>,
+    scene: &MotionFrames<'_>,
     labels: &[String],
     frames: usize,
     data_at: u16,
@@ -117,10 +117,9 @@ fn parameters(
     out.extend([0, 0]);
     fill_block(&mut out);
     let blocks = out.len() / BLOCK;
-    out[2] = u8::try_from(blocks).ok().ok_or_else(|| FileProblem::Field {
-        field: "joints".to_owned(),
-        found: format!("so many that their names fill {blocks} blocks"),
-        expected: "at most 255 blocks of names".to_owned(),
+    out[2] = u8::try_from(blocks).map_err(|_error| {
+        let found = format!("so many that their names fill {blocks} blocks");
+        FileProblem::field("joints", found, "at most 255 blocks of names")
     })?;
     Ok(out)
 }

@@ -114,12 +114,10 @@ pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack, FileError> {
     let motion = bvh::parse(path, bytes)?;
     let (joints, frames) = (motion.joints(), motion.frame_count());
     if joints.len().saturating_mul(frames) > MAX_PLACES {
-        let problem = FileProblem::Field {
-            field: "Frames:".to_owned(),
-            found: format!("{frames} with {} joints", joints.len()),
-            expected: format!("at most {MAX_PLACES} places"),
-        };
-        return Err(FileError::new(path, problem));
+        let found = format!("{frames} with {} joints", joints.len());
+        return Err(
+            FileProblem::field("Frames:", found, format!("at most {MAX_PLACES} places")).at(path, None)
+        );
     }
     let places = |frame| motion.joints_at(frame).into_iter().map(|(place, _)| place).collect();
     Ok(with_own_names(JointTrack {

@@ -39,31 +39,22 @@ pub fn parse_labels(path: &Path, bytes: &[u8]) -> Result<Vec<MotionLabel>, FileE
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut labels: Vec<MotionLabel> = Vec::new();
     let wrong = |line: Option<u64>, problem: FileProblem| {
-        FileError::new(path, problem).at_line(line.and_then(|line| usize::try_from(line).ok()))
+        problem.at(path, line.and_then(|line| usize::try_from(line).ok()))
     };
     for row in reader.deserialize::<MotionLabel>() {
         let label = row.map_err(|error| {
             let line = error.position().map(csv::Position::line);
             let message = format!("{}; expected columns file, class, subject, description", plain(&error));
-            wrong(line, FileProblem::Syntax { format: TextFormat::Csv, field: None, message })
+            wrong(line, FileProblem::syntax(TextFormat::Csv, message))
         })?;
         let line = Some(labels.len() as u64 + 2);
         let fields = [("file", &label.file), ("class", &label.class), ("subject", &label.subject)];
         if let Some((field, _)) = fields.into_iter().find(|(_, value)| value.is_empty()) {
-            let problem = FileProblem::Field {
-                field: field.to_owned(),
-                found: "empty".to_owned(),
-                expected: "a word".to_owned(),
-            };
-            return Err(wrong(line, problem));
+            return Err(wrong(line, FileProblem::field(field, "empty", "a word")));
         }
         if Path::new(&label.file).file_name().is_none_or(|name| name != label.file.as_str()) {
-            let problem = FileProblem::Field {
-                field: "file".to_owned(),
-                found: label.file,
-                expected: "the name of a file in the same folder".to_owned(),
-            };
-            return Err(wrong(line, problem));
+            let expected = "the name of a file in the same folder";
+            return Err(wrong(line, FileProblem::field("file", label.file, expected)));
         }
         if labels.iter().any(|known| known.file == label.file) {
             return Err(wrong(line, FileProblem::Duplicate { field: label.file }));

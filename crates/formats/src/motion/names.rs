@@ -10,7 +10,7 @@ use backlit_tracking::body::Model;
 use super::Names;
 
 /// One limb of the full body in other programs' words; `None` keeps ours.
-struct Row {
+struct BoneNames {
     /// Of the right side, or of the middle.
     limb: &'static str,
     opensim_bone: Option<&'static str>,
@@ -26,14 +26,14 @@ const fn row(
     [opensim_bone, opensim_joint]: [Option<&'static str>; 2],
     [mixamo_bone, mixamo_joint]: [Option<&'static str>; 2],
     coordinates: Option<[(&'static str, f64); 3]>,
-) -> Row {
-    Row { limb, opensim_bone, opensim_joint, mixamo_bone, mixamo_joint, coordinates }
+) -> BoneNames {
+    BoneNames { limb, opensim_bone, opensim_joint, mixamo_bone, mixamo_joint, coordinates }
 }
 
 const ROOT: &str = "root";
 
 /// The right side; the left is made from it.
-const FULL_BODY: [Row; 15] = [
+const FULL_BODY: [BoneNames; 15] = [
     row(ROOT, [None, Some("midHip")], [None, Some("Hips")], None),
     row(
         "spine",
@@ -93,7 +93,7 @@ const FULL_BODY: [Row; 15] = [
 ];
 
 /// A limb's row, and whether it is on the left.
-fn find(model: &Model, limb: &str) -> Option<(&'static Row, bool)> {
+fn find(model: &Model, limb: &str) -> Option<(&'static BoneNames, bool)> {
     if model.limb_index("spine").is_none() || model.limb_index("right lower calf").is_none() {
         return None; // another body
     }

@@ -1,12 +1,12 @@
-//! `NumPy` arrays in one file.
+//! `NumPy` arrays in one file: a zip archive whose files are stored as they are, as `numpy.savez` makes it.
 
 use glam::{DQuat, DVec3};
 
-use super::scene::Scene;
-use super::{names, zip};
+use super::frames::{MotionFrames, too_large};
+use super::names;
 use crate::FileProblem;
 
-pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
+pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
     let model = scene.model;
     let names = names::joints(model, scene.names, false);
     let (n, r, j) = (scene.frames.len(), model.rotation_count(), names.len());
@@ -32,7 +32,7 @@ pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
     let parents = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.parent.map_or(0, |l| l as i64 + 1)));
     let rotation_of = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.rotation as i64));
     let rotation_parents = model.rotation_parents().iter().map(|parent| parent.map_or(-1, |p| p as i64));
-    zip::store(&[
+    store(&[
         ("frames.npy", integers(scene.frames.iter().map(numbers))),
         ("seconds.npy", doubles(&[n], scene.frames.iter().map(|frame| scene.seconds(frame.0)))),
         ("root.npy", doubles(&[n, 3], roots)),
@@ -84,4 +84,47 @@ fn texts(texts: &[String]) -> Vec<u8> {
         data.extend(letters.flat_map(u32::to_le_bytes));
     }
     array(&format!("<U{width}"), &[texts.len()], &data)
+}
+
+fn length(bytes: usize) -> Result<u32, FileProblem> {
+    u32::try_from(bytes).map_err(|_error| too_large(bytes))
+}
+
+/// An archive of these files.
+///
+/// # Errors
+/// More than 4 GiB.
+fn store(files: &[(&str, Vec<u8>)]) -> Result<Vec<u8>, FileProblem> {
+    let (mut out, mut directory) = (Vec::new(), Vec::new());
+    for (name, content) in files {
+        let (size, offset) = (length(content.len())?, length(out.len())?);
+        // Version 2.0, no flags, stored, and the first day that a zip can name.
+        let mut about = Vec::new();
+        for value in [20_u16, 0, 0, 0, 0x21] {
+            about.extend(value.to_le_bytes());
+        }
+        for value in [crc32fast::hash(content), size, size] {
+            about.extend(value.to_le_bytes());
+        }
+        about.extend((name.len() as u16).to_le_bytes());
+        about.extend([0, 0]);
+        out.extend(b"PK\x03\x04");
+        out.extend(&about);
+        out.extend(name.as_bytes());
+        out.extend(content);
+        directory.extend(b"PK\x01\x02\x14\x00");
+        directory.extend(&about);
+        directory.extend([0; 10]); // no comment, first disk, no attributes
+        directory.extend(offset.to_le_bytes());
+        directory.extend(name.as_bytes());
+    }
+    let (offset, size, count) = (length(out.len())?, length(directory.len())?, files.len() as u16);
+    out.extend(directory);
+    out.extend(b"PK\x05\x06\x00\x00\x00\x00");
+    out.extend(count.to_le_bytes());
+    out.extend(count.to_le_bytes());
+    out.extend(size.to_le_bytes());
+    out.extend(offset.to_le_bytes());
+    out.extend([0, 0]);
+    Ok(out)
 }

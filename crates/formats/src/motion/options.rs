@@ -52,20 +52,20 @@ impl Unit {
     /// How many there are in a metre.
     #[must_use]
     pub fn per_metre(self) -> f64 {
-        match self {
-            Self::Metres => 1.0,
-            Self::Centimetres => 100.0,
-            Self::Millimetres => 1000.0,
-        }
+        self.scale_and_symbol().0
     }
 
     /// Its sign.
     #[must_use]
     pub fn symbol(self) -> &'static str {
+        self.scale_and_symbol().1
+    }
+
+    fn scale_and_symbol(self) -> (f64, &'static str) {
         match self {
-            Self::Metres => "m",
-            Self::Centimetres => "cm",
-            Self::Millimetres => "mm",
+            Self::Metres => (1.0, "m"),
+            Self::Centimetres => (100.0, "cm"),
+            Self::Millimetres => (1000.0, "mm"),
         }
     }
 }
@@ -105,24 +105,21 @@ impl EulerOrder {
     /// Its axes' letters.
     #[must_use]
     pub fn letters(self) -> [char; 3] {
-        match self {
-            Self::Xyz => ['X', 'Y', 'Z'],
-            Self::Xzy => ['X', 'Z', 'Y'],
-            Self::Yxz => ['Y', 'X', 'Z'],
-            Self::Yzx => ['Y', 'Z', 'X'],
-            Self::Zxy => ['Z', 'X', 'Y'],
-            Self::Zyx => ['Z', 'Y', 'X'],
-        }
+        self.letters_and_axes().0
     }
 
     pub(super) fn intrinsic(self) -> EulerRot {
+        self.letters_and_axes().1
+    }
+
+    fn letters_and_axes(self) -> ([char; 3], EulerRot) {
         match self {
-            Self::Xyz => EulerRot::XYZ,
-            Self::Xzy => EulerRot::XZY,
-            Self::Yxz => EulerRot::YXZ,
-            Self::Yzx => EulerRot::YZX,
-            Self::Zxy => EulerRot::ZXY,
-            Self::Zyx => EulerRot::ZYX,
+            Self::Xyz => (['X', 'Y', 'Z'], EulerRot::XYZ),
+            Self::Xzy => (['X', 'Z', 'Y'], EulerRot::XZY),
+            Self::Yxz => (['Y', 'X', 'Z'], EulerRot::YXZ),
+            Self::Yzx => (['Y', 'Z', 'X'], EulerRot::YZX),
+            Self::Zxy => (['Z', 'X', 'Y'], EulerRot::ZXY),
+            Self::Zyx => (['Z', 'Y', 'X'], EulerRot::ZYX),
         }
     }
 }

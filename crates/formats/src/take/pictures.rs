@@ -10,7 +10,7 @@ use image::{RgbImage, imageops};
 use super::known::Known;
 use super::{BackgroundSource, CameraFootage, Take, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
-use crate::masks::{self, MaskValues, Source};
+use crate::masks::{self, MaskSequence, MaskValues};
 use crate::video::Video;
 use crate::{FileError, FileProblem};
 
@@ -102,12 +102,12 @@ impl Take {
         if let Some(told) = own.told.get() {
             return Ok(Some(told));
         }
-        let source = Source {
+        let source = MaskSequence {
             count: self.frame_count,
             path: &|frame| own.path(footage.number(frame)),
             read: &|frame| own.read(self.files.as_ref(), footage.number(frame), &self.check_mask(camera)),
         };
-        let told = masks::told(own.given.as_ref(), &source);
+        let told = masks::values_of(own.given.as_ref(), &source);
         let told = told.map_err(|(frame, error)| footage.mask_error(frame, error))?;
         Ok(Some(own.told.get_or_init(|| told)))
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use backlit_formats::calibration::{self, CalibrationOptions, LeftOut};
+use backlit_formats::calibration::{self, CalibrationOptions, SkippedCamera};
 use backlit_tracking::camera::{Camera, Distortion, Rig};
 use glam::DVec3;
 
@@ -154,7 +154,7 @@ fn caliscope_s_cameras_without_a_place_are_left_out() {
     assert_camera(&found.rig.cameras()[0], "0", [500.0, 501.0, 320.0, 240.0], [-2.0, 1.0, 0.5]);
     assert_eq!(
         found.left_out,
-        [LeftOut { name: "1".to_owned(), reason: "the file has no place of it".to_owned() }]
+        [SkippedCamera { name: "1".to_owned(), reason: "the file has no place of it".to_owned() }]
     );
 }
 

@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use glam::DMat3;
+use serde_json::value::RawValue;
 use toml::de::{DeTable, DeValue};
 
 use super::lens::rotation_from_vector;
+use crate::json_text::{self, Entries};
 use crate::text::line_at;
 use crate::{FileError, FileProblem, TextFormat, plain_words};
 
@@ -18,7 +20,7 @@ pub(super) const MAX_KEYS: usize = 4_000;
 
 /// One value and its line.
 #[derive(Debug, Clone)]
-pub(super) struct Node {
+pub(super) struct Tree {
     pub(super) line: usize,
     pub(super) value: Value,
 }
@@ -31,11 +33,11 @@ pub(super) enum Value {
     Plain(String),
     /// In quotes.
     Text(String),
-    List(Vec<Node>),
-    Map(Vec<(String, Node)>),
+    List(Vec<Tree>),
+    Map(Vec<(String, Tree)>),
 }
 
-impl Node {
+impl Tree {
     /// The entries of a map; none of anything else.
     pub(super) fn entries(&self) -> &[(String, Self)] {
         match &self.value {
@@ -73,11 +75,11 @@ pub(super) struct Field<'a> {
     pub(super) path: &'a Path,
     /// Keys from the root, `cam0.intrinsics`; empty for the root.
     pub(super) name: String,
-    pub(super) node: &'a Node,
+    pub(super) node: &'a Tree,
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn root(path: &'a Path, node: &'a Node) -> Self {
+    pub(super) fn root(path: &'a Path, node: &'a Tree) -> Self {
         Self { path, name: String::new(), node }
     }
 
@@ -116,16 +118,12 @@ impl<'a> Field<'a> {
 
     /// The error that a key is not there.
     pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
-        let (field, found) = (self.name_of(key), "missing".to_owned());
-        let problem = FileProblem::Field { field, found, expected: expected.to_owned() };
-        FileError::new(self.path, problem).at_line(Some(self.node.line))
+        FileProblem::field(self.name_of(key), "missing", expected).at(self.path, self.node.line)
     }
 
     /// The error that something else stands here.
     pub(super) fn error(&self, found: &str, expected: &str) -> FileError {
-        let (found, expected) = (found.to_owned(), expected.to_owned());
-        let problem = FileProblem::Field { field: self.name.clone(), found, expected };
-        FileError::new(self.path, problem).at_line(Some(self.node.line))
+        FileProblem::field(self.name.as_str(), found, expected).at(self.path, self.node.line)
     }
 
     pub(super) fn unexpected(&self, expected: &str) -> FileError {
@@ -220,77 +218,108 @@ impl<'a> Field<'a> {
 }
 
 /// The tree of a TOML text, tables in the order of the file.
-pub(super) fn from_toml(path: &Path, text: &str) -> Result<Node, FileError> {
+pub(super) fn from_toml(path: &Path, text: &str) -> Result<Tree, FileError> {
     let table = DeTable::parse(text).map_err(|error| {
         let problem = plain_words::problem(TextFormat::Toml, None, error.message());
-        FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
+        problem.at(path, error.span().map(|span| line_at(text, span.start)))
     })?;
-    let lines = Lines::new(text);
-    toml_table(path, &lines, 1, table.get_ref(), 0)
+    TextLines::new(path, text).toml_table(1, table.get_ref(), 0)
 }
 
-/// Where lines start: to look up many of them in a long text.
-struct Lines(Vec<usize>);
-
-impl Lines {
-    fn new(text: &str) -> Self {
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        Self(ends.map(|(at, _)| at).collect())
-    }
-
-    fn at(&self, offset: usize) -> usize {
-        1 + self.0.partition_point(|end| *end < offset)
-    }
+/// The tree of a JSON text, which is known to be one.
+pub(super) fn from_json(path: &Path, text: &str) -> Result<Tree, FileError> {
+    TextLines::new(path, text).json(json_text::parse(path, text)?, 0)
 }
 
-fn toml_table(
-    path: &Path,
-    lines: &Lines,
-    line: usize,
-    table: &DeTable<'_>,
-    depth: usize,
-) -> Result<Node, FileError> {
-    if depth > MAX_DEPTH {
-        let message = format!("more than {MAX_DEPTH} levels");
-        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
-        return Err(FileError::new(path, problem).at_line(Some(line)));
-    }
-    if table.len() > MAX_KEYS {
-        let message = format!("more than {MAX_KEYS} keys in one table");
-        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
-        return Err(FileError::new(path, problem).at_line(Some(line)));
-    }
-    let mut keys: Vec<_> = table.iter().collect();
-    keys.sort_by_key(|(key, _)| key.span().start);
-    let mut entries = Vec::with_capacity(keys.len());
-    for (key, value) in keys {
-        let line = lines.at(key.span().start);
-        entries.push((key.get_ref().to_string(), toml_value(path, lines, line, value.get_ref(), depth + 1)?));
-    }
-    Ok(Node { line, value: Value::Map(entries) })
+/// A text on its way to a tree, with the places where its lines end.
+struct TextLines<'a> {
+    path: &'a Path,
+    text: &'a str,
+    ends: Vec<usize>,
 }
 
-fn toml_value(
-    path: &Path,
-    lines: &Lines,
-    line: usize,
-    value: &DeValue<'_>,
-    depth: usize,
-) -> Result<Node, FileError> {
-    let value = match value {
-        DeValue::String(text) => Value::Text(text.to_string()),
-        // Without underscores already; other radices are nobody's pixels.
-        DeValue::Integer(number) => Value::Plain(number.as_str().to_owned()),
-        DeValue::Float(number) => Value::Plain(number.as_str().to_owned()),
-        DeValue::Boolean(flag) => Value::Plain(flag.to_string()),
-        DeValue::Datetime(moment) => Value::Text(moment.to_string()),
-        DeValue::Array(items) => {
-            let node = |item: &toml::Spanned<DeValue<'_>>| {
-                toml_value(path, lines, lines.at(item.span().start), item.get_ref(), depth + 1)
-            };
-            Value::List(items.iter().map(node).collect::<Result<_, _>>()?)
-        }
-        DeValue::Table(table) => return toml_table(path, lines, line, table, depth),
-    };
-    Ok(Node { line, value })
+impl<'a> TextLines<'a> {
+    fn new(path: &'a Path, text: &'a str) -> Self {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Self { path, text, ends }
+    }
+
+    fn line_at(&self, offset: usize) -> usize {
+        1 + self.ends.partition_point(|end| *end < offset)
+    }
+
+    fn json(&self, raw: &'a RawValue, depth: usize) -> Result<Tree, FileError> {
+        let text = raw.get();
+        let line = self.line_at(text.as_ptr() as usize - self.text.as_ptr() as usize);
+        self.check(TextFormat::Json, line, depth, 0)?;
+        // The library has checked all but keys that are given twice.
+        let failed = |error: serde_json::Error| {
+            let message = error.to_string();
+            let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
+            FileProblem::syntax(TextFormat::Json, message).at(self.path, line)
+        };
+        let value = match text.as_bytes().first() {
+            Some(b'{') => {
+                let entries: Entries<&RawValue> = serde_json::from_str(text).map_err(failed)?;
+                self.check(TextFormat::Json, line, depth, entries.0.len())?;
+                let entry = |(key, value): (String, &'a RawValue)| Ok((key, self.json(value, depth + 1)?));
+                Value::Map(entries.0.into_iter().map(entry).collect::<Result<_, FileError>>()?)
+            }
+            Some(b'[') => {
+                let items: Vec<&RawValue> = serde_json::from_str(text).map_err(failed)?;
+                Value::List(
+                    items.into_iter().map(|item| self.json(item, depth + 1)).collect::<Result<_, _>>()?,
+                )
+            }
+            Some(b'"') => Value::Text(serde_json::from_str(text).map_err(failed)?),
+            Some(b'n') => Value::Null,
+            _ => Value::Plain(text.to_owned()),
+        };
+        Ok(Tree { line, value })
+    }
+
+    /// Whether a table is no deeper and has no more keys than is allowed.
+    fn check(&self, format: TextFormat, line: usize, depth: usize, keys: usize) -> Result<(), FileError> {
+        let message = if depth > MAX_DEPTH {
+            format!("more than {MAX_DEPTH} levels")
+        } else if keys > MAX_KEYS {
+            format!("more than {MAX_KEYS} keys in one table")
+        } else {
+            return Ok(());
+        };
+        Err(FileProblem::syntax(format, message).at(self.path, line))
+    }
+
+    fn toml_table(&self, line: usize, table: &DeTable<'_>, depth: usize) -> Result<Tree, FileError> {
+        self.check(TextFormat::Toml, line, depth, table.len())?;
+        let mut keys: Vec<_> = table.iter().collect();
+        keys.sort_by_key(|(key, _)| key.span().start);
+        let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<_>)| {
+            let key_text: &std::borrow::Cow<'_, str> = key.get_ref();
+            Ok((
+                key_text.to_string(),
+                self.toml_value(self.line_at(key.span().start), value.get_ref(), depth + 1)?,
+            ))
+        };
+        Ok(Tree { line, value: Value::Map(keys.into_iter().map(entry).collect::<Result<_, FileError>>()?) })
+    }
+
+    fn toml_value(&self, line: usize, value: &DeValue<'_>, depth: usize) -> Result<Tree, FileError> {
+        let value = match value {
+            DeValue::String(text) => Value::Text(text.to_string()),
+            // Without underscores already; numbers of another radix are not expected in a calibration.
+            DeValue::Integer(number) => Value::Plain(number.as_str().to_owned()),
+            DeValue::Float(number) => Value::Plain(number.as_str().to_owned()),
+            DeValue::Boolean(flag) => Value::Plain(flag.to_string()),
+            DeValue::Datetime(moment) => Value::Text(moment.to_string()),
+            DeValue::Array(items) => {
+                let tree = |item: &toml::Spanned<DeValue<'_>>| {
+                    self.toml_value(self.line_at(item.span().start), item.get_ref(), depth + 1)
+                };
+                Value::List(items.iter().map(tree).collect::<Result<_, _>>()?)
+            }
+            DeValue::Table(table) => return self.toml_table(line, table, depth),
+        };
+        Ok(Tree { line, value })
+    }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
 use glam::{DMat3, DVec3};
 
-use super::{Calibration, CalibrationOptions, LeftOut, MAX_CAMERAS, rig};
+use super::{Calibration, CalibrationOptions, MAX_CAMERAS, SkippedCamera, rig};
 use crate::{FileError, FileProblem};
 
 /// Focal lengths and principal point, as a file has them.
@@ -32,7 +32,7 @@ impl Pinhole {
 
 /// What one file says of one camera.
 #[derive(Debug, Clone)]
-pub(super) struct Part {
+pub(super) struct PartialCamera {
     pub(super) name: String,
     /// What the lens is called in a file that holds lenses apart; the camera's name where it is `None`.
     pub(super) lens_name: Option<String>,
@@ -43,7 +43,7 @@ pub(super) struct Part {
     pub(super) place: Option<CameraFromWorld>,
 }
 
-impl Part {
+impl PartialCamera {
     pub(super) fn new(name: &str, line: usize) -> Self {
         Self { name: name.to_owned(), lens_name: None, line, size: None, lens: None, place: None }
     }
@@ -51,33 +51,29 @@ impl Part {
 
 /// All that one file says of cameras.
 #[derive(Debug, Clone)]
-pub(super) struct Parts {
-    pub(super) cameras: Vec<Part>,
-    pub(super) left_out: Vec<LeftOut>,
+pub(super) struct PartialCameras {
+    pub(super) cameras: Vec<PartialCamera>,
+    pub(super) left_out: Vec<SkippedCamera>,
     /// Metres in the file's unit of length; `None` where the file does not say.
     pub(super) metres_per_unit: Option<f64>,
 }
 
-impl Parts {
+impl PartialCameras {
     pub(super) fn new(metres_per_unit: Option<f64>) -> Self {
         Self { cameras: Vec::new(), left_out: Vec::new(), metres_per_unit }
     }
 
-    pub(super) fn push(&mut self, path: &Path, camera: Part) -> Result<(), FileError> {
+    pub(super) fn push(&mut self, path: &Path, camera: PartialCamera) -> Result<(), FileError> {
         if self.cameras.len() >= MAX_CAMERAS {
-            let problem = FileProblem::Field {
-                field: "cameras".to_owned(),
-                found: format!("more than {MAX_CAMERAS}"),
-                expected: "fewer".to_owned(),
-            };
-            return Err(FileError::new(path, problem).at_line(Some(camera.line)));
+            let problem = FileProblem::field("cameras", format!("more than {MAX_CAMERAS}"), "fewer");
+            return Err(problem.at(path, camera.line));
         }
         self.cameras.push(camera);
         Ok(())
     }
 
     pub(super) fn leave_out(&mut self, name: &str, reason: &str) {
-        self.left_out.push(LeftOut { name: name.to_owned(), reason: reason.to_owned() });
+        self.left_out.push(SkippedCamera { name: name.to_owned(), reason: reason.to_owned() });
     }
 
     /// Whether the file says where none of its cameras stands.
@@ -135,49 +131,44 @@ impl Parts {
         options: CalibrationOptions,
     ) -> Result<Calibration, FileError> {
         let Self { cameras, mut left_out, metres_per_unit } = self;
+        let missing = |line: Option<usize>, camera: &str, key: &str, expected: &str| {
+            Err(FileProblem::field(format!("cameras.{camera}{key}"), "missing", expected).at(path, line))
+        };
         if let (true, Some(left)) = (cameras.is_empty(), left_out.first()) {
             let expected = format!("a camera that can be used ({})", left.reason);
-            return Err(missing(path, None, format!("cameras.{}", left.name), &expected));
+            return missing(None, &left.name, "", &expected);
         }
         let lacks_places = cameras.iter().all(|camera| camera.place.is_none());
         if lacks_places && cameras.len() > 1 {
             let expected = "the cameras' places: they are in no file beside it; give that file too";
-            let field = format!("cameras.{}.rotation", cameras[0].name);
-            return Err(missing(path, Some(cameras[0].line), field, expected));
+            return missing(Some(cameras[0].line), &cameras[0].name, ".rotation", expected);
         }
         let unit = metres_per_unit.unwrap_or(options.metres_per_unit);
         let mut whole = Vec::with_capacity(cameras.len());
         for camera in cameras {
-            let field = |key: &str| format!("cameras.{}.{key}", camera.name);
             let Some((pinhole, distortion)) = camera.lens else {
                 let expected = "the cameras' lenses: they are in no file beside it; give that file too";
-                return Err(missing(path, Some(camera.line), field("K"), expected));
+                return missing(Some(camera.line), &camera.name, ".K", expected);
             };
             let identity = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
             let Some(place) = camera.place.or(lacks_places.then_some(identity)) else {
-                left_out
-                    .push(LeftOut { name: camera.name, reason: "the file has no place of it".to_owned() });
+                let reason = "the file has no place of it".to_owned();
+                left_out.push(SkippedCamera { name: camera.name, reason });
                 continue;
             };
             let Some(size) = camera.size.or(options.size) else {
                 let expected = "the pictures' width and height, which the file does not say: give them";
-                return Err(missing(path, Some(camera.line), field("size"), expected));
+                return missing(Some(camera.line), &camera.name, ".size", expected);
             };
             let place = CameraFromWorld { translation: place.translation * unit, ..place };
             let intrinsics = pinhole.intrinsics(size);
             let made = Camera::new(&camera.name, size, intrinsics, distortion, place);
             whole.push(made.map_err(|error| {
-                let problem = FileProblem::Camera { camera: camera.name.clone(), error };
-                FileError::new(path, problem).at_line(Some(camera.line))
+                FileProblem::Camera { camera: camera.name.clone(), error }.at(path, camera.line)
             })?);
         }
         Ok(Calibration { rig: rig(path, whole, options.size)?, left_out })
     }
-}
-
-fn missing(path: &Path, line: Option<usize>, field: String, expected: &str) -> FileError {
-    let problem = FileProblem::Field { field, found: "missing".to_owned(), expected: expected.to_owned() };
-    FileError::new(path, problem).at_line(line)
 }
 
 /// The rig of cameras that are given whole.

@@ -3,12 +3,12 @@
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Axes, EulerOrder, MAX_FRAMES, Motion, MotionFormat, MotionOptions, Names, Unit};
+use super::{Axes, EulerOrder, FormatEntry, MAX_FRAMES, Motion, MotionOptions, Names, RestPose, Unit};
 use crate::FileProblem;
 
 /// What a writer needs.
 #[derive(Debug)]
-pub(super) struct Scene<'a> {
+pub(super) struct MotionFrames<'a> {
     pub(super) name: &'a str,
     pub(super) model: &'a Model,
     pub(super) frame_rate: f64,
@@ -24,13 +24,18 @@ pub(super) struct Scene<'a> {
 }
 
 fn field(field: &str, found: impl ToString, expected: &str) -> FileProblem {
-    FileProblem::Field { field: field.to_owned(), found: found.to_string(), expected: expected.to_owned() }
+    FileProblem::field(field, found.to_string(), expected)
 }
 
-impl<'a> Scene<'a> {
+/// The error of a file whose lengths have 32 bits.
+pub(super) fn too_large(bytes: usize) -> FileProblem {
+    field("frames", format!("so many that they fill {bytes} bytes"), "less than 4 GiB")
+}
+
+impl<'a> MotionFrames<'a> {
     /// Checks everything that a writer trusts.
     pub(super) fn new(
-        format: MotionFormat,
+        format: &FormatEntry,
         motion: &'a Motion,
         options: &MotionOptions,
     ) -> Result<Self, FileProblem> {
@@ -56,15 +61,14 @@ impl<'a> Scene<'a> {
             };
             return Err(field("frames", found, "at least one frame with a pose"));
         }
-        let (axes, unit) = format.defaults();
-        let (axes, unit) = (options.axes.unwrap_or(axes), options.unit.unwrap_or(unit));
+        let (axes, unit) = (options.axes.unwrap_or(format.axes), options.unit.unwrap_or(format.unit));
         Ok(Self {
             name: &motion.name,
             model: &motion.model,
             frame_rate: rate,
             frames,
             file_from_world: axes.file_from_world(up),
-            file_from_body: file_from_body(format, axes, &motion.model),
+            file_from_body: file_from_body(format.rest, axes, &motion.model),
             axes,
             unit,
             names: options.names,
@@ -150,7 +154,7 @@ impl<'a> Scene<'a> {
 /// Joint positions in the file's axes and unit.
 #[derive(Debug)]
 pub(super) struct Joints<'a> {
-    scene: &'a Scene<'a>,
+    scene: &'a MotionFrames<'a>,
     kinematics: Kinematics,
 }
 
@@ -165,12 +169,11 @@ impl Joints<'_> {
 
 /// Stands the rest pose upright where the file says which way is up. Up in the body is the axis nearest to its first
 /// limb, and its right is along x. Animation then looks along z, `OpenSim` along x.
-fn file_from_body(format: MotionFormat, axes: Axes, model: &Model) -> DQuat {
+fn file_from_body(rest: RestPose, axes: Axes, model: &Model) -> DQuat {
     let direction = model.limbs()[0].direction;
-    let is_skeleton = matches!(format, MotionFormat::Bvh | MotionFormat::Glb | MotionFormat::Mot);
     let z_up = direction.z > direction.x.abs().max(direction.y.abs());
     let y_up = direction.y > direction.x.abs().max(direction.z.abs());
-    if !is_skeleton || axes == Axes::World || !(z_up || y_up) {
+    if rest == RestPose::AsInBody || axes == Axes::World || !(z_up || y_up) {
         return DQuat::IDENTITY;
     }
     let up = if z_up { DVec3::Z } else { DVec3::Y };
@@ -178,9 +181,9 @@ fn file_from_body(format: MotionFormat, axes: Axes, model: &Model) -> DQuat {
     let sideways: f64 = on_the_right.map(|limb| limb.direction.x).sum();
     let right = if sideways < 0.0 { -DVec3::X } else { DVec3::X };
     let body = DMat3::from_cols(right, up.cross(right), up); // right, forward, up
-    let file = match (axes, format) {
+    let file = match (axes, rest) {
         (Axes::ZUp | Axes::World, _) => DMat3::IDENTITY,
-        (Axes::YUp, MotionFormat::Mot) => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
+        (Axes::YUp, RestPose::AlongX) => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
         (Axes::YUp, _) => DMat3::from_cols(-DVec3::X, DVec3::Z, DVec3::Y),
     };
     DQuat::from_mat3(&(file * body.transpose())).normalize()
