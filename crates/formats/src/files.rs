@@ -43,12 +43,12 @@ const MAX_BYTES_IN_MEMORY: u64 = 2 << 30;
 /// A file that is read in parts.
 #[derive(Debug)]
 pub struct FileParts {
-    source: Source,
+    source: FileBytes,
     length: u64,
 }
 
 #[derive(Debug)]
-enum Source {
+enum FileBytes {
     Disk(File),
     Memory(Vec<u8>),
 }
@@ -57,7 +57,7 @@ impl FileParts {
     /// Bytes held in memory.
     #[must_use]
     pub fn in_memory(bytes: Vec<u8>) -> Self {
-        Self { length: bytes.len() as u64, source: Source::Memory(bytes) }
+        Self { length: bytes.len() as u64, source: FileBytes::Memory(bytes) }
     }
 
     /// Length in bytes, as it was at opening.
@@ -70,8 +70,8 @@ impl FileParts {
     #[must_use]
     pub fn memory(&self) -> Option<&[u8]> {
         match &self.source {
-            Source::Disk(_) => None,
-            Source::Memory(bytes) => Some(bytes),
+            FileBytes::Disk(_) => None,
+            FileBytes::Memory(bytes) => Some(bytes),
         }
     }
 
@@ -83,11 +83,11 @@ impl FileParts {
         let there = self.length.saturating_sub(offset).min(count as u64) as usize;
         let mut bytes = Vec::with_capacity(there);
         match &mut self.source {
-            Source::Disk(file) => {
+            FileBytes::Disk(file) => {
                 file.seek(SeekFrom::Start(offset))?;
                 file.take(there as u64).read_to_end(&mut bytes)?;
             }
-            Source::Memory(all) => {
+            FileBytes::Memory(all) => {
                 let from = usize::try_from(offset).unwrap_or(usize::MAX);
                 bytes.extend_from_slice(
                     all.get(from..).and_then(|rest| rest.get(..there)).unwrap_or_default(),
@@ -133,7 +133,7 @@ impl TakeFiles for DiskFiles {
     fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
         let file = open(path)?;
         let length = file.metadata().map_err(|error| failed(path, error))?.len();
-        Ok(FileParts { source: Source::Disk(file), length })
+        Ok(FileParts { source: FileBytes::Disk(file), length })
     }
 
     fn exists(&self, path: &Path) -> bool {

@@ -127,22 +127,22 @@ fn field_at(text: &str, offset: usize) -> Option<String> {
     let middle = STEPS_SHOWN..scan.path.len().saturating_sub(STEPS_SHOWN);
     for (_, step) in scan.path.iter().enumerate().filter(|(index, _)| !middle.contains(index)) {
         match step {
-            Step::Key(Some(key)) if out.is_empty() => out.push_str(key),
-            Step::Key(Some(key)) => out.extend([".", key]),
-            Step::Key(None) => {}
-            Step::Index(index) => out.push_str(&format!("[{index}]")),
+            PathStep::Key(Some(key)) if out.is_empty() => out.push_str(key),
+            PathStep::Key(Some(key)) => out.extend([".", key]),
+            PathStep::Key(None) => {}
+            PathStep::Index(index) => out.push_str(&format!("[{index}]")),
         }
     }
     (!out.is_empty()).then_some(out)
 }
 
 #[derive(Debug)]
-enum Step<'a> {
+enum PathStep<'a> {
     Key(Option<&'a str>),
     Index(usize),
 }
 
-impl Step<'_> {
+impl PathStep<'_> {
     fn is_key(&self, key: &str) -> bool {
         matches!(self, Self::Key(Some(found)) if *found == key)
     }
@@ -151,7 +151,7 @@ impl Step<'_> {
 /// Follows brackets, keys and commas; forgives everything else.
 #[derive(Debug, Default)]
 struct Scan<'a> {
-    path: Vec<Step<'a>>,
+    path: Vec<PathStep<'a>>,
     string_start: Option<usize>,
     escaped: bool,
 }
@@ -164,7 +164,7 @@ impl<'a> Scan<'a> {
                 b'\\' => self.escaped = true,
                 b'"' => {
                     self.string_start = None;
-                    if let Some(Step::Key(key @ None)) = self.path.last_mut() {
+                    if let Some(PathStep::Key(key @ None)) = self.path.last_mut() {
                         *key = text.get(start..offset);
                     }
                 }
@@ -174,14 +174,14 @@ impl<'a> Scan<'a> {
         }
         match byte {
             b'"' => self.string_start = Some(offset + 1),
-            b'{' => self.path.push(Step::Key(None)),
-            b'[' => self.path.push(Step::Index(0)),
+            b'{' => self.path.push(PathStep::Key(None)),
+            b'[' => self.path.push(PathStep::Index(0)),
             b'}' | b']' => {
                 self.path.pop();
             }
             b',' => match self.path.last_mut() {
-                Some(Step::Key(key)) => *key = None,
-                Some(Step::Index(index)) => *index += 1,
+                Some(PathStep::Key(key)) => *key = None,
+                Some(PathStep::Index(index)) => *index += 1,
                 None => {}
             },
             _ => {}

@@ -48,7 +48,7 @@ pub struct Keypoint {
 pub type Person = Vec<Option<Keypoint>>;
 
 #[derive(Deserialize)]
-struct Frame {
+struct OpenPoseFrame {
     people: Vec<PersonSpec>,
 }
 
@@ -77,7 +77,7 @@ pub fn to_text(people: &[Person]) -> String {
 /// # Errors
 /// Not JSON, no `people`, more than 512 keypoints of one person, or numbers that do not come in threes. The error names the line or the field.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
-    let frame: Frame = json_text::parse(path, text::decode(path, bytes)?)?;
+    let frame: OpenPoseFrame = json_text::parse(path, text::decode(path, bytes)?)?;
     let person = |(index, person): (usize, PersonSpec)| {
         let (triples, rest) = person.pose_keypoints_2d.as_chunks::<3>();
         let is_whole = rest.is_empty() && triples.len() <= MOST_KEYPOINTS;

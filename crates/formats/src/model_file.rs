@@ -4,7 +4,7 @@ use std::path::Path;
 
 use backlit_tracking::body::{FORMAT, Model, ModelError, ModelSpec, builtin};
 
-use super::toml_text::{self, Step};
+use super::toml_text::{self, TomlStep};
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, text};
 
 /// Largest model file that is read, bytes. The largest body is a tenth of it.
@@ -19,9 +19,10 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Model, FileError> {
     let spec: ModelSpec = toml_text::parse_versioned(path, text, FORMAT)?;
     Model::new(&spec).map_err(|error| {
         let line = match place(&error) {
-            Some((limb, field)) => {
-                toml_text::line_of(text, &[Step::Key("limb"), Step::Named(limb), Step::Key(field)])
-            }
+            Some((limb, field)) => toml_text::line_of(
+                text,
+                &[TomlStep::Key("limb"), TomlStep::Named(limb), TomlStep::Key(field)],
+            ),
             None => None,
         };
         FileError::new(path, FileProblem::Model { error }).at_line(line)

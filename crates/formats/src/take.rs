@@ -3,28 +3,22 @@
 //! | file | holds |
 //! |---|---|
 //! | [`take`] | [`Take`]: the parsed take; pictures on demand |
-//! | [`frame_pattern`] | names of numbered pictures |
+//! | `spec`, `reader` | what the take file says, and what it means |
+//! | `paths` | numbered pictures, variables, what lies outside the take's folder |
+//! | `footage` | one camera's pictures and background; the frames that all cameras have |
 //! | `pictures` | its pictures, backgrounds and masks, reduced |
-//! | [`footage`] | one camera's pictures and background |
 //! | `masks` | one camera's masks that were made elsewhere |
 //! | `keypoints` | one camera's two-dimensional keypoints |
-//! | `films` | videos: offsets, the frames that all cameras have |
-//! | `outside` | what lies outside the take's folder |
+//! | `measurement` | how pictures are segmented |
 //! | `offsets` | offsets written into a take file |
 //! | [`mod@reference`] | keypoints to compare with |
-//! | [`error`] | what is wrong, by camera and frame |
 
-mod environment;
-pub mod error;
-mod films;
-pub mod footage;
-pub mod frame_pattern;
+mod footage;
 mod keypoints;
-mod known;
 mod masks;
 mod measurement;
 mod offsets;
-mod outside;
+mod paths;
 mod pictures;
 mod reader;
 pub mod reference;
@@ -32,14 +26,43 @@ mod spec;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 pub mod take;
 
-pub use error::TakeError;
-pub use films::USUAL_BACKGROUND_FRAMES;
-pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES};
-pub(crate) use frame_pattern::split_number;
-pub use frame_pattern::{FramePattern, PatternError};
-pub use known::Known;
+use thiserror::Error;
+
+use crate::FileError;
+
+pub use footage::{
+    BackgroundSource, CameraFootage, Known, MAX_BACKGROUND_FRAMES, MAX_FRAMES, USUAL_BACKGROUND_FRAMES,
+};
 pub use offsets::{OffsetShift, shift_offsets};
-pub use outside::Outside;
+pub(crate) use paths::split_number;
+pub use paths::{FramePattern, Outside, PatternError};
 pub use reference::{Joint, Reference};
 pub use spec::{BodySizes, FORMAT};
 pub use take::{FILE_NAME, Take};
+
+/// Why a take, or a picture of it, cannot be had.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum TakeError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("camera \"{camera}\", frame {frame}: {error}")]
+    Frame { camera: String, frame: usize, error: FileError },
+    #[error("camera \"{camera}\", mask of frame {frame}: {error}")]
+    Mask { camera: String, frame: usize, error: FileError },
+    #[error("camera \"{camera}\", background: {error}")]
+    Background { camera: String, error: FileError },
+    #[error(
+        "camera \"{camera}\" has {found} frames, camera \"{other}\" {expected}; the first that is missing is {file}"
+    )]
+    FrameCount { camera: String, found: usize, other: String, expected: usize, file: String },
+    #[error(
+        "no frame is in all cameras: camera \"{camera}\" ends before frame {ends} of the take, camera \"{other}\" begins \
+         with {begins}"
+    )]
+    NoCommonFrame { camera: String, ends: i64, other: String, begins: i64 },
+    #[error("there is no frame {frame}; the take has {count}, counted from 0")]
+    NoFrame { frame: usize, count: usize },
+    #[error("there is no camera {camera}; the take has {count}, counted from 0")]
+    NoCamera { camera: usize, count: usize },
+}

@@ -30,24 +30,24 @@ pub(super) fn line_at(text: &str, offset: usize) -> usize {
 /// A text from a file as it may be shown: letters that would steer a terminal are written out, as `\u{1b}`. Whoever writes a
 /// name of a file, a camera, a limb or a take to a terminal writes it through this.
 #[must_use]
-pub fn shown(text: &str) -> Shown<'_> {
-    Shown { text, most: usize::MAX }
+pub fn shown(text: &str) -> SafeText<'_> {
+    SafeText { text, most: usize::MAX }
 }
 
 /// As [`shown`], no more than [`MOST_SHOWN`] letters of it.
 #[must_use]
-pub fn cut(text: &str) -> Shown<'_> {
-    Shown { text, most: MOST_SHOWN }
+pub fn cut(text: &str) -> SafeText<'_> {
+    SafeText { text, most: MOST_SHOWN }
 }
 
 /// A text that can be shown; see [`shown`] and [`cut`].
 #[derive(Debug, Clone, Copy)]
-pub struct Shown<'a> {
+pub struct SafeText<'a> {
     text: &'a str,
     most: usize,
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for SafeText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut safe = Safe { out: f, left: self.most };
         let written = safe.write_str(self.text);

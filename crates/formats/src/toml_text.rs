@@ -70,7 +70,7 @@ fn field_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
 
 /// One step down into a TOML text.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Step<'a> {
+pub(super) enum TomlStep<'a> {
     /// The value of a key.
     Key(&'a str),
     /// The last table of an array whose `name` is this.
@@ -78,16 +78,16 @@ pub(super) enum Step<'a> {
 }
 
 /// The line of the deepest of these steps that the text has.
-pub(super) fn line_of(text: &str, steps: &[Step<'_>]) -> Option<usize> {
+pub(super) fn line_of(text: &str, steps: &[TomlStep<'_>]) -> Option<usize> {
     let table = DeTable::parse(text).ok()?;
     let mut offset = None;
     let mut value = DeValue::Table(table.into_inner());
     for step in steps {
         let next = match (step, &value) {
-            (Step::Key(key), DeValue::Table(table)) => {
+            (TomlStep::Key(key), DeValue::Table(table)) => {
                 table.get_key_value(*key).map(|(key, value)| (key.span(), value))
             }
-            (Step::Named(name), DeValue::Array(array)) => array
+            (TomlStep::Named(name), DeValue::Array(array)) => array
                 .iter()
                 .rfind(|item| item.get_ref().get("name").and_then(|v| v.get_ref().as_str()) == Some(name))
                 .map(|item| (item.span(), item)),

@@ -21,7 +21,7 @@ const ELBOW: [&str; 4] = ["forearm", "elbow", "lowerarm", "ulna"];
 const WRIST: [&str; 4] = ["hand", "wrist", "forearmend", "elbowend"];
 
 /// Where a person's joints stand in a skeleton's list.
-struct Places {
+struct JointIndices {
     waist: usize,
     neck: usize,
     hips: [usize; 2],
@@ -39,7 +39,7 @@ impl BvhMotion {
     /// # Errors
     /// A joint whose name is not among those that are known. The error says which.
     pub fn body_points(&self, path: &Path) -> Result<Clip, FileError> {
-        let places = Places::of(self).map_err(|problem| FileError::new(path, problem))?;
+        let places = JointIndices::of(self).map_err(|problem| FileError::new(path, problem))?;
         let at = |frame: usize| {
             let joints = self.joints_at(frame);
             let one = |index: usize| joints[index].0;
@@ -61,7 +61,7 @@ impl BvhMotion {
     }
 }
 
-impl Places {
+impl JointIndices {
     fn of(motion: &BvhMotion) -> Result<Self, FileProblem> {
         let names: Vec<String> = motion.joints().iter().map(|joint| plain(&joint.name)).collect();
         let find = |what: &str, words: &[&str], side: &str| {

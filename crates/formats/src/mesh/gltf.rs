@@ -27,27 +27,27 @@ const MAX_VISITS: usize = 4096;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-struct Document {
+struct Gltf {
     scene: Option<usize>,
-    scenes: Vec<Scene>,
-    nodes: Vec<Node>,
+    scenes: Vec<GltfScene>,
+    nodes: Vec<GltfNode>,
     meshes: Vec<MeshJson>,
     skins: Vec<SkinJson>,
     accessors: Vec<Accessor>,
-    buffer_views: Vec<View>,
+    buffer_views: Vec<BufferView>,
     buffers: Vec<Buffer>,
     extensions_required: Vec<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Scene {
+struct GltfScene {
     nodes: Vec<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Node {
+struct GltfNode {
     name: Option<String>,
     mesh: Option<usize>,
     skin: Option<usize>,
@@ -95,7 +95,7 @@ struct Accessor {
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct View {
+struct BufferView {
     buffer: usize,
     #[serde(default)]
     byte_offset: usize,
@@ -127,7 +127,7 @@ fn read<T>(
     path: &Path,
     bytes: &[u8],
     beside: Beside<'_>,
-    what: impl FnOnce(&mut Reader<'_>) -> Result<T, MeshProblem>,
+    what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
 ) -> Result<T, FileError> {
     if !bytes.starts_with(MAGIC) {
         return read_document(path, bytes, &[], beside, what);
@@ -166,9 +166,9 @@ fn read_document<T>(
     json: &[u8],
     binary: &[u8],
     beside: Beside<'_>,
-    what: impl FnOnce(&mut Reader<'_>) -> Result<T, MeshProblem>,
+    what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
 ) -> Result<T, FileError> {
-    let document: Document = parse_bytes(path, json)?;
+    let document: Gltf = parse_bytes(path, json)?;
     if let Some(first) = document.extensions_required.first() {
         let error = MeshProblem::Unsupported { what: "a required extension", found: first.clone() };
         return Err(wrong(path, error));
@@ -191,7 +191,7 @@ fn read_document<T>(
             },
         });
     }
-    let mut reader = Reader { document: &document, buffers, soup: Soup::default(), visits: 0 };
+    let mut reader = GltfReader { document: &document, buffers, soup: Soup::default(), visits: 0 };
     what(&mut reader).map_err(|error| wrong(path, error))
 }
 
@@ -206,8 +206,8 @@ fn inline(data: &str) -> Result<Vec<u8>, MeshProblem> {
     Ok(base64::bytes(text))
 }
 
-struct Reader<'a> {
-    document: &'a Document,
+struct GltfReader<'a> {
+    document: &'a Gltf,
     buffers: Vec<Cow<'a, [u8]>>,
     soup: Soup,
     visits: usize,
@@ -222,7 +222,7 @@ fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T, MeshPr
     })
 }
 
-impl Node {
+impl GltfNode {
     fn parent_from_node(&self) -> DAffine3 {
         match self.matrix {
             Some(matrix) => DAffine3::from_mat4(DMat4::from_cols_array(&matrix)),
@@ -235,7 +235,7 @@ impl Node {
     }
 }
 
-impl Reader<'_> {
+impl GltfReader<'_> {
     fn scene(&mut self) -> Result<(), MeshProblem> {
         let document = self.document;
         if document.scenes.is_empty() {

@@ -8,7 +8,7 @@ use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::metrics::ReferenceJoints;
 use toml::Spanned;
 
-use super::reader::Reader;
+use super::reader::TakeReader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
 use crate::keypoints::joints::{KeypointOrder, body_of, cues_of, joints_of};
@@ -35,7 +35,7 @@ impl CameraKeypoints {
     }
 }
 
-impl Reader<'_> {
+impl TakeReader<'_> {
     pub(super) fn keypoints(&self, view: &ViewSpec) -> Result<Option<CameraKeypoints>, FileError> {
         let pattern = |keypoints: &Spanned<String>| self.pattern(keypoints, "camera.keypoints");
         let Some(pattern) = view.keypoints.as_ref().map(pattern).transpose()? else { return Ok(None) };

@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use toml::Spanned;
 
-use super::footage::Frames;
-use super::reader::Reader;
+use super::footage::FrameSource;
+use super::reader::TakeReader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, TakeError};
 use crate::masks::{MaskValues, Numbers};
@@ -16,7 +16,7 @@ use crate::{FileError, FileProblem, TakeFiles, images};
 /// Where one camera's masks are.
 #[derive(Debug, Clone)]
 pub(super) struct CameraMasks {
-    pub(super) source: Frames,
+    pub(super) source: FrameSource,
     /// A frame of the camera's own number, and the number of its mask.
     first: [u64; 2],
     /// What the take says.
@@ -31,7 +31,7 @@ pub(super) struct CameraMasks {
 type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
 
 /// Opens the video or the numbered pictures that a field of a take file names.
-type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<Frames, FileError> + 'a;
+type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<FrameSource, FileError> + 'a;
 
 impl CameraMasks {
     /// The number of the mask that belongs to a frame of the camera's own number.
@@ -51,11 +51,11 @@ impl CameraMasks {
         check: &SizeCheck<'_>,
     ) -> Result<Numbers, FileError> {
         match &self.source {
-            Frames::Video(video) => {
+            FrameSource::Video(video) => {
                 check(video.path(), video.size())?;
                 Ok(Numbers::of_picture(&*video.frame(self.number(frame) as usize)?))
             }
-            Frames::Pictures { .. } => {
+            FrameSource::Pictures { .. } => {
                 Numbers::decode(&self.path(frame), &self.picture(files, frame, check)?)
             }
         }
@@ -69,8 +69,8 @@ impl CameraMasks {
         check: &SizeCheck<'_>,
     ) -> Result<(), FileError> {
         match &self.source {
-            Frames::Video(video) => check(video.path(), video.size()),
-            Frames::Pictures { .. } => self.picture(files, frame, check).map(drop),
+            FrameSource::Video(video) => check(video.path(), video.size()),
+            FrameSource::Pictures { .. } => self.picture(files, frame, check).map(drop),
         }
     }
 
@@ -91,9 +91,9 @@ impl CameraMasks {
     fn check_there(&self, files: &dyn TakeFiles, frame: u64) -> Result<(), FileError> {
         let path = self.path(frame);
         let problem = match &self.source {
-            Frames::Pictures { .. } if files.exists(&path) => return Ok(()),
-            Frames::Pictures { .. } => FileProblem::Missing,
-            Frames::Video(video) => {
+            FrameSource::Pictures { .. } if files.exists(&path) => return Ok(()),
+            FrameSource::Pictures { .. } => FileProblem::Missing,
+            FrameSource::Video(video) => {
                 let (frame, count) = (self.number(frame) as usize, video.frame_count());
                 if frame < count {
                     return Ok(());
@@ -140,7 +140,7 @@ impl CameraFootage {
     }
 }
 
-impl Reader<'_> {
+impl TakeReader<'_> {
     /// The masks that a take file names for a camera.
     ///
     /// # Errors
@@ -183,14 +183,14 @@ impl Reader<'_> {
     }
 }
 
-impl Reader<'_> {
+impl TakeReader<'_> {
     fn mask_values(&self, values: &Spanned<toml::Value>, expected: &str) -> FileError {
         let (field, found) = ("mask_values".to_owned(), values.get_ref().to_string());
         self.problem(values.span(), FileProblem::Field { field, found, expected: expected.to_owned() })
     }
 }
 
-impl Frames {
+impl FrameSource {
     /// The file with this number.
     pub(super) fn path(&self, number: u64) -> PathBuf {
         match self {

@@ -11,19 +11,19 @@ use crate::text::cut;
 const SWITCHES: [&str; 3] = ["shadow", "dont_know", "region"];
 
 /// What is wrong with one key of a `[measurement]` table.
-pub(super) struct Problem {
+pub(super) struct KeyProblem {
     pub(super) key: String,
     pub(super) message: String,
 }
 
 /// The options of a table; keys left out have their defaults.
-pub(super) fn options(table: &Table) -> Result<SegmentOptions, Problem> {
+pub(super) fn options(table: &Table) -> Result<SegmentOptions, KeyProblem> {
     // One key at a time first: then it is known which one is wrong.
     for (key, value) in table {
         let alone = Table::from_iter([(key.clone(), value.clone())]);
-        parse(alone).map_err(|message| Problem { key: key.clone(), message })?;
+        parse(alone).map_err(|message| KeyProblem { key: key.clone(), message })?;
     }
-    parse(table.clone()).map_err(|message| Problem { key: String::new(), message })
+    parse(table.clone()).map_err(|message| KeyProblem { key: String::new(), message })
 }
 
 fn parse(mut table: Table) -> Result<SegmentOptions, String> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use backlit_tracking::camera::Camera;
 use image::{RgbImage, imageops};
 
-use super::known::Known;
+use super::Known;
 use super::{BackgroundSource, CameraFootage, Take, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::masks::{self, MaskSequence, MaskValues};

@@ -10,17 +10,18 @@ use backlit_tracking::camera::Rig;
 use backlit_tracking::segment::SegmentOptions;
 use toml::{Spanned, Table};
 
-use super::films::{self, Cache, Film, Films};
-use super::footage::{Frames, count_files, gap};
+use super::footage::{self, AlignedFootage, Cache, CameraRange};
+use super::footage::{FrameSource, count_files, gap};
+use super::paths::{expand_variables, variable};
 use super::reference::ReferenceOptions;
 use super::spec::{ReferenceSpec, TakeSpec, ViewSpec};
 use super::{
     BackgroundSource, CameraFootage, FramePattern, Joint, MAX_BACKGROUND_FRAMES, MAX_FRAMES, PatternError,
-    Reference, TakeError, environment, measurement,
+    Reference, TakeError, measurement,
 };
 use crate::calibration::{self, CalibrationOptions};
 use crate::text::line_at;
-use crate::toml_text::{self, Step};
+use crate::toml_text::{self, TomlStep};
 use crate::trc::Axes;
 use crate::video::{Video, VideoProblem};
 use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
@@ -33,7 +34,7 @@ const MAX_MARKERS: usize = 1000;
 const MAX_OFFSET_SECONDS: f64 = 1e6;
 
 /// A take file's text and where its paths lead.
-pub(super) struct Reader<'a> {
+pub(super) struct TakeReader<'a> {
     pub(super) files: &'a dyn TakeFiles,
     pub(super) path: &'a Path,
     text: &'a str,
@@ -43,7 +44,7 @@ pub(super) struct Reader<'a> {
     pub(super) footage: PathBuf,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TakeReader<'a> {
     pub(super) fn new(
         files: &'a dyn TakeFiles,
         path: &'a Path,
@@ -73,7 +74,7 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn expand(&self, value: &Spanned<String>, field: &str) -> Result<String, FileError> {
-        environment::expand(value.get_ref(), &environment::of_process).map_err(|variable| {
+        expand_variables(value.get_ref(), &variable).map_err(|variable| {
             self.problem(value.span(), FileProblem::Variable { field: field.to_owned(), variable })
         })
     }
@@ -111,17 +112,17 @@ impl<'a> Reader<'a> {
     }
 
     /// All cameras' footage and how many frames it has.
-    pub(super) fn footage(&self, spec: &TakeSpec, cache: &Cache) -> Result<Films, TakeError> {
+    pub(super) fn footage(&self, spec: &TakeSpec, cache: &Cache) -> Result<AlignedFootage, TakeError> {
         let film = |view| self.film(view, *spec.frame_rate.get_ref(), cache);
-        let films: Vec<Film> = spec.views.iter().map(film).collect::<Result<_, _>>()?;
+        let films: Vec<CameraRange> = spec.views.iter().map(film).collect::<Result<_, _>>()?;
         let is_shifted = spec.views.iter().any(|view| view.offset.is_some() || view.offset_seconds.is_some());
-        let mut films = films::align(films, is_shifted)?;
+        let mut films = footage::align(films, is_shifted)?;
         films.cameras.iter().try_for_each(|camera| camera.check_masks(self.files, films.frame_count))?;
         films.note_times(*spec.frame_rate.get_ref());
         Ok(films)
     }
 
-    fn film(&self, view: &ViewSpec, frame_rate: f64, cache: &Cache) -> Result<Film, TakeError> {
+    fn film(&self, view: &ViewSpec, frame_rate: f64, cache: &Cache) -> Result<CameraRange, TakeError> {
         let camera = view.name.get_ref().clone();
         let background = self.background(view, cache)?;
         let masks = self.masks(view, &|value, field| self.frames(value, field, cache))?;
@@ -145,15 +146,17 @@ impl<'a> Reader<'a> {
         let there = view.first..view.first.saturating_add(count);
         let is_open = view.count.is_none() && view.last.is_none();
         let gap = is_open.then(|| gap(&footage, &|path| self.files.exists(path), there.end)).flatten();
-        Ok(Film { footage, there, zero, gap })
+        Ok(CameraRange { footage, there, zero, gap })
     }
 
     /// A video, or numbered pictures.
-    fn frames(&self, value: &Spanned<String>, field: &str, cache: &Cache) -> Result<Frames, FileError> {
+    fn frames(&self, value: &Spanned<String>, field: &str, cache: &Cache) -> Result<FrameSource, FileError> {
         let text = self.expand(value, field)?;
         Ok(match self.video(&text, cache)? {
-            Some(video) => Frames::Video(video),
-            None => Frames::Pictures { folder: self.footage.clone(), pattern: self.pattern(value, field)? },
+            Some(video) => FrameSource::Video(video),
+            None => {
+                FrameSource::Pictures { folder: self.footage.clone(), pattern: self.pattern(value, field)? }
+            }
         })
     }
 
@@ -227,8 +230,8 @@ impl<'a> Reader<'a> {
         };
         let limit = wanted.unwrap_or(MAX_FRAMES);
         let (folder, pattern) = match &footage.frames {
-            Frames::Pictures { folder, pattern } => (folder, pattern),
-            Frames::Video(video) => return video_frames(video, view, limit),
+            FrameSource::Pictures { folder, pattern } => (folder, pattern),
+            FrameSource::Video(video) => return video_frames(video, view, limit),
         };
         let exists = |path: &Path| self.files.exists(path);
         let found = count_files(&exists, pattern, folder, footage.first, limit);
@@ -259,7 +262,7 @@ impl<'a> Reader<'a> {
         if self.files.exists(&self.footage.join(&text))
             && let Some(video) = self.video(&text, cache).map_err(failed)?
         {
-            return films::background(video, view.background_first, wanted).map(Some).map_err(failed);
+            return footage::background(video, view.background_first, wanted).map(Some).map_err(failed);
         }
         if FramePattern::new(&text) == Err(PatternError::NoNumber) {
             let path = self.footage.join(text.replace("%%", "%"));
@@ -284,7 +287,7 @@ impl<'a> Reader<'a> {
         &self,
         spec: &ReferenceSpec,
         model: &Model,
-        films: &Films,
+        films: &AlignedFootage,
         take: &TakeSpec,
     ) -> Result<Reference, FileError> {
         let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
@@ -321,12 +324,12 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>, FileError> {
-        let options = |table: &Table, steps: &[Step<'_>]| {
+        let options = |table: &Table, steps: &[TomlStep<'_>]| {
             measurement::options(table).map_err(|problem| {
-                let steps: Vec<Step<'_>> = steps
+                let steps: Vec<TomlStep<'_>> = steps
                     .iter()
                     .copied()
-                    .chain([Step::Key("measurement"), Step::Key(&problem.key)])
+                    .chain([TomlStep::Key("measurement"), TomlStep::Key(&problem.key)])
                     .collect();
                 let field = format!("measurement.{}", problem.key);
                 let problem = FileProblem::Option { field, message: problem.message };
@@ -335,7 +338,7 @@ impl<'a> Reader<'a> {
         };
         options(&spec.measurement, &[])?;
         let camera = |view: &ViewSpec| {
-            let steps = [Step::Key("camera"), Step::Named(view.name.get_ref())];
+            let steps = [TomlStep::Key("camera"), TomlStep::Named(view.name.get_ref())];
             options(&view.measurement, &steps)?;
             options(&measurement::merged(&spec.measurement, &view.measurement), &steps)
         };

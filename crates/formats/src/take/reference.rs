@@ -133,7 +133,7 @@ impl Reference {
         for record in table.records() {
             let record = record.map_err(|error| syntax(&error))?;
             let line = record.position().and_then(|position| usize::try_from(position.line()).ok());
-            let row = Row { path, line, record: &record };
+            let row = TableRow { path, line, record: &record };
             let name = record.get(columns.marker).unwrap_or_default();
             let Some(marker) = reference.marker(&row, name, model, options)? else { continue };
             if let Some(seen) = seen.get_mut(marker) {
@@ -194,7 +194,7 @@ impl Reference {
     /// Index of a row's marker; `None` for one that shows no joint.
     fn marker(
         &mut self,
-        row: &Row<'_>,
+        row: &TableRow<'_>,
         name: &str,
         model: &Model,
         options: &ReferenceOptions<'_>,
@@ -212,7 +212,7 @@ impl Reference {
 
     fn insert(
         &mut self,
-        row: &Row<'_>,
+        row: &TableRow<'_>,
         columns: &Columns,
         marker: usize,
         name: &str,
@@ -267,13 +267,13 @@ impl Columns {
     }
 }
 
-struct Row<'a> {
+struct TableRow<'a> {
     path: &'a Path,
     line: Option<usize>,
     record: &'a csv::StringRecord,
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     fn parse<T: std::str::FromStr>(
         &self,
         field: &str,

@@ -8,7 +8,7 @@ use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::names;
 use backlit_tracking::segment::SegmentOptions;
 
-use super::reader::Reader;
+use super::reader::TakeReader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
 use super::{CameraFootage, Outside, Reference, TakeError};
@@ -90,7 +90,7 @@ impl Take {
         let bytes = files.read(path, MAX_BYTES)?;
         let text = decode(path, &bytes)?;
         let spec: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
-        let reader = Reader::new(files.as_ref(), path, text, &spec)?;
+        let reader = TakeReader::new(files.as_ref(), path, text, &spec)?;
         let name = spec.name.get_ref();
         if !name.is_empty() && !names::is_name(name) {
             return Err(reader.field(&spec.name, "name", names::EXPECTED.to_owned()).into());

@@ -1,6 +1,6 @@
 //! The index of AVI files (RIFF), made from the chunks themselves: a lost or wrong `idx1` does no harm.
 
-use super::index::{Codec, Index, Sample, Shown};
+use super::index::{Codec, Index, IndexFrame, Sample};
 use super::{MAX_VIDEO_FRAMES, VideoProblem};
 use crate::files::FileParts;
 
@@ -98,7 +98,7 @@ impl Header {
             return;
         }
         let seconds = self.begins + frame as f64 * self.seconds_per_frame;
-        self.index.frames.push(Shown { sample: self.index.samples.len(), seconds });
+        self.index.frames.push(IndexFrame { sample: self.index.samples.len(), seconds });
         self.index.samples.push(Sample { offset, size, key: true, shown: frame as i64 });
     }
 }
@@ -107,7 +107,7 @@ fn video_stream(headers: &[u8]) -> Option<Header> {
     let streams = chunks(headers).filter(|(kind, body)| kind == b"LIST" && body.starts_with(b"strl"));
     for (stream, (_, list)) in streams.enumerate() {
         let part =
-            |wanted: &[u8; 4]| chunks(&list[4..]).find(|(kind, _)| kind == wanted).map(|(_, body)| body);
+            |request: &[u8; 4]| chunks(&list[4..]).find(|(kind, _)| kind == request).map(|(_, body)| body);
         let (Some(head), Some(format)) = (part(b"strh"), part(b"strf")) else { continue };
         if !head.starts_with(b"vids") {
             continue;

@@ -7,7 +7,7 @@ use image::RgbImage;
 
 /// Decoded frames of one or several videos. The limit is in megabytes of 10⁶ bytes and holds for all of them together.
 #[derive(Debug)]
-pub struct FrameCache(Mutex<Kept>);
+pub struct FrameCache(Mutex<CachedFrames>);
 
 /// Megabytes that are kept unless something else is set.
 pub const DEFAULT_CACHE_MB: usize = 1024;
@@ -21,7 +21,7 @@ pub(super) struct Key {
 }
 
 #[derive(Debug)]
-struct Kept {
+struct CachedFrames {
     limit: usize,
     bytes: usize,
     clock: u64,
@@ -42,7 +42,7 @@ impl FrameCache {
     pub fn new(megabytes: usize) -> Self {
         let limit = megabytes.saturating_mul(1_000_000);
         let (frames, ages) = (BTreeMap::new(), BTreeMap::new());
-        Self(Mutex::new(Kept { limit, bytes: 0, clock: 0, frames, ages }))
+        Self(Mutex::new(CachedFrames { limit, bytes: 0, clock: 0, frames, ages }))
     }
 
     /// Changes the limit; what no longer fits is dropped at once. 0 keeps nothing.
@@ -103,13 +103,13 @@ impl FrameCache {
         }
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept> {
+    fn kept(&self) -> MutexGuard<'_, CachedFrames> {
         // Nothing in here can panic half done.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Kept {
+impl CachedFrames {
     fn tick(&mut self) -> u64 {
         self.clock += 1;
         self.clock

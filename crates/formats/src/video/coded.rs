@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 
-use super::h264::{self, Head, Stream};
+use super::h264::{self, Stream, StreamHeader};
 use super::index::{Codec, Index, Sample};
 use super::jpeg;
 use super::yuv::Planes;
-use super::{Sink, VideoProblem, Wanted};
+use super::{FrameRequest, Sink, VideoProblem};
 use crate::files::FileParts;
 use crate::images::{self, reduced};
 
@@ -38,12 +38,12 @@ pub(super) struct Coded {
 #[derive(Debug)]
 enum Decoder {
     Jpeg,
-    H264 { head: Head, state: Option<Box<State>> },
+    H264 { head: StreamHeader, state: Option<Box<DecoderState>> },
 }
 
 /// A running decoder.
 #[derive(Debug)]
-struct State {
+struct DecoderState {
     stream: Stream,
     /// The sample that comes next.
     next: usize,
@@ -93,13 +93,17 @@ impl Coded {
         })
     }
 
-    /// A frame's picture. Others that are decoded on the way go to `sink` where they are wanted.
-    pub(super) fn frame(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, VideoProblem> {
+    /// A frame's picture. Others that are decoded on the way go to `sink` where they are request.
+    pub(super) fn frame(
+        &mut self,
+        request: FrameRequest,
+        sink: &mut Sink<'_>,
+    ) -> Result<RgbImage, VideoProblem> {
         let found = match self.decoder {
-            Decoder::Jpeg => self.jpeg(wanted),
-            Decoder::H264 { .. } => self.h264(wanted, sink),
+            Decoder::Jpeg => self.jpeg(request),
+            Decoder::H264 { .. } => self.h264(request, sink),
         };
-        found.map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })
+        found.map_err(|reason| VideoProblem::Frame { frame: request.frame, reason })
     }
 
     fn sample(&mut self, sample: usize) -> Result<Vec<u8>, String> {
@@ -112,8 +116,8 @@ impl Coded {
         Ok(bytes)
     }
 
-    fn jpeg(&mut self, wanted: Wanted) -> Result<RgbImage, String> {
-        let bytes = self.sample(self.index.frames[wanted.frame].sample)?;
+    fn jpeg(&mut self, request: FrameRequest) -> Result<RgbImage, String> {
+        let bytes = self.sample(self.index.frames[request.frame].sample)?;
         self.decoded += 1;
         let (orientation, size) = (self.index.orientation, self.index.size);
         let planes = match images::whole_size(&self.path, &bytes) {
@@ -122,15 +126,15 @@ impl Coded {
             Err(error) => Err(error.problem.to_string()),
         };
         let picture = match planes {
-            Ok(Some(planes)) => return Ok(planes.picture(orientation, wanted.divisor)),
+            Ok(Some(planes)) => return Ok(planes.picture(orientation, request.divisor)),
             Ok(None) => images::decode(&self.path, &bytes).map_err(|error| error.problem.to_string()),
             Err(reason) => Err(reason),
         };
-        let picture = picture.map_err(|reason| self.damage(wanted.frame, reason))?;
+        let picture = picture.map_err(|reason| self.damage(request.frame, reason))?;
         let [width, height] = orientation.size(size);
         let turned = orientation.turn(picture.as_raw().as_chunks::<3>().0, size).into_flattened();
         let turned = RgbImage::from_raw(width as u32, height as u32, turned).unwrap_or_default();
-        Ok(reduced(turned, wanted.divisor))
+        Ok(reduced(turned, request.divisor))
     }
 
     fn damage(&mut self, frame: usize, reason: String) -> String {
@@ -139,12 +143,12 @@ impl Coded {
         reason
     }
 
-    fn h264(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, String> {
-        let target = self.index.frames[wanted.frame].sample;
-        let mut state = self.state_for(wanted.frame, target)?;
-        let finish = |planes: Planes, index: &Index| planes.picture(index.orientation, wanted.divisor);
-        if let Some(planes) = state.waiting.remove(&wanted.frame) {
-            self.keep(state, wanted.frame);
+    fn h264(&mut self, request: FrameRequest, sink: &mut Sink<'_>) -> Result<RgbImage, String> {
+        let target = self.index.frames[request.frame].sample;
+        let mut state = self.state_for(request.frame, target)?;
+        let finish = |planes: Planes, index: &Index| planes.picture(index.orientation, request.divisor);
+        if let Some(planes) = state.waiting.remove(&request.frame) {
+            self.keep(state, request.frame);
             return Ok(finish(planes, &self.index));
         }
         let mut found = Err("it was not decoded".to_owned());
@@ -172,22 +176,22 @@ impl Coded {
             if self.index.samples[sample].shown < state.sound_from {
                 continue;
             }
-            if frame > wanted.frame {
+            if frame > request.frame {
                 state.waiting.insert(frame, planes);
                 if state.waiting.len() > MAX_WAITING {
                     state.waiting.pop_last();
                 }
-            } else if frame >= wanted.keep_from {
+            } else if frame >= request.keep_from {
                 sink(frame, finish(planes, &self.index));
             }
         }
-        self.keep(state, wanted.frame);
+        self.keep(state, request.frame);
         found.map(|planes| finish(planes, &self.index))
     }
 
     /// A running decoder that has not gone past `target` yet, or still has its frame: the one that runs, or a new one
     /// at the key before.
-    fn state_for(&mut self, frame: usize, target: usize) -> Result<State, String> {
+    fn state_for(&mut self, frame: usize, target: usize) -> Result<DecoderState, String> {
         let Decoder::H264 { head, state } = &mut self.decoder else { return Err("not H.264".to_owned()) };
         let (head, running) = (*head, state.take().map(|state| *state));
         if let Some(state) = running {
@@ -204,14 +208,14 @@ impl Coded {
         self.state_at(key, head)
     }
 
-    fn state_at(&self, key: usize, head: Head) -> Result<State, String> {
+    fn state_at(&self, key: usize, head: StreamHeader) -> Result<DecoderState, String> {
         let stream = Stream::new(&self.index.config, head)?;
         let sound_from = if key == 0 { i64::MIN } else { self.index.samples[key].shown };
-        Ok(State { stream, next: key, sound_from, waiting: BTreeMap::new() })
+        Ok(DecoderState { stream, next: key, sound_from, waiting: BTreeMap::new() })
     }
 
     /// The key at which to begin for `target`: what the container calls one is looked at first.
-    fn key(&mut self, target: usize, head: Head) -> Result<usize, String> {
+    fn key(&mut self, target: usize, head: StreamHeader) -> Result<usize, String> {
         let mut key = self.index.key_before(target);
         while key > 0 && !h264::can_begin(&self.sample(key)?, head) {
             self.index.samples[key].key = false;
@@ -221,7 +225,7 @@ impl Coded {
     }
 
     /// Keeps the decoder for the frames that follow.
-    fn keep(&mut self, mut running: State, frame: usize) {
+    fn keep(&mut self, mut running: DecoderState, frame: usize) {
         running.waiting = running.waiting.split_off(&frame);
         if let Decoder::H264 { state, .. } = &mut self.decoder {
             *state = Some(Box::new(running));
@@ -237,7 +241,7 @@ fn decoder(file: &mut FileParts, path: &Path, index: &mut Index) -> Result<Decod
     let Some(first) = index.samples.first() else { return Err("no pictures".to_owned()) };
     match index.codec {
         Codec::H264 => {
-            let head = Head::new(&index.config, &read(first)?, index.colour)?;
+            let head = StreamHeader::new(&index.config, &read(first)?, index.colour)?;
             index.size = head.size;
             Ok(Decoder::H264 { head, state: None })
         }

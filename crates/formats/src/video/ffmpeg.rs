@@ -18,7 +18,7 @@ use tempfile::NamedTempFile;
 
 use super::index::Index;
 use super::probe::{self, Probed};
-use super::{Sink, VideoProblem, Wanted};
+use super::{FrameRequest, Sink, VideoProblem};
 use crate::files::FileParts;
 use crate::images::reduced;
 
@@ -51,7 +51,7 @@ pub(super) struct Piped {
     input: OsString,
     probed: Probed,
     notes: Vec<String>,
-    running: Option<Running>,
+    running: Option<FfmpegOutput>,
     /// Frames that came through pipes.
     decoded: usize,
     /// The file, where the video was in memory only.
@@ -112,32 +112,37 @@ impl Piped {
         self.decoded
     }
 
-    pub(super) fn frame(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, VideoProblem> {
-        let near = |running: &Running| (running.next..=running.next + MAX_SKIPPED).contains(&wanted.frame);
+    pub(super) fn frame(
+        &mut self,
+        request: FrameRequest,
+        sink: &mut Sink<'_>,
+    ) -> Result<RgbImage, VideoProblem> {
+        let near =
+            |running: &FfmpegOutput| (running.next..=running.next + MAX_SKIPPED).contains(&request.frame);
         let mut running = match self.running.take().filter(near) {
             Some(running) => running,
-            None => self.start(wanted.frame)?,
+            None => self.start(request.frame)?,
         };
         loop {
             let frame = running.next;
             let bytes =
-                running.read().map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })?;
+                running.read().map_err(|reason| VideoProblem::Frame { frame: request.frame, reason })?;
             self.decoded += 1;
             let [width, height] = self.probed.size.map(|side| side as u32);
             let picture = RgbImage::from_raw(width, height, bytes).unwrap_or_default();
-            if frame == wanted.frame {
+            if frame == request.frame {
                 self.running = Some(running);
-                return Ok(reduced(picture, wanted.divisor));
+                return Ok(reduced(picture, request.divisor));
             }
-            if frame >= wanted.keep_from {
-                sink(frame, reduced(picture, wanted.divisor));
+            if frame >= request.keep_from {
+                sink(frame, reduced(picture, request.divisor));
             }
         }
     }
 
     /// Starts `ffmpeg` so that `frame` comes first: it decodes from the key before and leaves out what is shown before
     /// the time given, here halfway between the frame and the one before it.
-    fn start(&self, frame: usize) -> Result<Running, VideoProblem> {
+    fn start(&self, frame: usize) -> Result<FfmpegOutput, VideoProblem> {
         let mut command = Command::new(&self.programs.ffmpeg);
         command.args(["-nostdin", "-v", "quiet"]).args(bounds());
         if frame > 0 {
@@ -149,7 +154,7 @@ impl Piped {
         command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
         command.args(["-pix_fmt", "rgb24", "-f", "rawvideo", "pipe:1"]);
         let bytes = self.probed.size.iter().product::<usize>() * 3;
-        Running::new(command, bytes, frame)
+        FfmpegOutput::new(command, bytes, frame)
             .map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
     }
 }
@@ -205,7 +210,7 @@ impl Drop for Process {
 
 /// A running `ffmpeg` and the thread that reads its pipe, a few frames ahead.
 #[derive(Debug)]
-struct Running {
+struct FfmpegOutput {
     /// The frame that comes next.
     next: usize,
     frames: Option<Receiver<Vec<u8>>>,
@@ -213,7 +218,7 @@ struct Running {
     thread: Option<JoinHandle<()>>,
 }
 
-impl Running {
+impl FfmpegOutput {
     fn new(command: Command, bytes: usize, next: usize) -> std::io::Result<Self> {
         let (process, mut output) = Process::start(command)?;
         let (sender, frames) = sync_channel(AHEAD);
@@ -243,7 +248,7 @@ impl Running {
     }
 }
 
-impl Drop for Running {
+impl Drop for FfmpegOutput {
     fn drop(&mut self) {
         // The program ends, so the thread's pipe does; without a receiver it does not wait either.
         self.process = None;
@@ -298,7 +303,7 @@ mod tests {
         // Any program that would run for long will do.
         let mut command = Command::new("sleep");
         command.arg("1000");
-        let Ok(running) = Running::new(command, 3, 0) else { return };
+        let Ok(running) = FfmpegOutput::new(command, 3, 0) else { return };
         let before = std::time::Instant::now();
         drop(running);
         assert!(before.elapsed() < Duration::from_secs(10));

@@ -14,13 +14,13 @@ const MAX_KEPT_PIXELS: u64 = 696_320 * 256;
 
 /// What a stream's head says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct StreamHeader {
     pub(super) size: [usize; 2],
     pub(super) colour: Colour,
     length_size: usize,
 }
 
-impl Head {
+impl StreamHeader {
     /// From the container's configuration, or the first sample if the configuration has no parameter sets (`avc3`).
     ///
     /// # Errors
@@ -48,7 +48,7 @@ impl Head {
 
 /// Whether all that is shown from this sample on can be decoded without what comes before: it has an IDR picture, or
 /// says that recovery is immediate.
-pub(super) fn can_begin(sample: &[u8], head: Head) -> bool {
+pub(super) fn can_begin(sample: &[u8], head: StreamHeader) -> bool {
     parse_avcc(sample, head.length_size).iter().any(|nal| match nal.nal_unit_type {
         NalUnitType::SliceIdr => true,
         NalUnitType::Sei => recovers_at_once(&nal.rbsp),
@@ -111,7 +111,7 @@ fn quietly<T>(run: impl FnOnce() -> T) -> Result<T, String> {
 /// A decoder with its state.
 pub(super) struct Stream {
     decoder: Decoder,
-    head: Head,
+    head: StreamHeader,
 }
 
 impl std::fmt::Debug for Stream {
@@ -122,7 +122,7 @@ impl std::fmt::Debug for Stream {
 
 impl Stream {
     /// A decoder that knows the container's parameter sets and no picture yet.
-    pub(super) fn new(config: &[u8], head: Head) -> Result<Self, String> {
+    pub(super) fn new(config: &[u8], head: StreamHeader) -> Result<Self, String> {
         let mut stream = Self { decoder: Decoder::new(), head };
         let config = parse_avcc_config(config).map_err(str::to_owned)?;
         for nal in config.sps_nals.iter().chain(&config.pps_nals) {
@@ -165,7 +165,7 @@ impl Stream {
     }
 }
 
-fn planes(frame: Frame, head: Head) -> Result<Planes, String> {
+fn planes(frame: Frame, head: StreamHeader) -> Result<Planes, String> {
     let depth = frame.bit_depth;
     let bytes = |plane: Vec<u8>| {
         if depth == 8 {

@@ -19,7 +19,7 @@ pub(super) struct Index {
     /// Colours, where the container says them.
     pub(super) colour: Option<Colour>,
     pub(super) samples: Vec<Sample>,
-    pub(super) frames: Vec<Shown>,
+    pub(super) frames: Vec<IndexFrame>,
     /// What is missing.
     pub(super) notes: Vec<String>,
 }
@@ -37,7 +37,7 @@ pub(super) struct Sample {
 
 /// A frame: which sample, and when it is shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shown {
+pub(super) struct IndexFrame {
     pub(super) sample: usize,
     pub(super) seconds: f64,
 }

@@ -3,11 +3,9 @@
 //! what a file says alone, and one odd track or box does not spoil the rest.
 
 use super::boxes::{Boxes, Fields, FileIndex, find};
-use super::edits::{self, Edit};
-use super::fragments;
-use super::index::{Codec, Index, Sample, Shown};
+use super::index::{Codec, Index, IndexFrame, Sample};
 use super::orientation::Orientation;
-use super::tables;
+use super::samples;
 use super::yuv::Colour;
 use super::{MAX_VIDEO_FRAMES, VideoProblem};
 
@@ -54,20 +52,20 @@ fn track(
     let Some(table) = find(media, &[b"minf", b"stbl"]) else { return Ok(None) };
     let Some(mut index) = find(table, &[b"stsd"]).and_then(description) else { return Ok(None) };
     let ticks = find(media, &[b"mdhd"]).and_then(ticks_per_second).ok_or(VideoProblem::NoVideo)?;
-    index.samples = tables::samples(table, MAX_VIDEO_FRAMES + 1);
+    index.samples = samples::of_tables(table, MAX_VIDEO_FRAMES + 1);
     let head = find(body, &[b"tkhd"]);
     if let Some(id) = head.and_then(|head| header_after_times(head)?.u32()) {
-        fragments::append(&mut index.samples, movie, &file.fragments, id, MAX_VIDEO_FRAMES + 1);
+        samples::append_fragments(&mut index.samples, movie, &file.fragments, id, MAX_VIDEO_FRAMES + 1);
     }
     index.orientation = head.and_then(orientation).unwrap_or_default();
-    let edits = find(body, &[b"edts", b"elst"]).map(edits::read).unwrap_or_default();
+    let edits = find(body, &[b"edts", b"elst"]).map(edits).unwrap_or_default();
     let movie_ticks = f64::from(movie_ticks.unwrap_or(ticks));
     index.frames = shown(&index.samples, &edits, f64::from(ticks), movie_ticks);
     Ok(Some(index))
 }
 
 /// Frames in the order in which they are shown: what the edits leave, from 0 s.
-fn shown(samples: &[Sample], edits: &[Edit], ticks: f64, movie_ticks: f64) -> Vec<Shown> {
+fn shown(samples: &[Sample], edits: &[Edit], ticks: f64, movie_ticks: f64) -> Vec<IndexFrame> {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by_key(|&k| (samples[k].shown, k));
     let begin = order.first().map_or(0, |&k| samples[k].shown);
@@ -89,7 +87,7 @@ fn shown(samples: &[Sample], edits: &[Edit], ticks: f64, movie_ticks: f64) -> Ve
             if after >= lasts || frames.len() > MAX_VIDEO_FRAMES {
                 break;
             }
-            frames.push(Shown { sample, seconds: at + after / ticks });
+            frames.push(IndexFrame { sample, seconds: at + after / ticks });
         }
         at += seconds;
     }
@@ -154,4 +152,35 @@ fn colour(body: &[u8]) -> Option<Colour> {
     let matrix = fields.u16()?;
     let full_range = kind == *b"nclx" && fields.u8()? & 0x80 != 0;
     Some(Colour { matrix: u8::try_from(matrix).unwrap_or(2), full_range })
+}
+
+/// Most edits that are read.
+const MAX_EDITS: u32 = 1024;
+
+/// One edit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Edit {
+    /// The track's tick at which it begins; `None` is a pause.
+    begins: Option<i64>,
+    /// How long it lasts, in ticks of the movie.
+    lasts: u64,
+}
+
+/// The edits of an `elst` box, as far as it goes.
+fn edits(body: &[u8]) -> Vec<Edit> {
+    let mut fields = Fields(body);
+    let mut edits = Vec::new();
+    let Some(((version, _), count)) = fields.version_and_flags().zip(fields.u32()) else { return edits };
+    for _ in 0..count.min(MAX_EDITS) {
+        let Some(edit) = edit(&mut fields, version) else { break };
+        edits.push(edit);
+    }
+    edits
+}
+
+fn edit(fields: &mut Fields<'_>, version: u8) -> Option<Edit> {
+    let lasts = fields.long(version)?;
+    let begins = if version == 1 { fields.u64()?.cast_signed() } else { i64::from(fields.i32()?) };
+    fields.skip(4)?;
+    Some(Edit { begins: (begins >= 0).then_some(begins), lasts })
 }

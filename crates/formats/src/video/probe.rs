@@ -33,7 +33,7 @@ pub(super) struct Probed {
 }
 
 #[derive(Debug, Deserialize)]
-struct Answer {
+struct ProbeOutput {
     #[serde(default)]
     packets: Vec<Packet>,
     #[serde(default)]
@@ -92,7 +92,7 @@ pub(super) fn probe(programs: &Programs, input: &OsString, codec: &str) -> Resul
         message: message.to_owned(),
     };
     let answer = ask(programs, input).map_err(|error| missing(&programs.ffprobe, codec, error))?;
-    let answer: Answer = match answer {
+    let answer: ProbeOutput = match answer {
         Some(bytes) => serde_json::from_slice(&bytes).map_err(|error| failed(codec, &error.to_string()))?,
         None => return Err(failed(codec, "it ends with an error, or takes too long")),
     };

@@ -11,7 +11,7 @@ use super::cache::{FrameCache, Key};
 use super::coded::Coded;
 use super::ffmpeg::{Piped, Programs};
 use super::index::{Codec, Container, Index};
-use super::{Sink, VideoProblem, Wanted, avi, boxes, mp4};
+use super::{FrameRequest, Sink, VideoProblem, avi, boxes, mp4};
 use crate::files::FileParts;
 use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
 
@@ -19,7 +19,7 @@ use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
 const HEAD_BYTES: usize = 256;
 /// Frames that are decoded ahead while a video is read in order.
 const AHEAD: usize = 2;
-/// Most frames before the wanted one that are kept when they are decoded on the way.
+/// Most frames before the request one that are kept when they are decoded on the way.
 const MAX_KEPT_BEFORE: usize = 64;
 /// A gap between frames that differs by more than this part from the usual one does not count for the frame rate.
 const USUAL_GAP: f64 = 0.2;
@@ -44,7 +44,7 @@ struct Inner {
     seconds: Vec<f64>,
     codec: String,
     notes: Vec<String>,
-    source: Mutex<Source>,
+    source: Mutex<VideoDecoder>,
     cache: Arc<FrameCache>,
     id: u64,
     /// The frame that was asked for last.
@@ -54,7 +54,7 @@ struct Inner {
 }
 
 #[derive(Debug)]
-enum Source {
+enum VideoDecoder {
     Coded(Box<Coded>),
     Piped(Box<Piped>),
 }
@@ -117,7 +117,7 @@ impl Video {
             && !matches!(index.codec, Codec::Other(_))
         {
             match Coded::new(parts, path.to_owned(), index.clone()) {
-                Ok(coded) => return Self::of(path, Source::Coded(Box::new(coded)), cache),
+                Ok(coded) => return Self::of(path, VideoDecoder::Coded(Box::new(coded)), cache),
                 Err((file, reason)) => {
                     parts = file;
                     why = Some(format!("{} ({reason})", index.codec.name()));
@@ -130,19 +130,19 @@ impl Video {
             return Err(VideoProblem::NeedsProgram { codec, program: "ffmpeg".to_owned() });
         };
         let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;
-        Self::of(path, Source::Piped(Box::new(piped)), cache)
+        Self::of(path, VideoDecoder::Piped(Box::new(piped)), cache)
     }
 
-    fn of(path: &Path, source: Source, cache: Arc<FrameCache>) -> Result<Self, VideoProblem> {
+    fn of(path: &Path, source: VideoDecoder, cache: Arc<FrameCache>) -> Result<Self, VideoProblem> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (size, seconds, codec, notes) = match &source {
-            Source::Coded(coded) => {
+            VideoDecoder::Coded(coded) => {
                 let index = coded.index();
                 let seconds = index.frames.iter().map(|frame| frame.seconds).collect();
                 let size = index.orientation.size(index.size);
                 (size, seconds, index.codec.name().to_owned(), index.notes.clone())
             }
-            Source::Piped(piped) => {
+            VideoDecoder::Piped(piped) => {
                 (piped.size(), piped.seconds().to_vec(), piped.codec().to_owned(), piped.notes().to_vec())
             }
         };
@@ -214,8 +214,8 @@ impl Video {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let found = match &*self.0.source() {
-            Source::Coded(coded) => coded.note(),
-            Source::Piped(_) => None,
+            VideoDecoder::Coded(coded) => coded.note(),
+            VideoDecoder::Piped(_) => None,
         };
         self.0.notes.iter().cloned().chain(found).collect()
     }
@@ -224,8 +224,8 @@ impl Video {
     #[must_use]
     pub fn decoded_count(&self) -> usize {
         match &*self.0.source() {
-            Source::Coded(coded) => coded.decoded(),
-            Source::Piped(piped) => piped.decoded(),
+            VideoDecoder::Coded(coded) => coded.decoded(),
+            VideoDecoder::Piped(piped) => piped.decoded(),
         }
     }
 
@@ -277,7 +277,7 @@ impl Video {
 }
 
 impl Inner {
-    fn source(&self) -> std::sync::MutexGuard<'_, Source> {
+    fn source(&self) -> std::sync::MutexGuard<'_, VideoDecoder> {
         // Decoders that panic are caught where they are called.
         self.source.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -306,14 +306,14 @@ impl Inner {
             return Ok(picture);
         }
         let kept = (self.cache.limit_bytes() / 4 / self.bytes(divisor).max(1)).min(MAX_KEPT_BEFORE);
-        let wanted = Wanted { frame, divisor, keep_from: frame.saturating_sub(kept) };
+        let request = FrameRequest { frame, divisor, keep_from: frame.saturating_sub(kept) };
         let mut keep = |frame: usize, picture: RgbImage| {
             self.cache.insert(self.key(frame, divisor), Arc::new(picture));
         };
         let sink: &mut Sink<'_> = &mut keep;
         let picture = match &mut *source {
-            Source::Coded(coded) => coded.frame(wanted, sink)?,
-            Source::Piped(piped) => piped.frame(wanted, sink)?,
+            VideoDecoder::Coded(coded) => coded.frame(request, sink)?,
+            VideoDecoder::Piped(piped) => piped.frame(request, sink)?,
         };
         let picture = Arc::new(picture);
         self.cache.insert(key, Arc::clone(&picture));

@@ -12,7 +12,7 @@
 use image::RgbImage;
 
 use super::orientation::Orientation;
-use crate::images::reduce::{averaged, reduced};
+use crate::images::{averaged, reduced};
 
 /// Bits behind the point of a factor, and those by which samples are shifted to be multiplied.
 const FACTOR_BITS: u32 = 13;

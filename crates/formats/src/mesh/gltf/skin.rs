@@ -5,7 +5,7 @@ use backlit_tracking::body_spheres::{Skin, SkinJoint};
 use glam::{DAffine3, DMat4, DVec3};
 use serde::Deserialize;
 
-use super::{MAX_DEPTH, MeshProblem, Primitive, Reader, Soup, entry, room};
+use super::{GltfReader, MAX_DEPTH, MeshProblem, Primitive, Soup, entry, room};
 
 /// Most joints of a skeleton.
 const MAX_JOINTS: usize = 4096;
@@ -19,13 +19,13 @@ pub(super) struct SkinJson {
 }
 
 /// The skeleton of a skin.
-struct Skeleton {
+struct SkinSkeleton {
     joints: Vec<SkinJoint>,
     /// By joint: from the mesh in its bind pose to the world.
     world_from_mesh: Vec<DAffine3>,
 }
 
-impl Reader<'_> {
+impl GltfReader<'_> {
     /// The mesh, its skeleton and which joint moves what.
     pub(super) fn skin(&mut self) -> Result<Skin, MeshProblem> {
         let document = self.document;
@@ -43,7 +43,7 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    fn skeleton(&self, skin: &SkinJson) -> Result<Skeleton, MeshProblem> {
+    fn skeleton(&self, skin: &SkinJson) -> Result<SkinSkeleton, MeshProblem> {
         let document = self.document;
         if skin.joints.len() > MAX_JOINTS {
             let found = format!("{} joints; expected at most {MAX_JOINTS}", skin.joints.len());
@@ -62,7 +62,7 @@ impl Reader<'_> {
             places[node] = Some(joint);
         }
         let binds = self.inverse_binds(skin)?;
-        let mut skeleton = Skeleton { joints: Vec::new(), world_from_mesh: Vec::new() };
+        let mut skeleton = SkinSkeleton { joints: Vec::new(), world_from_mesh: Vec::new() };
         for (&node, bind) in skin.joints.iter().zip(&binds) {
             let joint = &document.nodes[node];
             let (mut world_from_joint, mut parent, mut above) =
@@ -103,7 +103,7 @@ impl Reader<'_> {
     fn skinned(
         &mut self,
         primitive: &Primitive,
-        skeleton: &Skeleton,
+        skeleton: &SkinSkeleton,
         skin: &mut Skin,
     ) -> Result<(), MeshProblem> {
         self.soup = Soup::default();
@@ -160,7 +160,7 @@ impl Reader<'_> {
     }
 }
 
-impl Skeleton {
+impl SkinSkeleton {
     /// Where a vertex is, and the joint that moves it most.
     fn moved(
         &self,
