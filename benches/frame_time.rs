@@ -108,7 +108,7 @@ impl Window {
         for _ in 0..4 {
             self.frame(Vec::new());
         }
-        while !self.app.is_idle() {
+        while !self.app.inspector.is_idle() {
             assert!(began.elapsed() < PATIENCE, "the worker hangs");
             std::thread::sleep(Duration::from_millis(2));
             self.frame(Vec::new());
@@ -157,13 +157,13 @@ impl Window {
         for index in 0..FRAMES {
             let angle = index as f32 * 0.05;
             let to = from + 14.0 * vec2(angle.sin(), 1.0 - angle.cos());
-            let before = self.app.document().pose_at(0).clone();
+            let before = self.app.inspector.document().pose_at(0).clone();
             let began = Instant::now();
             moving.push(self.frame(vec![Event::PointerMoved(to)]));
-            moved.push(*self.app.document().pose_at(0) != before);
+            moved.push(*self.app.inspector.document().pose_at(0) != before);
             // Frames of the display until the prediction is that of the pose.
             let mut frames = 0;
-            while self.app.session().is_stale {
+            while self.app.inspector.state.session.is_stale {
                 std::thread::sleep(Duration::from_secs_f64(
                     (FRAME * f64::from(frames + 1) - began.elapsed().as_secs_f64()).max(0.0),
                 ));
@@ -194,12 +194,12 @@ impl Window {
             let to = from + 60.0 * vec2(angle.sin(), 1.0 - angle.cos());
             let spent = self.frame(vec![Event::PointerMoved(to)]);
             times.push(spent);
-            let session = self.app.session();
+            let session = &self.app.inspector.state.session;
             let upright = Upright::of(&session.take.as_ref().unwrap().cameras);
-            if let Some(Viewpoint::Orbit(orbit)) = self.app.settings().scene.viewpoint {
+            if let Some(Viewpoint::Orbit(orbit)) = self.app.inspector.settings().scene.viewpoint {
                 eyes.push(orbit.camera(&upright).position);
             }
-            let drawn = self.app.shown_scene().drawing.as_ref().unwrap().order.eye.position;
+            let drawn = self.app.inspector.features.scene.drawing.as_ref().unwrap().order.eye.position;
             if let Some(turned) = eyes.iter().rposition(|eye| *eye == drawn) {
                 behind.push((eyes.len() - 1 - turned) as f64);
             }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use backlit::app::{App, AppOptions, opening_of};
+use backlit::app::{App, AppOptions, Opening};
 use backlit::features::recovery::Copies;
 use backlit_document::Document;
 use backlit_document::project::read_project;
@@ -44,7 +44,7 @@ fn data(folder: &Path) -> PathBuf {
 fn options(folder: &Path) -> AppOptions {
     AppOptions {
         data_folder: Some(data(folder)),
-        opening: Some(opening_of(&folder.join("take"))),
+        opening: Some(Opening::of(&folder.join("take"))),
         ..AppOptions::default()
     }
 }
@@ -65,7 +65,7 @@ fn work_until_killed() {
     let mut app = App::new(window.ctx.clone(), options(&folder)).unwrap();
     let mut log = File::options().append(true).create(true).open(folder.join("log")).unwrap();
     let began = Instant::now();
-    let mut last = digest(app.document());
+    let mut last = digest(app.inspector.document());
     for turn in 0_u32.. {
         // Somewhere in the first view: a joint is grabbed now and then, else the view is clicked.
         let at =
@@ -82,7 +82,7 @@ fn work_until_killed() {
             _ => vec![pressed(Key::Home, Modifiers::NONE)],
         };
         window.frames(1, events, |ui| app.frame(ui));
-        let now = digest(app.document());
+        let now = digest(app.inspector.document());
         if now != last {
             writeln!(log, "{} {now}", began.elapsed().as_millis()).unwrap();
             last = now;

@@ -1,104 +1,120 @@
 //! Files that are dragged over the window and dropped on it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use backlit_document::edit::Edit;
+use backlit_formats::pose_file::Quaternions;
+use backlit_formats::{model_file, pose_file};
 use backlit_jobs::{News, once};
 use backlit_take::dropped::Dropped;
+use backlit_take::footage::Footage;
+use backlit_take::replacement::{masks_of, read_calibration};
+use backlit_tracking::body::Model;
 
-use super::{App, Inspector};
-use crate::app::take_in_job::TakeInJob;
+use super::Inspector;
+use super::files::Files;
+use super::open_job::Opening;
 use crate::context::command::{Command, HistoryCommand};
-use crate::shell::drop_overlay::{self, Hovering};
 
-impl App {
+impl Files {
     /// Looks what is dragged over the window, and takes what is dropped.
-    pub(crate) fn take_dropped_files(&mut self, ctx: &egui::Context) {
+    pub(crate) fn take_dropped(&mut self, inspector: &mut Inspector, ctx: &egui::Context) {
         let (hovered, dropped): (Vec<PathBuf>, Vec<PathBuf>) = ctx.input(|input| {
             let hovered = input.raw.hovered_files.iter().filter_map(|file| file.path.clone());
             let dropped = input.raw.dropped_files.iter().map(|file| file.path().to_owned());
             (hovered.collect(), dropped.collect())
         });
+        let hovering = &mut inspector.shell.hovering;
         if hovered.is_empty() {
-            self.inspector.shell.hovering = None;
-        } else if self.inspector.shell.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
-            let dropped = Dropped::of(&hovered);
-            self.inspector.shell.hovering = Some(Hovering { paths: hovered, dropped });
+            *hovering = None;
+        } else if hovering.as_ref().is_none_or(|(paths, _)| *paths != hovered) {
+            let what = Dropped::of(&hovered);
+            *hovering = Some((hovered, what));
         }
-        if !dropped.is_empty() {
-            self.take_in(Dropped::of(&dropped));
+        if dropped.is_empty() {
+            return;
         }
-    }
-
-    /// Does what dropped files are for.
-    fn take_in(&mut self, dropped: Dropped) {
         // Whatever lay over the window was about something else.
-        self.inspector.shell.overlay = None;
-        match dropped {
-            Dropped::Open(path) => self.open_path(&path),
-            Dropped::New(paths) => self.new_take(paths),
+        inspector.shell.overlay = None;
+        match Dropped::of(&dropped) {
+            Dropped::Open(path) => self.open(inspector, Opening::of(&path)),
+            Dropped::New(paths) => inspector.new_take(paths),
             Dropped::Unknown(path, why) => {
-                self.inspector.state.notices.error(format!("{}: {why}.", path.display()));
+                inspector.state.notices.error(format!("{}: {why}.", path.display()));
             }
             dropped => {
-                let Some(footage) = self.inspector.state.session.take.clone() else {
+                let Some(footage) = inspector.state.session.take.clone() else {
                     let (_, name) = dropped.explanation(0);
-                    return self.inspector.state.notices.error(format!("{name}: open a take first."));
+                    return inspector.state.notices.error(format!("{name}: open a take first."));
                 };
-                let (model, frame) = (self.document().model.clone(), self.inspector.state.selection.frame);
-                let job = TakeInJob { dropped, footage, model, frame };
-                self.files.take_in.begin(&self.inspector.state.pool, (), |()| once(move |_| job.read()));
-            }
-        }
-    }
-
-    /// Takes in what was read of dropped files.
-    pub(crate) fn take_in_dropped(&mut self) {
-        for news in self.files.take_in.poll() {
-            match news {
-                News::Output(Ok((edit, said))) => self.taken_in(edit, said),
-                News::Output(Err(error)) => self.inspector.state.notices.error(format!("{error:#}")),
-                News::Ended => {}
-                News::Failed(failure) => self.failed("Reading the dropped files", &failure),
+                let (model, frame) = (inspector.document().model.clone(), inspector.state.selection.frame);
+                let read = move |_: &_| read(&dropped, &footage, &model, frame);
+                self.dropped.begin(&inspector.state.pool, (), |()| once(read));
             }
         }
     }
 
     /// What was dropped is read: it becomes a change that can be undone.
-    fn taken_in(&mut self, edit: Edit, said: String) {
-        self.interrupt_fit();
-        let revision = self.inspector.state.history.revision();
-        self.edit(edit, None);
-        if self.inspector.state.history.revision() != revision {
-            self.inspector.state.notices.info(
-                self.inspector.state.now,
-                said,
-                Some(Command::History(HistoryCommand::Undo)),
-            );
-        } else if !self
-            .inspector
-            .state
-            .notices
-            .cards()
-            .any(|notice| notice.text.starts_with("That cannot be done"))
-        {
-            self.inspector.state.notices.info(
-                self.inspector.state.now,
-                "Nothing changed: that is what is there already.",
-                None,
-            );
+    pub(super) fn take_in_dropped(&mut self, inspector: &mut Inspector) {
+        for news in self.dropped.poll() {
+            match news {
+                News::Output(Ok((edit, said))) => {
+                    inspector.interrupt_fit();
+                    let state = &mut inspector.state;
+                    let revision = state.history.revision();
+                    state.edit(edit, None);
+                    let was_refused = |text: &str| text.starts_with("That cannot be done");
+                    if state.history.revision() != revision {
+                        state.notices.info(said, Some(Command::History(HistoryCommand::Undo)));
+                    } else if !state.notices.cards().any(|notice| was_refused(&notice.text)) {
+                        state.notices.info("Nothing changed: that is what is there already.", None);
+                    }
+                }
+                News::Output(Err(error)) => inspector.state.notices.error(format!("{error:#}")),
+                News::Ended => {}
+                News::Failed(failure) => {
+                    inspector.state.notices.failed("Reading the dropped files", &failure)
+                }
+            }
         }
     }
 }
 
-impl Inspector {
-    /// Says what will happen, over everything.
-    pub(crate) fn show_drop(&self, ui: &egui::Ui) {
-        let Some(Hovering { dropped, .. }) = &self.shell.hovering else { return };
-        let (what, name) = dropped.explanation(self.state.selection.frame);
-        let lacks_take = dropped.needs_take() && self.state.session.take.is_none();
-        let is_possible = !lacks_take && !matches!(dropped, Dropped::Unknown(..));
-        let what = if lacks_take { "Open a take first".to_owned() } else { what };
-        drop_overlay::ui(ui, &what, &name, is_possible);
-    }
+/// Reads dropped files: the change of the document, and what is said of it.
+fn read(dropped: &Dropped, footage: &Footage, model: &Model, frame: usize) -> anyhow::Result<(Edit, String)> {
+    let name = |path: &PathBuf| {
+        path.file_name()
+            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    };
+    Ok(match dropped {
+        Dropped::Calibration(path) => {
+            let calibration = read_calibration(path, footage.full_cameras())?;
+            let said = format!("The {} cameras now come from {}.", calibration.rig.count(), name(path));
+            (Edit::SetCalibration(Some(Arc::new(calibration))), said)
+        }
+        Dropped::Masks(paths) => {
+            let masks = masks_of(paths, footage.take_cameras())?;
+            let numbers: Vec<String> = masks.keys().map(|camera| (camera + 1).to_string()).collect();
+            let plural = if numbers.len() == 1 { "" } else { "s" };
+            let said = format!(
+                "Replaced the silhouettes of frame {frame} in camera{plural} {}.",
+                numbers.join(", ")
+            );
+            (Edit::SetMasks { frame, masks }, said)
+        }
+        Dropped::Pose(path) => {
+            let pose = pose_file::read(path, model, Quaternions::Normalised)?;
+            let said = format!("Frame {frame} now has the pose of {}.", name(path));
+            (Edit::SetPose { frame, pose, what: "Drop pose".to_owned() }, said)
+        }
+        Dropped::Body(path) => {
+            let model = model_file::read(path)?;
+            let said = format!("The body now has the sizes of {}.", name(path));
+            (Edit::SetBody(Arc::new(model)), said)
+        }
+        Dropped::New(_) | Dropped::Open(_) | Dropped::Unknown(..) => {
+            anyhow::bail!("{}: it has nothing that can be used here", dropped.explanation(frame).1)
+        }
+    })
 }

@@ -1,182 +1,265 @@
-//! Takes, projects and dialogs.
+//! Takes, projects and other files: asked for, read and written.
 
 use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
 
+use anyhow::anyhow;
+use backlit_document::edit::Edit;
 use backlit_document::history::Version;
-use backlit_document::project::write_project;
-use backlit_jobs::{News, once};
+use backlit_document::project::{ProjectError, write_project};
+use backlit_formats::atomic;
+use backlit_jobs::{News, Task, once};
 use backlit_take::source::TakeSource;
 
-use super::App;
-use super::state::{Asked, Opening};
-use crate::app::open_job::{OpenJob, Opened};
+use super::Inspector;
+use super::open_job::{Opened, Opening};
+use super::state::State;
+use crate::context::Write;
 use crate::context::command::{Command, FileCommand};
-use crate::context::file_dialog::Wanted;
+use crate::context::file_dialog::{DialogKind, FileDialogs};
+use crate::context::priority;
 use crate::context::write_advice::write_advice;
 
 /// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";
 
-impl App {
+/// The program that opens anything with the program that the user likes for it.
+const OPENER: &str = if cfg!(target_os = "macos") {
+    "open"
+} else if cfg!(target_os = "windows") {
+    "explorer"
+} else {
+    "xdg-open"
+};
+
+/// What a file dialog was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asked {
+    Take,
+    FindTake,
+    Project,
+    SaveAs,
+}
+
+/// Files that are read and written, and the dialogs that ask for them.
+#[derive(Debug)]
+pub(crate) struct Files {
+    pub(crate) open: Task<(), Opened>,
+    pub(crate) save: Task<PathBuf, Result<Version, ProjectError>>,
+    /// What was dropped on the window.
+    pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>>,
+    /// Tables, plots, numbers. They are written one after the other.
+    writes: Vec<Task<PathBuf, anyhow::Result<()>>>,
+    dialogs: FileDialogs<Asked>,
+}
+
+impl Default for Files {
+    fn default() -> Self {
+        Self {
+            open: Task::new(priority::OPEN),
+            save: Task::new(priority::SAVE),
+            dropped: Task::new(priority::TAKE_IN),
+            writes: Vec::new(),
+            dialogs: FileDialogs::default(),
+        }
+    }
+}
+
+impl Files {
     /// Opens a take or a project. What is not saved is kept as a copy.
-    pub(crate) fn open(&mut self, opening: Opening) {
-        let may_leave = self.with(
-            |features| &mut features.recovery,
-            |recovery, context, requests| recovery.may_leave("Not opened", "open it", context, requests),
-        );
-        self.inspector.state.is_opening = may_leave;
-        if !may_leave {
-            return;
+    pub(crate) fn open(&mut self, inspector: &mut Inspector, opening: Opening) {
+        let may_leave = inspector.ask(|features, context, requests| {
+            features.recovery.may_leave("Not opened", "open it", context, requests)
+        });
+        inspector.state.is_opening = may_leave;
+        if may_leave {
+            self.open.begin(&inspector.state.pool, (), |()| once(move |_| opening.read()));
         }
-        let job = match opening {
-            Opening::Take(source) => OpenJob::Take(source),
-            Opening::Ready(take) => OpenJob::Ready(take),
-            Opening::Project(path) => OpenJob::Project(path),
-            Opening::Moved { project, take } => OpenJob::Moved { project, take },
-        };
-        self.files.open.begin(&self.inspector.state.pool, (), |()| once(move |_| job.open()));
-    }
-
-    pub(crate) fn file_command(&mut self, command: FileCommand) {
-        match command {
-            FileCommand::NewTake => self.new_take(Vec::new()),
-            FileCommand::OpenTake => self.ask_for_file(Asked::Take),
-            FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
-            FileCommand::OpenProject => self.ask_for_file(Asked::Project),
-            FileCommand::FindTake => self.ask_for_file(Asked::FindTake),
-            FileCommand::Save => self.save_project(),
-            FileCommand::SaveAs => self.ask_for_file(Asked::SaveAs),
-            FileCommand::Quit => self.inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
-        }
-    }
-
-    /// Lays the card of a new take over the window; folders or files that are named are looked at at once.
-    pub fn new_take(&mut self, paths: Vec<PathBuf>) {
-        self.with(
-            |features| &mut features.new_take,
-            |new_take, context, requests| new_take.open(paths, context, requests),
-        );
-    }
-
-    /// Says that a project's take is not where it was, and offers to look for it.
-    fn take_missing(&mut self, project: PathBuf, why: &str) {
-        let said = format!("{why}. If it has moved, say where it is now.");
-        self.inspector.state.notices.error_with(said, Command::File(FileCommand::FindTake));
-        self.inspector.state.lost_take = Some(project);
     }
 
     /// Opens the project whose take was not there with the take in this folder.
-    pub fn find_take(&mut self, take: &Path) {
-        if let Some(project) = self.inspector.state.lost_take.clone() {
-            self.open(Opening::Moved { project, take: take.to_owned() });
+    pub(crate) fn find_take(&mut self, inspector: &mut Inspector, take: &Path) {
+        if let Some(project) = inspector.state.lost_take.clone() {
+            self.open(inspector, Opening::Moved { project, take: take.to_owned() });
         }
     }
 
-    /// Opens whatever a path is: a project file, a take's folder, or its take file.
-    pub fn open_path(&mut self, path: &Path) {
-        self.open(opening_of(path));
+    pub(crate) fn command(&mut self, inspector: &mut Inspector, command: FileCommand) {
+        match command {
+            FileCommand::NewTake => inspector.new_take(Vec::new()),
+            FileCommand::OpenTake => self.ask(&mut inspector.state, Asked::Take),
+            FileCommand::OpenBuiltIn => self.open(inspector, Opening::Take(TakeSource::BuiltIn)),
+            FileCommand::OpenProject => self.ask(&mut inspector.state, Asked::Project),
+            FileCommand::FindTake => self.ask(&mut inspector.state, Asked::FindTake),
+            FileCommand::SaveAs => self.ask(&mut inspector.state, Asked::SaveAs),
+            FileCommand::Save => match inspector.state.project.clone() {
+                Some(path) => self.save_to(&inspector.state, &path),
+                None => self.ask(&mut inspector.state, Asked::SaveAs),
+            },
+            FileCommand::Quit => inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
+        }
     }
 
     /// Writes the project to a file.
-    pub fn save_to(&mut self, path: &Path) {
-        let history = &self.inspector.state.history;
+    pub(crate) fn save_to(&mut self, state: &State, path: &Path) {
+        let history = &state.history;
         let (document, runs, version) =
             (history.document().clone(), history.runs().all().to_vec(), history.version());
         let file = path.to_owned();
-        self.files.save.begin(&self.inspector.state.pool, file.clone(), |_| {
+        self.save.begin(&state.pool, file.clone(), |_| {
             once(move |_| write_project(&file, &document, &runs).map(|()| version))
         });
     }
 
-    pub(crate) fn save_project(&mut self) {
-        match self.inspector.state.project.clone() {
-            Some(path) => self.save_to(&path),
-            None => self.ask_for_file(Asked::SaveAs),
+    /// Writes a file that is made of results.
+    pub(crate) fn write(&mut self, state: &State, write: Write) {
+        let mut task = Task::new(priority::WRITE);
+        let Write { path, make } = write;
+        let file = path.clone();
+        task.begin(&state.pool, path, |_| {
+            once(move |_| match make() {
+                Ok(bytes) => atomic::write(&file, &bytes)
+                    .map_err(|error| anyhow!("Not written: {error}. {}", write_advice(&error))),
+                Err(error) => Err(anyhow!("{} was not written: {error:#}.", file.display())),
+            })
+        });
+        self.writes.push(task);
+    }
+
+    /// Asks for a file in a dialog of the desktop's.
+    fn ask(&self, state: &mut State, asked: Asked) {
+        let take = state.session.take.as_ref();
+        let name = take.map_or("project", |take| take.name.as_str());
+        let (title, kind) = match asked {
+            Asked::Take => ("Open take", DialogKind::Folder),
+            Asked::FindTake => ("Find take", DialogKind::Folder),
+            Asked::Project => ("Open project", DialogKind::File(&[PROJECT_EXTENSION])),
+            Asked::SaveAs => {
+                ("Save project", DialogKind::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[]))
+            }
+        };
+        if let Err(why) = self.dialogs.ask(&state.egui, asked, title, kind) {
+            state.notices.error(why.to_string());
         }
     }
 
-    /// Takes in what was opened and saved.
-    pub(crate) fn take_in_files(&mut self) {
-        for news in self.files.open.poll() {
-            match news {
-                News::Output(Opened::Take(footage, project)) => {
-                    self.files.take_in.forget();
-                    self.take_opened(&footage, project);
+    /// Goes on with what was opened, saved, written and chosen.
+    pub(crate) fn take_in(&mut self, inspector: &mut Inspector) {
+        self.take_in_opened(inspector);
+        self.take_in_dropped(inspector);
+        self.take_in_written(&mut inspector.state);
+        for (asked, path) in self.dialogs.answers() {
+            match asked {
+                Asked::Take | Asked::Project => self.open(inspector, Opening::of(&path)),
+                Asked::FindTake => self.find_take(inspector, &path),
+                Asked::SaveAs if path.extension().is_none() => {
+                    self.save_to(&inspector.state, &path.with_extension(PROJECT_EXTENSION));
                 }
-                News::Output(Opened::TakeMissing { project, why }) => self.take_missing(project, &why),
-                News::Output(Opened::Nothing(why)) => self.inspector.state.notices.error(why),
-                News::Ended => {}
-                News::Failed(failure) => self.failed("Opening the take", &failure),
+                Asked::SaveAs => self.save_to(&inspector.state, &path),
             }
         }
-        self.inspector.state.is_opening = self.files.open.is_busy();
-        for news in self.files.save.poll() {
-            let path = self.files.save.inputs().cloned().unwrap_or_default();
+    }
+
+    fn take_in_opened(&mut self, inspector: &mut Inspector) {
+        for news in self.open.poll() {
             match news {
-                News::Output(Ok(version)) => self.saved(path, version),
+                News::Output(Opened::Take(footage, project)) => {
+                    self.dropped.forget();
+                    inspector.take_opened(&footage, project);
+                }
+                News::Output(Opened::TakeMissing { project, why }) => {
+                    let said = format!("{why}. If it has moved, say where it is now.");
+                    inspector.state.notices.error_with(said, Command::File(FileCommand::FindTake));
+                    inspector.state.lost_take = Some(project);
+                }
+                News::Output(Opened::Nothing(why)) => inspector.state.notices.error(why),
+                News::Ended => {}
+                News::Failed(failure) => inspector.state.notices.failed("Opening the take", &failure),
+            }
+        }
+        inspector.state.is_opening = self.open.is_busy();
+    }
+
+    fn take_in_written(&mut self, state: &mut State) {
+        for news in self.save.poll() {
+            let path = self.save.inputs().cloned().unwrap_or_default();
+            match news {
+                News::Output(Ok(version)) => {
+                    state.notices.info(format!("Saved to {}.", file_name(&path)), None);
+                    state.history.mark_saved(version);
+                    state.preferences.remember(path.clone());
+                    state.project = Some(path);
+                }
                 News::Output(Err(error)) => {
                     let said = format!(
                         "Not saved: {error}. Your work is still here, and the file is as it was. {}",
                         write_advice(&error)
                     );
-                    self.inspector.state.notices.error_with(said, Command::File(FileCommand::SaveAs));
+                    state.notices.error_with(said, Command::File(FileCommand::SaveAs));
                 }
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Writing a file", &failure),
+                News::Failed(failure) => state.notices.failed("Writing a file", &failure),
             }
         }
-    }
-
-    fn saved(&mut self, path: PathBuf, version: Version) {
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        self.inspector.state.notices.info(self.inspector.state.now, format!("Saved to {name}."), None);
-        self.inspector.state.history.mark_saved(version);
-        self.inspector.state.preferences.remember(path.clone());
-        self.inspector.state.project = Some(path);
-    }
-
-    /// Asks for a file in a dialog of the desktop's.
-    fn ask_for_file(&mut self, asked: Asked) {
-        let state = &mut self.inspector.state;
-        let take = state.session.take.as_ref();
-        let name = take.map_or("project", |take| take.name.as_str());
-        let (title, wanted) = match asked {
-            Asked::Take => ("Open take", Wanted::Folder),
-            Asked::FindTake => ("Find take", Wanted::Folder),
-            Asked::Project => ("Open project", Wanted::File(&[PROJECT_EXTENSION])),
-            Asked::SaveAs => ("Save project", Wanted::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[])),
-        };
-        if let Err(why) = self.files.dialogs.ask(&state.egui, asked, title, wanted) {
-            state.notices.error(why.to_string());
-        }
-    }
-
-    /// Goes on with the files that were chosen.
-    pub(crate) fn take_in_chosen_files(&mut self) {
-        for (asked, path) in self.files.dialogs.answers() {
-            match asked {
-                Asked::Take | Asked::Project => self.open_path(&path),
-                Asked::FindTake => self.find_take(&path),
-                Asked::SaveAs => {
-                    let path = if path.extension().is_none() {
-                        path.with_extension(PROJECT_EXTENSION)
-                    } else {
-                        path
-                    };
-                    self.save_to(&path);
+        for task in &mut self.writes {
+            for news in task.poll() {
+                match news {
+                    News::Output(Ok(())) => {
+                        let name = task.inputs().map_or_else(String::new, |path| file_name(path));
+                        state.notices.info(format!("Wrote {name}."), None);
+                    }
+                    News::Output(Err(said)) => state.notices.error(said.to_string()),
+                    News::Ended => {}
+                    News::Failed(failure) => state.notices.failed("Writing a file", &failure),
                 }
             }
+        }
+        self.writes.retain(Task::is_busy);
+    }
+}
+
+impl Inspector {
+    /// Lays the card of a new take over the window; folders or files that are named are looked at at once.
+    pub fn new_take(&mut self, paths: Vec<PathBuf>) {
+        self.ask(|features, context, requests| features.new_take.open(paths, context, requests));
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+impl Opening {
+    /// What a path is opened as.
+    pub fn of(path: &Path) -> Self {
+        // A project remembers its take, and is opened from elsewhere another day.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        if path.extension().is_some_and(|extension| extension == PROJECT_EXTENSION) {
+            Self::Project(path)
+        } else {
+            Self::Take(TakeSource::Path(path))
         }
     }
 }
 
-/// What a path is to be opened as.
-pub fn opening_of(path: &Path) -> Opening {
-    // A project remembers its take, and is opened from elsewhere another day.
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    if path.extension().is_some_and(|extension| extension == PROJECT_EXTENSION) {
-        Opening::Project(path)
-    } else {
-        Opening::Take(TakeSource::Path(path))
+/// Opens a folder or a page in another program; where that cannot be done, the address goes to the clipboard.
+pub(crate) fn open_outside(state: &mut State, address: String) {
+    let child = Process::new(OPENER)
+        .arg(&address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    match child {
+        Ok(mut child) => {
+            // Somebody has to hear that it has ended.
+            let waits = std::thread::Builder::new().name("backlit opener".to_owned());
+            let _ = waits.spawn(move || child.wait());
+        }
+        Err(_) => {
+            state.egui.copy_text(address.clone());
+            let text = format!("{OPENER} cannot be started; {address} is in the clipboard now.");
+            state.notices.info(text, None);
+        }
     }
 }

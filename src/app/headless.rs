@@ -10,7 +10,8 @@ use egui::Vec2;
 use egui_painter::Headless;
 use image::RgbaImage;
 
-use super::{App, AppOptions, Inspector, Opening};
+use super::off_screen::export_job;
+use super::{App, AppOptions, Opening};
 use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::notices::Severity;
@@ -70,10 +71,10 @@ pub(crate) fn headless_picture(
 
 /// What went wrong on the way, or is missing in the picture: it is written all the same.
 fn faults(app: &App) -> Vec<String> {
-    let notices = app.state.notices.all().iter();
+    let notices = app.inspector.state.notices.all().iter();
     let said = notices.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.clone());
-    let session = &app.state.session;
-    let frame = session.shown_frame(app.state.selection.frame);
+    let session = &app.inspector.state.session;
+    let frame = session.shown_frame(app.inspector.state.selection.frame);
     let cameras = frame.into_iter().flat_map(|frame| frame.cameras.iter().enumerate());
     let missing = cameras.filter_map(|(camera, shown)| {
         let problem = shown.problem.as_deref()?;
@@ -94,19 +95,19 @@ pub(crate) fn headless_export(
     order: &ExportOrder,
 ) -> anyhow::Result<Vec<String>> {
     let (mut window, mut app) = headless_app(opening, options)?;
-    let count = app.state.session.camera_count();
+    let count = app.inspector.state.session.camera_count();
     if let Some(camera) = camera {
         ensure!(camera < count, "there is no camera {}; the take has {count}", camera + 1);
-        app.state.selection.camera = camera;
+        app.inspector.state.selection.camera = camera;
     }
     if let Some(mode) = mode {
-        let layout = app.state.preferences.layout;
-        app.features.camera_views.show_mode(layout, mode);
+        let layout = app.inspector.state.preferences.layout;
+        app.inspector.features.camera_views.show_mode(layout, mode);
     }
-    let frames = app.state.session.frame_count();
+    let frames = app.inspector.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
     settle(&mut window, &mut app, options.patience);
-    let export = app.export_job(order)?;
+    let export = export_job(&app.inspector, order)?;
     ensure!(export.len() > 0, "there is no step: say with --iteration how many to do");
     export.finish()?;
     Ok(faults(&app))
@@ -122,38 +123,43 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
         AppOptions { settings, opening: Some(opening), ..AppOptions::default() },
     )?;
     settle(&mut window, &mut app, options.patience);
-    if app.state.session.take.is_none() {
-        let why = app.state.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
+    if app.inspector.state.session.take.is_none() {
+        let why = app
+            .inspector
+            .state
+            .notices
+            .all()
+            .last()
+            .map_or("nothing was opened", |notice| notice.text.as_str());
         anyhow::bail!("{why}");
     }
     // A demonstration has a layout of its own.
     if let Some(layout) = options.layout {
-        app.state.preferences.layout = layout;
+        app.inspector.state.preferences.layout = layout;
     }
-    let count = app.state.session.frame_count();
+    let count = app.inspector.state.session.frame_count();
     ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);
-    let context = window.ctx.clone();
     if options.track {
-        app.run(Command::Tracking(TrackingCommand::Forward), &context);
+        app.run(Command::Tracking(TrackingCommand::Forward));
         settle(&mut window, &mut app, options.patience);
         // A card over a view is for who has just tracked.
-        app.state.notices.close_all();
+        app.inspector.state.notices.close_all();
     }
-    app.go_to_frame(options.frame);
+    app.inspector.state.go_to_frame(options.frame);
     settle(&mut window, &mut app, options.patience);
     if options.steps.is_none() {
-        app.run(Command::Fit(FitCommand::Run), &context);
+        app.run(Command::Fit(FitCommand::Run));
         settle(&mut window, &mut app, options.patience);
     }
     let steps = options.steps.unwrap_or(0);
-    if steps > 0 && app.state.preferences.layout == Layout::Demonstrate {
+    if steps > 0 && app.inspector.state.preferences.layout == Layout::Demonstrate {
         // A demonstration has run already.
-        app.run(Command::Timeline(TimelineCommand::FirstFrame), &context);
+        app.run(Command::Timeline(TimelineCommand::FirstFrame));
     }
     for _ in 0..steps {
-        app.run(Command::Fit(FitCommand::Step), &context);
+        app.run(Command::Fit(FitCommand::Step));
         settle(&mut window, &mut app, options.patience);
-        if app.context().run().is_none_or(|run| run.ending.is_some()) {
+        if app.inspector.context().run().is_none_or(|run| run.ending.is_some()) {
             break;
         }
     }
@@ -164,14 +170,14 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
 fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage {
     let frame = || {
         window.run(1, Vec::new(), |ui| app.frame(ui));
-        app.is_idle()
+        app.inspector.is_idle()
     };
     rest(patience, &CancelToken::default(), frame, || std::thread::sleep(Duration::from_millis(1)));
     // Times are not the picture's business.
-    app.freeze_times();
+    app.inspector.freeze_times();
     window.frames(3, Vec::new(), |ui| {
         app.frame(ui);
-        app.freeze_times();
+        app.inspector.freeze_times();
     })
 }
 
@@ -189,19 +195,5 @@ pub(crate) fn rest(
         }
         // Sizes settle over two frames, and may ask for more.
         frame();
-    }
-}
-
-impl Inspector {
-    /// Forgets how long things took, so that a picture of the next frame is the same every time.
-    pub fn freeze_times(&mut self) {
-        self.state.frame_seconds = f64::NAN;
-        self.features.fit.step_seconds = None;
-        self.state.session.predict_seconds = None;
-        self.features.laboratory.step_seconds = None;
-        self.features.beginnings.freeze_times();
-        if let Some(running) = &mut self.features.basin.results.running {
-            running.seconds_left = None;
-        }
     }
 }

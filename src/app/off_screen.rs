@@ -10,9 +10,9 @@ use egui::{Memory, Vec2, vec2};
 use egui_painter::Headless;
 use image::{DynamicImage, RgbImage};
 
+use crate::app::Inspector;
 use crate::app::headless::rest;
-use crate::app::{App, Inspector};
-use crate::context::Request;
+use crate::context::SessionRequest;
 use crate::context::pane::Pane;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
@@ -22,51 +22,36 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// From this many pixels for a pixel of the footage on, marks grow with the picture.
 const MARKS_GROW_FROM: f32 = 2.0;
 
-impl App {
-    /// Begins the export that was put together on its card.
-    pub(crate) fn begin_export(&mut self) {
-        let inspector = &mut self.inspector;
-        let Some(order) = inspector.features.export.take_order() else { return };
-        match inspector.export_job(&order) {
-            Ok(job) => inspector.features.export.begin(job, order, &inspector.state.pool),
-            Err(error) => inspector.state.notices.error(format!("Nothing was exported: {error}.")),
-        }
+/// Begins the export that was put together on its card.
+pub(crate) fn begin_export(inspector: &mut Inspector) {
+    let Some(order) = inspector.features.export.take_order() else { return };
+    match export_job(inspector, &order) {
+        Ok(job) => inspector.features.export.begin(job, order, &inspector.state.pool),
+        Err(error) => inspector.state.notices.error(format!("Nothing was exported: {error}.")),
     }
 }
 
-impl Inspector {
-    /// What an order asks for.
-    pub(crate) fn export_job(&self, order: &ExportOrder) -> anyhow::Result<ExportJob> {
-        let context = self.context();
-        let painter = OffScreen::new(self, order.picture(&context))?;
-        Ok(ExportJob::new(order, &context, Box::new(painter)))
-    }
+/// What an order asks for.
+pub(crate) fn export_job(inspector: &Inspector, order: &ExportOrder) -> anyhow::Result<ExportJob> {
+    let context = inspector.context();
+    let painter = OffScreen::new(inspector, order.picture(&context))?;
+    Ok(ExportJob::new(order, &context, Box::new(painter)))
+}
 
-    /// Another one that shows the same, in a window of its own. Its tasks are done when somebody turns its pool.
-    fn at_rest(&self, egui: &egui::Context) -> anyhow::Result<Self> {
-        // Textures are the first window's: the other makes its own.
-        image_canvas::forget_textures(&self.state.egui);
-        egui.memory_mut(|memory| *memory = self.state.egui.memory(Memory::clone));
-        let mut copy = Self::new(egui.clone(), Pool::inline(), self.state.clock.clone());
-        copy.apply_settings(self.settings());
-        copy.state.history = self.state.history.without_past();
-        copy.state.session = self.state.session.clone();
-        copy.state.selection = self.state.selection;
-        copy.shell.docking.alone = self.shell.docking.alone;
-        copy.shell.docking.pair = self.shell.docking.pair;
-        let features = &self.features;
-        copy.features.camera_views = features.camera_views.clone();
-        copy.features.basin = features.basin.at_rest();
-        copy.features.beginnings = features.beginnings.at_rest();
-        copy.features.convergence = features.convergence.at_rest();
-        copy.features.fit = features.fit.at_rest();
-        copy.features.motions = features.motions.at_rest();
-        copy.features.scene = features.scene.at_rest();
-        copy.features.tracking = features.tracking.at_rest();
-        copy.features.laboratory = features.laboratory.at_rest();
-        copy.features.demonstrations = features.demonstrations.clone();
-        Ok(copy)
-    }
+/// Another inspector that shows the same, in a window of its own. Its tasks are done when somebody turns its pool.
+fn at_rest(shown: &Inspector, egui: &egui::Context) -> Inspector {
+    // Textures are the first window's: the other makes its own.
+    image_canvas::forget_textures(&shown.state.egui);
+    egui.memory_mut(|memory| *memory = shown.state.egui.memory(Memory::clone));
+    let mut copy = Inspector::new(egui.clone(), Pool::inline(), shown.state.clock.clone());
+    copy.features = shown.features.at_rest();
+    copy.apply_settings(shown.settings());
+    copy.state.history = shown.state.history.without_past();
+    copy.state.session = shown.state.session.clone();
+    copy.state.selection = shown.state.selection;
+    copy.shell.docking.alone = shown.shell.docking.alone;
+    copy.shell.docking.pair = shown.shell.docking.pair;
+    copy
 }
 
 /// The inspector that nobody sees, in its window.
@@ -94,7 +79,7 @@ impl OffScreen {
         let most = MAX_SIDE as f32 / size.max_elem().max(1.0);
         let window = Headless::new(size.x, size.y, pixels_per_point.min(most));
         let frame_seconds = inspector.state.frame_seconds;
-        let mut inspector = inspector.at_rest(&window.ctx)?;
+        let mut inspector = at_rest(inspector, &window.ctx);
         let mut lacks_legend = false;
         if let PictureOf::View { picture, whole_frame, .. } = what {
             inspector.shell.docking.alone = Some(Pane::Camera(picture.camera));
@@ -137,9 +122,9 @@ impl Painter for OffScreen {
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {
-                self.inspector.request(Request::Step(step));
+                self.inspector.request(SessionRequest::Step(step));
             }
-            Shot::Frame(frame) => self.inspector.go_to_frame(frame),
+            Shot::Frame(frame) => self.inspector.state.go_to_frame(frame),
         }
         self.settle(cancel);
         let (inspector, seconds) = (&mut self.inspector, self.frame_seconds);

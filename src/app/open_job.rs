@@ -12,18 +12,18 @@ use backlit_formats::{Take, TakeError};
 use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 
-/// What is to be opened.
+/// Something to open.
 #[derive(Debug)]
-pub(crate) enum OpenJob {
+pub enum Opening {
     /// A take.
     Take(TakeSource),
     /// A take that has been read.
     Ready(Box<Take>),
-    /// A project, and the take that it names.
+    /// A project file, and the take that it names.
     Project(PathBuf),
-    /// A project, and its take, which has moved.
+    /// A project file whose take has moved.
     Moved {
-        /// The project.
+        /// The project file.
         project: PathBuf,
         /// Where its take is now.
         take: PathBuf,
@@ -46,7 +46,7 @@ pub(crate) struct OpenedProject {
 
 /// Why nothing was opened.
 #[derive(Debug)]
-enum Failure {
+enum OpenError {
     /// The project's take is not where it was.
     TakeMissing {
         project: PathBuf,
@@ -55,7 +55,7 @@ enum Failure {
     Other(anyhow::Error),
 }
 
-impl<E: Into<anyhow::Error>> From<E> for Failure {
+impl<E: Into<anyhow::Error>> From<E> for OpenError {
     fn from(error: E) -> Self {
         Self::Other(error.into())
     }
@@ -77,18 +77,18 @@ pub(crate) enum Opened {
     Nothing(String),
 }
 
-impl OpenJob {
-    pub(crate) fn open(&self) -> Opened {
+impl Opening {
+    pub(crate) fn read(&self) -> Opened {
         match self.footage() {
             Ok((footage, project)) => Opened::Take(Arc::new(footage), project),
-            Err(Failure::TakeMissing { project, error }) => {
+            Err(OpenError::TakeMissing { project, error }) => {
                 Opened::TakeMissing { project, why: format!("{error:#}") }
             }
-            Err(Failure::Other(error)) => Opened::Nothing(format!("{error:#}")),
+            Err(OpenError::Other(error)) => Opened::Nothing(format!("{error:#}")),
         }
     }
 
-    fn footage(&self) -> Result<(Footage, Option<OpenedProject>), Failure> {
+    fn footage(&self) -> Result<(Footage, Option<OpenedProject>), OpenError> {
         match self {
             Self::Take(source) => Ok((open_take(source)?, None)),
             Self::Ready(take) => Ok((Footage::new((**take).clone(), None), None)),
@@ -98,7 +98,7 @@ impl OpenJob {
     }
 }
 
-fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option<OpenedProject>), Failure> {
+fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option<OpenedProject>), OpenError> {
     let Project { mut document, runs } = read_project(path)?;
     let source =
         document.take.clone().with_context(|| format!("{}: the project names no take", path.display()))?;
@@ -110,7 +110,7 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
         let is_missing = is_missing(&error) && matches!(source, TakeSource::Path(_));
         let error = error.context("the project's take cannot be opened");
         let project = path.to_owned();
-        if is_missing { Failure::TakeMissing { project, error } } else { Failure::Other(error) }
+        if is_missing { OpenError::TakeMissing { project, error } } else { OpenError::Other(error) }
     })?;
     let names: Vec<&str> = footage.cameras.iter().map(|camera| camera.name()).collect();
     let note = match_take(&mut document, &names, footage.measurement(), footage.frame_count())

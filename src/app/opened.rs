@@ -14,32 +14,18 @@ use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
 use crate::context::command::{Command, RecoveryCommand};
-use crate::features::demonstrations::Demonstrations;
-use crate::session::prediction::Predicted;
+use crate::context::notices::Notices;
 use crate::session::selection::Selection;
 
 /// Notes of a take that are shown; a broken recording may have one for every camera.
 const MOST_NOTES: usize = 3;
 
 impl Inspector {
-    pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
-        self.state.session.predicted = Some(predicted);
-        self.state.session.generation += 1;
-    }
-
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
         self.refresh = Refresh::default();
-        self.features.laboratory.reset(footage);
+        self.features.all_mut().for_each(|feature| feature.reset(footage));
         self.state.session.reset(Some(footage.clone()));
         self.state.status = None;
-        self.features.observability.reset();
-        self.features.scene.reset();
-        self.features.basin.reset();
-        self.features.motions.reset();
-        self.features.beginnings.reset();
-        self.features.fit.reset();
-        self.features.convergence.reset();
-        self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }
@@ -47,12 +33,12 @@ impl Inspector {
         self.state.lost_take = None;
         if let Some(kept) = self.features.recovery.news(&self.state.clock) {
             let show = Command::Recovery(RecoveryCommand::Show);
-            self.state.notices.info(self.state.now, kept, Some(show));
+            self.state.notices.info(kept, Some(show));
         }
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
-            self.state.notices.info(self.state.now, note, None);
+            self.state.notices.info(note, None);
         }
-        self.remark_on(footage);
+        remark_on(footage, &mut self.state.notices);
         let (history, path) = match project {
             Some(project) => {
                 // What was left unsaved is in no file as it is.
@@ -78,35 +64,26 @@ impl Inspector {
         self.state.project = path;
         self.shell.docking.alone = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        self.features.pose.reset();
-        self.features.demonstrations = Demonstrations::default();
-        self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
-            self.with(
-                |features| &mut features.demonstrations,
-                |demonstrations, _, requests| demonstrations.begin(*which, requests),
-            );
+            self.ask(|features, _, requests| features.demonstrations.begin(*which, requests));
         }
     }
 }
 
-impl Inspector {
-    /// Says what a take of the disk reads outside its own folder, and what is missing in its footage.
-    fn remark_on(&mut self, footage: &Footage) {
-        let Some(TakeSource::Path(_)) = footage.source else { return };
-        let take = footage.take();
-        let notes = take.notes();
-        let left_out = notes.len().saturating_sub(MOST_NOTES);
-        let shown = notes.into_iter().take(MOST_NOTES);
-        for remark in take.outside().map(ToString::to_string).into_iter().chain(shown) {
-            self.state.notices.info(self.state.now, sentence(&remark), None);
-        }
-        if left_out > 0 {
-            let more = format!("The take has {left_out} more such notes: backlit track says them all.");
-            self.state.notices.info(self.state.now, more, None);
-        }
+/// Says what a take of the disk reads outside its own folder, and what is missing in its footage.
+fn remark_on(footage: &Footage, notices: &mut Notices) {
+    let Some(TakeSource::Path(_)) = footage.source else { return };
+    let take = footage.take();
+    let notes = take.notes();
+    let left_out = notes.len().saturating_sub(MOST_NOTES);
+    let shown = notes.into_iter().take(MOST_NOTES);
+    for remark in take.outside().map(ToString::to_string).into_iter().chain(shown) {
+        notices.info(sentence(&remark), None);
+    }
+    if left_out > 0 {
+        notices.info(format!("The take has {left_out} more such notes: backlit track says them all."), None);
     }
 }
 

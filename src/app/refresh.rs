@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use backlit_jobs::{Failure, News, Priority, Task, once};
+use backlit_jobs::{Job, News, Outbox, Task, Turn, once};
 use backlit_take::footage::{Footage, MadeWith};
 use backlit_take::replacement::{Calibration, PlateFiles};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
-use super::calibrate_job::CalibrateJob;
 use super::survey_job::SurveyJob;
+use crate::context::priority;
 use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData, load_frame};
 
@@ -19,76 +19,68 @@ type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>);
 /// The tasks whose results the session holds.
 #[derive(Debug)]
 pub(crate) struct Refresh {
-    frame: Task<(usize, MadeWith), Arc<FrameData>>,
-    prediction: Task<PosedInputs, Arc<Predicted>>,
-    survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>>,
+    pub(crate) frame: Task<(usize, MadeWith), Arc<FrameData>>,
+    pub(crate) prediction: Task<PosedInputs, Arc<Predicted>>,
+    pub(crate) survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>>,
     replaced: Task<Replacements, Arc<Footage>>,
 }
 
 impl Default for Refresh {
     fn default() -> Self {
         Self {
-            frame: Task::new(Priority::FRAME),
-            prediction: Task::new(Priority::PREDICTION),
-            survey: Task::new(Priority::SURVEY),
-            replaced: Task::new(Priority::CALIBRATION),
+            frame: Task::new(priority::FRAME),
+            prediction: Task::new(priority::PREDICTION),
+            survey: Task::new(priority::SURVEY),
+            replaced: Task::new(priority::CALIBRATION),
         }
     }
 }
 
-impl Refresh {
-    /// Whether a frame is being read.
-    pub(crate) fn is_reading(&self) -> bool {
-        self.frame.is_busy()
-    }
+/// Makes footage again for other cameras or with other plates: the lens is taken out of every picture by tables that take
+/// their time.
+#[derive(Debug)]
+struct CalibrateJob {
+    footage: Arc<Footage>,
+    /// The cameras; the take's own without any.
+    calibration: Option<Arc<Calibration>>,
+    /// Plates; the take's own without any.
+    plates: Arc<PlateFiles>,
+}
 
-    /// Whether a prediction is being made.
-    pub(crate) fn is_predicting(&self) -> bool {
-        self.prediction.is_busy()
-    }
-
-    /// Whether the take is looked at as a whole.
-    pub(crate) fn is_surveying(&self) -> bool {
-        self.survey.is_busy()
-    }
-
-    /// Whether the frame that was read last could not be.
-    pub(crate) fn has_failed_to_read(&self) -> bool {
-        self.frame.failure().is_some()
-    }
-
-    /// Whether the prediction that was asked for last could not be made.
-    pub(crate) fn has_failed_to_predict(&self) -> bool {
-        self.prediction.failure().is_some()
+impl Job<Arc<Footage>> for CalibrateJob {
+    fn step(&mut self, out: &Outbox<Arc<Footage>>) -> Turn {
+        out.send(Arc::new(self.footage.with_replacements(self.calibration.take(), self.plates.clone())));
+        Turn::Done
     }
 }
 
 impl Inspector {
     /// Takes in what was made for the screen.
     pub(crate) fn take_in_refreshed(&mut self) {
+        let (session, notices) = (&mut self.state.session, &mut self.state.notices);
         for news in self.refresh.frame.poll() {
             match news {
-                News::Output(frame) => self.state.session.keep_frame(frame),
+                News::Output(frame) => session.keep_frame(frame),
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Reading the frame", &failure),
+                News::Failed(failure) => notices.failed("Reading the frame", &failure),
             }
         }
         for news in self.refresh.prediction.poll() {
             match news {
                 News::Output(predicted) => {
-                    self.state.session.predict_seconds = Some(predicted.seconds);
-                    self.state.session.predicted = Some(predicted);
-                    self.state.session.generation += 1;
+                    session.predict_seconds = Some(predicted.seconds);
+                    session.predicted = Some(predicted);
+                    session.generation += 1;
                 }
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Drawing the silhouettes of the pose", &failure),
+                News::Failed(failure) => notices.failed("Drawing the silhouettes of the pose", &failure),
             }
         }
         for news in self.refresh.survey.poll() {
             match news {
-                News::Output(extents) => self.state.session.subject = extents,
+                News::Output(extents) => session.subject = extents,
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Looking through the whole take", &failure),
+                News::Failed(failure) => notices.failed("Looking through the whole take", &failure),
             }
         }
         for news in self.refresh.replaced.poll() {
@@ -96,15 +88,11 @@ impl Inspector {
                 News::Output(footage) => self.replaced(footage),
                 News::Ended => {}
                 News::Failed(failure) => {
-                    self.failed("Reading the footage with the new cameras or plates", &failure);
+                    let doing = "Reading the footage with the new cameras or plates";
+                    self.state.notices.failed(doing, &failure);
                 }
             }
         }
-    }
-
-    /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
-    pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
-        self.state.notices.error(format!("{doing} broke down: {failure}. Your work is unharmed."));
     }
 
     /// Asks for the frame and for the prediction on the screen, where they are missing or old.
@@ -118,14 +106,11 @@ impl Inspector {
             self.read_frame(&take, frame);
         } else {
             self.state.session.last_frame = shown;
-            if !self.refresh.frame.is_busy()
-                && !self.refresh.has_failed_to_read()
-                && let (Some(ahead), _) = self.lend_to(
-                    |features| &mut features.timeline,
-                    |timeline, context, _| timeline.frame_to_read_ahead(context),
-                )
-            {
-                self.read_frame(&take, ahead);
+            if !self.refresh.frame.is_busy() && self.refresh.frame.failure().is_none() {
+                let (context, features, _) = self.split();
+                if let Some(ahead) = features.timeline.frame_to_read_ahead(&context) {
+                    self.read_frame(&take, ahead);
+                }
             }
             if self.state.session.subject.is_empty() {
                 let measurement = self.document().measurement.clone();
@@ -210,26 +195,29 @@ mod tests {
     #[test]
     fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
         let (mut window, mut app) = open(Layout::Pose);
-        let mut pose = app.shown_pose().clone();
+        let mut pose = app.inspector.shown_pose().clone();
         pose.root.x += 0.01;
-        app.edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
-        let posed = super::PosedInputs { inputs: app.context().fit_inputs().unwrap(), pose: pose.clone() };
-        let pool = app.state.pool.clone();
-        app.refresh.prediction.begin(&pool, posed, |_| Breaks);
+        app.inspector
+            .state
+            .edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
+        let posed =
+            super::PosedInputs { inputs: app.inspector.context().fit_inputs().unwrap(), pose: pose.clone() };
+        let pool = app.inspector.state.pool.clone();
+        app.inspector.refresh.prediction.begin(&pool, posed, |_| Breaks);
         settle(&mut window, &mut app);
-        assert!(app.refresh.has_failed_to_predict() && app.state.session.is_stale);
+        assert!(app.inspector.refresh.prediction.failure().is_some() && app.inspector.state.session.is_stale);
         assert_eq!(errors(&app).len(), 1, "it is said once");
         pose.root.x += 0.01;
-        app.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
+        app.inspector.state.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
         settle(&mut window, &mut app);
-        assert!(!app.state.session.is_stale, "it is drawn now");
+        assert!(!app.inspector.state.session.is_stale, "it is drawn now");
     }
 
     #[test]
     fn a_frame_that_cannot_be_read_is_said_once_and_nothing_waits_for_it() {
         let (mut window, mut app) = open(Layout::Pose);
-        let pool = app.state.pool.clone();
-        app.refresh.frame.begin(&pool, (0, Default::default()), |_| Breaks);
+        let pool = app.inspector.state.pool.clone();
+        app.inspector.refresh.frame.begin(&pool, (0, Default::default()), |_| Breaks);
         settle(&mut window, &mut app);
         assert_eq!(errors(&app), ["Reading the frame broke down: thirteen. Your work is unharmed."]);
     }

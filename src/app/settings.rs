@@ -7,10 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Inspector;
 use crate::context::arrangement::Kept;
-use crate::context::preferences::{FRAMES_MB, FRAMES_MB_CHOICES, Layout, Preferences};
+use crate::context::preferences::{FRAMES_MB, FRAMES_MB_CHOICES, Layout};
 use crate::context::view_settings::ViewSettings;
 use crate::features::basin::BasinPreferences;
-use crate::features::camera_views::CameraViewPreferences;
 use crate::features::convergence::ConvergencePreferences;
 use crate::features::export::ExportChoices;
 use crate::features::motions::MotionsPreferences;
@@ -105,54 +104,43 @@ impl Settings {
     }
 }
 
-impl Inspector {
-    /// What is to be kept.
-    pub fn settings(&self) -> Settings {
-        let preferences = self.state.preferences.clone();
-        let views = self.features.camera_views.preferences;
-        Settings {
-            theme: preferences.theme,
-            layout: preferences.layout,
-            panel: preferences.panel,
-            lanes: self.features.timeline.shows_lanes,
-            linked_zoom: views.linked_zoom,
-            views: views.settings,
-            frames_mb: preferences.frames_mb,
-            recent: preferences.recent,
-            scene: self.features.scene.preferences,
-            kept: preferences.kept,
-            export: self.features.export.preferences.clone(),
-            curves: self.features.convergence.preferences,
-            basin: self.features.basin.preferences.clone(),
-            motions: self.features.motions.preferences,
-            used_commands: preferences.used_commands,
-            tour_offered: self.features.tour.was_offered,
-            generation: preferences.generation,
-        }
-    }
+/// Where each field of the settings lives in the inspector.
+macro_rules! kept {
+    ($($field:ident: $($place:ident).+),* $(,)?) => {
+        impl Inspector {
+            /// What is kept for the next start.
+            pub fn settings(&self) -> Settings {
+                Settings { $($field: self.$($place).+.clone()),* }
+            }
 
-    /// Hands what was kept to whom it belongs.
-    pub(crate) fn apply_settings(&mut self, settings: Settings) {
-        self.state.preferences = Preferences {
-            theme: settings.theme,
-            layout: settings.layout,
-            panel: settings.panel,
-            frames_mb: settings.frames_mb.clamp(*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end()),
-            recent: settings.recent,
-            kept: settings.kept,
-            used_commands: settings.used_commands,
-            generation: settings.generation,
-        };
-        self.features.export.preferences = settings.export;
-        self.features.timeline.shows_lanes = settings.lanes;
-        self.features.scene.preferences = settings.scene;
-        self.features.basin.preferences = settings.basin;
-        self.features.motions.preferences = settings.motions;
-        self.features.convergence.preferences = settings.curves;
-        self.features.tour.was_offered = settings.tour_offered;
-        self.features.camera_views.preferences =
-            CameraViewPreferences { linked_zoom: settings.linked_zoom, settings: settings.views };
-    }
+            /// Hands what was kept to those who use it.
+            pub(crate) fn apply_settings(&mut self, settings: Settings) {
+                $(self.$($place).+ = settings.$field;)*
+                let frames_mb = &mut self.state.preferences.frames_mb;
+                *frames_mb = (*frames_mb).clamp(*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end());
+            }
+        }
+    };
+}
+
+kept! {
+    theme: state.preferences.theme,
+    layout: state.preferences.layout,
+    panel: state.preferences.panel,
+    lanes: features.timeline.shows_lanes,
+    linked_zoom: features.camera_views.preferences.linked_zoom,
+    views: features.camera_views.preferences.settings,
+    frames_mb: state.preferences.frames_mb,
+    recent: state.preferences.recent,
+    scene: features.scene.preferences,
+    kept: state.preferences.kept,
+    export: features.export.preferences,
+    curves: features.convergence.preferences,
+    basin: features.basin.preferences,
+    motions: features.motions.preferences,
+    used_commands: state.preferences.used_commands,
+    tour_offered: features.tour.was_offered,
+    generation: state.preferences.generation,
 }
 
 #[cfg(test)]

@@ -6,10 +6,14 @@
 use std::path::{Path, PathBuf};
 
 use backlit_formats::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
+use backlit_jobs::{News, Pool, Task, once};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::app::settings::Settings;
+use crate::context::notices::Notices;
+use crate::context::priority;
+use crate::context::write_advice::write_advice;
 
 /// Name and version of the settings file's format.
 pub(crate) const FORMAT: &str = "backlit-settings 1";
@@ -83,6 +87,51 @@ fn read_fields(fields: Map<String, Value>) -> (Settings, Vec<String>) {
         }
     }
     (look, unread)
+}
+
+/// Writes the settings file when the arrangement has changed; knows what is in it.
+#[derive(Debug)]
+pub(crate) struct SettingsWriter {
+    /// `None` without a folder for it.
+    folder: Option<PathBuf>,
+    written: Settings,
+    failed: bool,
+    task: Task<(), Result<(), FileError>>,
+}
+
+impl SettingsWriter {
+    /// They are in the file as they are.
+    pub(crate) fn new(folder: Option<PathBuf>, settings: &Settings) -> Self {
+        Self { folder, written: settings.clone(), failed: false, task: Task::new(priority::SETTINGS) }
+    }
+
+    /// Writes the settings, if they are others than in the file.
+    pub(crate) fn write(&mut self, settings: Settings, pool: &Pool) {
+        let Some(folder) = self.folder.clone() else { return };
+        if self.failed || self.written != settings {
+            self.written = settings.clone();
+            self.task.begin(pool, (), |()| once(move |_| write(&folder, &settings)));
+        }
+    }
+
+    /// Hears whether the settings were written. A failure is said once, until it works again.
+    pub(crate) fn take_in(&mut self, notices: &mut Notices) {
+        for news in self.task.poll() {
+            match news {
+                News::Output(Ok(())) => self.failed = false,
+                News::Output(Err(why)) => {
+                    if !std::mem::replace(&mut self.failed, true) {
+                        let advice = write_advice(&why);
+                        notices.error(format!(
+                            "The window’s settings were not saved for the next start: {why}. {advice}"
+                        ));
+                    }
+                }
+                News::Ended => {}
+                News::Failed(failure) => notices.failed("Keeping the settings", &failure),
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,98 +1,37 @@
 //! The document with its history, and all that is around it.
 
-use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
-use std::sync::Arc;
 
+use backlit_document::Document;
 use backlit_document::edit::Edit;
-use backlit_document::history::{History, Version};
-use backlit_document::project::ProjectError;
-use backlit_formats::Take;
-use backlit_jobs::{Pool, Priority, Task};
-use backlit_take::source::TakeSource;
-use backlit_ui::drawing::Ghosts;
+use backlit_document::history::{Gesture, History};
+use backlit_jobs::Pool;
+use backlit_tracking::body::builtin;
 
-use super::inspector::Inspector;
-use super::settings::Settings;
-use super::settings_writer::SettingsWriter;
-use crate::app::open_job::Opened;
-use crate::app::writes::Writes;
-use crate::context::Unavailable;
 use crate::context::clock::Clock;
-use crate::context::file_dialog::FileDialogs;
-use crate::context::motions::MotionMarks;
 use crate::context::notices::Notices;
-use crate::context::observability::ObservabilityMarks;
 use crate::context::preferences::Preferences;
-use crate::features::recovery::Recovery;
+use crate::context::{Published, Unavailable};
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 
-/// What the window begins with.
-#[derive(Debug, Default)]
-pub struct AppOptions {
-    /// The arrangement of the last time.
-    pub settings: Settings,
-    /// Folder for the copy of unsaved work and the settings; without one nothing is kept for the next start.
-    pub data_folder: Option<PathBuf>,
-    /// What is opened at once.
-    pub opening: Option<Opening>,
-    /// File that the state is written to after each frame in which it changed, for tests from outside.
-    pub state_file: Option<PathBuf>,
-    /// Whether the tour is offered, if it never was.
-    pub offers_tour: bool,
-    /// What time it is.
-    pub clock: Clock,
-    /// Whether no window was ever open before: its place is not known.
-    pub is_first_window: bool,
-    /// Whether jobs have no threads, and do a step of each kind in every frame: a test is the same every time then.
-    pub is_inline: bool,
-}
-
-/// Something to open.
-#[derive(Debug)]
-pub enum Opening {
-    /// A take.
-    Take(TakeSource),
-    /// A take that has been read.
-    Ready(Box<Take>),
-    /// A project file.
-    Project(PathBuf),
-    /// A project file whose take has moved.
-    Moved {
-        /// The project file.
-        project: PathBuf,
-        /// Where its take is now.
-        take: PathBuf,
-    },
-}
-
-/// What a file dialog was asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Asked {
-    Take,
-    FindTake,
-    Project,
-    SaveAs,
-}
-
 /// What the context lends to features and shell.
 #[derive(Debug)]
-pub(crate) struct State {
-    pub(crate) history: History,
-    pub(crate) selection: Selection,
-    pub(crate) session: Session,
+pub struct State {
+    /// The document with its past and its runs of the fit.
+    pub history: History,
+    /// What is selected.
+    pub selection: Selection,
+    /// The derived data.
+    pub session: Session,
     /// How frames are played: neither saved nor undone.
-    pub(crate) playback: Playback,
+    pub playback: Playback,
+    /// What was said.
+    pub notices: Notices,
     pub(crate) preferences: Preferences,
-    pub(crate) notices: Notices,
-    /// What views and scene draw of what the cameras see.
-    pub(crate) observability: ObservabilityMarks,
-    /// What the tracked motion is called.
-    pub(crate) motions: MotionMarks,
-    /// Bodies that views and scene draw in the place of the posed one.
-    pub(crate) ghosts: Option<Arc<Ghosts>>,
+    /// What features let others draw.
+    pub(crate) published: Published,
     /// What cannot be used in the frame that is shown.
     pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
@@ -103,7 +42,6 @@ pub(crate) struct State {
     pub(crate) is_opening: bool,
     /// The project that was not opened since its take was not there.
     pub(crate) lost_take: Option<PathBuf>,
-    /// What time it is.
     pub(crate) clock: Clock,
     /// Seconds since the window was opened.
     pub(crate) now: f64,
@@ -113,80 +51,64 @@ pub(crate) struct State {
     pub(crate) egui: egui::Context,
 }
 
-/// Takes and projects that are opened, and the dialogs that ask for files.
-#[derive(Debug)]
-pub(crate) struct Files {
-    pub(crate) open: Task<(), Opened>,
-    pub(crate) save: Task<PathBuf, Result<Version, ProjectError>>,
-    pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
-    pub(crate) dialogs: FileDialogs<Asked>,
-}
-
-impl Default for Files {
-    fn default() -> Self {
+impl State {
+    /// No take is open.
+    pub(crate) fn new(egui: egui::Context, pool: Pool, clock: Clock) -> Self {
         Self {
-            open: Task::new(Priority::OPEN),
-            save: Task::new(Priority::SAVE),
-            take_in: Task::new(Priority::TAKE_IN),
-            dialogs: FileDialogs::default(),
+            history: History::new(Document::new(builtin::full_body())),
+            selection: Selection::default(),
+            session: Session::default(),
+            playback: Playback::default(),
+            notices: Notices::default(),
+            preferences: Preferences::default(),
+            published: Published::default(),
+            unavailable: Unavailable::default(),
+            status: None,
+            project: None,
+            is_opening: false,
+            lost_take: None,
+            clock,
+            now: 0.0,
+            frame_seconds: 0.0,
+            pool,
+            egui,
         }
     }
-}
 
-/// The inspector in its window, on a desktop: with files, dialogs and other programs.
-#[derive(Debug)]
-pub struct App {
-    pub(crate) inspector: Inspector,
-    pub(crate) files: Files,
-    pub(crate) writes: Writes,
-    pub(crate) state_file: Option<PathBuf>,
-    pub(crate) settings_writer: SettingsWriter,
-    /// Whether the window is still to be placed on the screen.
-    pub(crate) is_first_window: bool,
-}
-
-impl Deref for App {
-    type Target = Inspector;
-
-    fn deref(&self) -> &Inspector {
-        &self.inspector
-    }
-}
-
-impl DerefMut for App {
-    fn deref_mut(&mut self) -> &mut Inspector {
-        &mut self.inspector
-    }
-}
-
-impl App {
-    /// The window's state. `egui` is woken when a job has news.
-    ///
-    /// # Errors
-    /// The system gives no thread.
-    pub fn new(egui: egui::Context, options: AppOptions) -> anyhow::Result<Self> {
-        let settings_writer = SettingsWriter::new(options.data_folder.clone(), &options.settings);
-        let wake = egui.clone();
-        let pool =
-            if options.is_inline { Pool::inline() } else { Pool::start(move || wake.request_repaint())? };
-        let mut inspector = Inspector::new(egui, pool, options.clock);
-        inspector.features.recovery = Recovery::new(options.data_folder);
-        inspector.apply_settings(options.settings);
-        if options.offers_tour {
-            inspector.features.tour.offer();
+    /// Makes a change, and what follows from it for the selection.
+    pub(crate) fn edit(&mut self, edit: Edit, gesture: Option<Gesture>) {
+        let sets_pose = matches!(edit, Edit::SetPose { .. });
+        let remeasures = matches!(edit, Edit::SetMeasurement(_));
+        match self.history.apply(edit, gesture) {
+            Ok(()) => {
+                if sets_pose {
+                    self.playback.stop();
+                    // The pose on the screen is now the document's again.
+                    self.selection.step = None;
+                }
+                if remeasures {
+                    self.session.frames.clear();
+                }
+            }
+            Err(error) => self.notices.error(format!("That cannot be done: {error}.")),
         }
-        inspector.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
-        let mut app = Self {
-            inspector,
-            files: Files::default(),
-            writes: Writes::default(),
-            state_file: options.state_file,
-            settings_writer,
-            is_first_window: options.is_first_window,
-        };
-        if let Some(opening) = options.opening {
-            app.open(opening);
+    }
+
+    /// Goes to a frame.
+    pub fn go_to_frame(&mut self, frame: usize) {
+        if self.selection.frame != frame {
+            self.selection.go_to_frame(frame, self.session.frame_count());
         }
-        Ok(app)
+    }
+
+    /// Half of the memory for frames is for what is on the screen or was, half for decoded videos.
+    pub(crate) fn keep_to_memory(&mut self) {
+        let half = self.preferences.frames_mb / 2;
+        self.session.frames.set_limit_mb(half);
+        if let Some(cache) = self.session.take.as_ref().map(|take| take.take().frame_cache())
+            && cache.limit_mb() != half
+        {
+            cache.set_limit_mb(half);
+        }
     }
 }

@@ -6,6 +6,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use backlit_document::run::Run;
+use backlit_document::{CameraUse, Document};
+use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{Comparison, joint_name};
 use backlit_ui::widgets::accessible::{Named, named};
@@ -14,7 +16,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::App;
+use crate::context::FeatureCard;
+use crate::context::activity::TrackingProgress;
 use crate::context::notices::{Notice, Severity};
+use crate::features::camera_views::TileView;
+use crate::session::Session;
+use crate::session::selection::Selection;
 use crate::shell::Overlay;
 
 /// Name and version of the file's format.
@@ -115,142 +122,140 @@ fn write(path: &Path, serial: u64, exported: &Exported) -> std::io::Result<()> {
     std::fs::rename(&part, path)
 }
 
-impl App {
-    /// Hands the state of this frame to who writes it, if anybody does.
-    pub(crate) fn export_state(&self) {
-        let Some(path) = &self.state_file else { return };
-        let state = self.exported_state();
-        let writer = self.inspector.state.egui.plugin_opt::<StateWriter>().unwrap_or_else(|| {
-            self.inspector.state.egui.enable_accesskit();
-            let path = path.clone();
-            let writer =
-                StateWriter { path, state: Value::Null, written: None, serial: 0, has_failed: false };
-            self.inspector.state.egui.add_plugin(writer);
-            // The widgets are named from the next frame on.
-            self.inspector.state.egui.request_repaint();
-            self.inspector.state.egui.plugin::<StateWriter>()
+/// Hands the state of this frame to the plugin that writes it.
+pub(crate) fn export(app: &App, path: &Path) {
+    let egui = &app.inspector.state.egui;
+    let writer = egui.plugin_opt::<StateWriter>().unwrap_or_else(|| {
+        egui.enable_accesskit();
+        let path = path.to_owned();
+        egui.add_plugin(StateWriter {
+            path,
+            state: Value::Null,
+            written: None,
+            serial: 0,
+            has_failed: false,
         });
-        writer.lock().state = state;
-    }
+        // The widgets are named from the next frame on.
+        egui.request_repaint();
+        egui.plugin::<StateWriter>()
+    });
+    writer.lock().state = exported_state(app);
+}
 
-    /// What matters of the window.
-    fn exported_state(&self) -> Value {
-        let (session, selection, document) =
-            (&self.inspector.state.session, &self.inspector.state.selection, self.document());
-        let model = &document.model;
-        let pose = self.shown_pose();
-        let rotations: BTreeMap<&str, [f64; 4]> = model
-            .rotation_owners()
-            .iter()
-            .zip(&pose.rotations)
-            .map(|(&owner, q)| (model.limbs()[owner].name.as_str(), [q.w, q.x, q.y, q.z]))
-            .collect();
-        let step = selection.step.map(|step| {
-            let run = self.runs().iter().position(|run| run.number == step.run);
-            json!({"run": run, "step": step.step})
-        });
+/// What matters of the window.
+fn exported_state(app: &App) -> Value {
+    let inspector = &app.inspector;
+    let (state, features, shell) = (&inspector.state, &inspector.features, &inspector.shell);
+    let (session, selection, preferences) = (&state.session, &state.selection, &state.preferences);
+    let (context, document, pose) = (inspector.context(), inspector.document(), inspector.shown_pose());
+    let model = &document.model;
+    let rotations: BTreeMap<&str, [f64; 4]> = model
+        .rotation_owners()
+        .iter()
+        .zip(&pose.rotations)
+        .map(|(&owner, q)| (model.limbs()[owner].name.as_str(), [q.w, q.x, q.y, q.z]))
+        .collect();
+    let step = selection.step.map(|step| {
+        let run = inspector.runs().iter().position(|run| run.number == step.run);
+        json!({"run": run, "step": step.step})
+    });
+    let predicted = session.predicted.as_ref();
+    let lanes = [
+        ("predict", inspector.refresh.prediction.is_busy()),
+        ("open", app.files.open.is_busy()),
+        ("load", inspector.refresh.frame.is_busy()),
+        ("save", app.files.save.is_busy()),
+        ("fit", features.fit.is_running()),
+        ("survey", inspector.refresh.survey.is_busy()),
+        ("track", features.tracking.is_busy()),
+    ];
+    let busy: Vec<&str> = lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect();
+    let left = features.recovery.offered().iter();
+    json!({
+        "idle": inspector.is_idle(),
+        "busy": busy,
+        "take": session.take.as_ref().map(|take| exported_take(take, session, selection)),
+        "project": state.project,
+        "unsaved": state.history.is_dirty(),
+        "recovery": left.map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+        "undo": state.history.undo_text(),
+        "redo": state.history.redo_text(),
+        "frame": selection.frame,
+        "camera": selection.camera,
+        "joint": joint_name(model, selection.joint),
+        "limb": model.limbs()[selection.limb(model)].name,
+        "held": context.drag.is_dragging(),
+        "step": step,
+        "pose": {"root": pose.root.to_array(), "rotations": rotations},
+        "cost": predicted.map(|predicted| predicted.mismatch),
+        "rms": predicted.and_then(|predicted| predicted.rms),
+        "iou": session.iou(),
+        "stale": session.is_stale,
+        "renderer": document.fit.renderer.name(),
+        "runs": inspector.runs().iter().map(run).collect::<Vec<_>>(),
+        "cameras": exported_cameras(document, session, features.camera_views.tiles(preferences.layout)),
+        "layout": preferences.layout,
+        "theme": preferences.theme,
+        "panel": preferences.panel,
+        "lanes": features.timeline.shows_lanes,
+        "alone": shell.docking.alone.map(|pane| pane.title()),
+        "playing": state.playback.is_playing(),
+        "track": exported_track(document, features.tracking.progress()),
+        "notices": state.notices.cards().map(notice).collect::<Vec<_>>(),
+        "messages": state.notices.all().len(),
+        "tour": features.tour.step(&context),
+        "over": shell.overlay.as_ref().map(overlay_name),
+    })
+}
+
+fn exported_take(take: &Footage, session: &Session, selection: &Selection) -> Value {
+    let source = match &take.source {
+        Some(TakeSource::BuiltIn) => json!("built-in"),
+        Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
+        Some(TakeSource::Path(path)) => json!({"path": path}),
+        None => Value::Null,
+    };
+    json!({
+        "name": take.name,
+        "source": source,
+        "frames": session.frame_count(),
+        "cameras": session.camera_count(),
+        "loaded": session.frames.get(selection.frame).is_some(),
+    })
+}
+
+fn exported_cameras(document: &Document, session: &Session, tiles: &[TileView]) -> Vec<Value> {
+    let camera = |(index, camera): (usize, &CameraUse)| {
+        let overlap = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index)?.overlap);
+        let tile = tiles.get(index);
+        let compared = |by| tile.filter(|tile| tile.comparison == Some(by));
         json!({
-            "idle": self.is_idle(),
-            "busy": self.busy_lanes(),
-            "take": self.exported_take(),
-            "project": self.inspector.state.project,
-            "unsaved": self.inspector.state.history.is_dirty(),
-            "recovery": self.inspector.features.recovery.offered().iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
-            "undo": self.inspector.state.history.undo_text(),
-            "redo": self.inspector.state.history.redo_text(),
-            "frame": selection.frame,
-            "camera": selection.camera,
-            "joint": joint_name(model, selection.joint),
-            "limb": model.limbs()[selection.limb(model)].name,
-            "held": self.context().drag.is_dragging(),
-            "step": step,
-            "pose": {"root": pose.root.to_array(), "rotations": rotations},
-            "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
-            "rms": session.predicted.as_ref().and_then(|predicted| predicted.rms),
-            "iou": session.iou(),
-            "stale": session.is_stale,
-            "renderer": document.fit.renderer.name(),
-            "runs": self.runs().iter().map(run).collect::<Vec<_>>(),
-            "cameras": self.exported_cameras(),
-            "layout": self.inspector.state.preferences.layout,
-            "theme": self.inspector.state.preferences.theme,
-            "panel": self.inspector.state.preferences.panel,
-            "lanes": self.inspector.features.timeline.shows_lanes,
-            "alone": self.inspector.shell.docking.alone.map(|pane| pane.title()),
-            "playing": self.is_playing(),
-            "track": self.exported_track(),
-            "notices": self.inspector.state.notices.cards().map(notice).collect::<Vec<_>>(),
-            "messages": self.inspector.state.notices.all().len(),
-            "tour": self.inspector.features.tour.step(&self.context()),
-            "over": self.inspector.shell.overlay.as_ref().map(overlay_name),
+            "name": camera.name,
+            "used": camera.used,
+            "weight": camera.weight,
+            "mode": tile.map(|tile| tile.mode),
+            "wipe": compared(Comparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
+            "blink": compared(Comparison::Blink).map(|tile| json!({"other": tile.other})),
+            "iou": overlap.and_then(|overlap| overlap.iou()),
         })
-    }
+    };
+    document.cameras.iter().enumerate().map(camera).collect()
+}
 
-    fn busy_lanes(&self) -> Vec<&'static str> {
-        let lanes = [
-            ("predict", self.inspector.refresh.is_predicting()),
-            ("open", self.files.open.is_busy()),
-            ("load", self.inspector.refresh.is_reading()),
-            ("save", self.files.save.is_busy()),
-            ("fit", self.inspector.features.fit.is_running()),
-            ("survey", self.inspector.refresh.is_surveying()),
-            ("track", self.inspector.features.tracking.is_busy()),
-        ];
-        lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect()
-    }
-
-    fn exported_take(&self) -> Value {
-        let Some(take) = &self.inspector.state.session.take else { return Value::Null };
-        let source = match &take.source {
-            Some(TakeSource::BuiltIn) => json!("built-in"),
-            Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
-            Some(TakeSource::Path(path)) => json!({"path": path}),
-            None => Value::Null,
-        };
-        json!({
-            "name": take.name,
-            "source": source,
-            "frames": self.inspector.state.session.frame_count(),
-            "cameras": self.inspector.state.session.camera_count(),
-            "loaded": self.inspector.state.session.frames.get(self.inspector.state.selection.frame).is_some(),
-        })
-    }
-
-    fn exported_cameras(&self) -> Vec<Value> {
-        let predicted = self.inspector.state.session.predicted.as_ref();
-        let tiles = self.inspector.features.camera_views.tiles(self.inspector.state.preferences.layout);
-        let camera = |(index, camera): (usize, &backlit_document::CameraUse)| {
-            let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
-            let tile = tiles.get(index);
-            let compared = |way| tile.filter(|tile| tile.comparison == Some(way));
-            json!({
-                "name": camera.name,
-                "used": camera.used,
-                "weight": camera.weight,
-                "mode": tile.map(|tile| tile.mode),
-                "wipe": compared(Comparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
-                "blink": compared(Comparison::Blink).map(|tile| json!({"other": tile.other})),
-                "iou": overlap.and_then(|overlap| overlap.iou()),
-            })
-        };
-        self.document().cameras.iter().enumerate().map(camera).collect()
-    }
-
-    fn exported_track(&self) -> Value {
-        let document = self.document();
-        let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
-        let running = self.inspector.features.tracking.progress().map(
-            |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
-        );
-        json!({
-            "frames": document.estimates.len(),
-            "first": document.estimates.keys().next(),
-            "last": document.estimates.keys().next_back(),
-            "lost": lost.collect::<Vec<_>>(),
-            "keys": document.keys.keys().collect::<Vec<_>>(),
-            "running": running,
-        })
-    }
+fn exported_track(document: &Document, progress: Option<TrackingProgress>) -> Value {
+    let estimates = &document.estimates;
+    let lost = estimates.iter().filter(|(_, estimate)| estimate.lost).map(|(frame, _)| *frame);
+    let running = progress.map(
+        |progress| json!({"done": progress.done, "total": progress.total, "backwards": progress.backwards}),
+    );
+    json!({
+        "frames": estimates.len(),
+        "first": estimates.keys().next(),
+        "last": estimates.keys().next_back(),
+        "lost": lost.collect::<Vec<_>>(),
+        "keys": document.keys.keys().collect::<Vec<_>>(),
+        "running": running,
+    })
 }
 
 fn run(run: &Run) -> Value {
@@ -280,9 +285,9 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Shortcuts(_) => "keys",
         Overlay::Messages => "messages",
         Overlay::About => "about",
-        Overlay::Export => "export",
-        Overlay::NewTake => "new take",
-        Overlay::Offsets => "offsets",
-        Overlay::UnsavedWork => "unsaved work",
+        Overlay::Card(FeatureCard::Export) => "export",
+        Overlay::Card(FeatureCard::NewTake) => "new take",
+        Overlay::Card(FeatureCard::Offsets) => "offsets",
+        Overlay::Card(FeatureCard::UnsavedWork) => "unsaved work",
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_take::footage::Footage;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::render::{DrawOptions, Ramp, RendererKind, View, draw};
@@ -41,9 +41,9 @@ impl SurveyJob {
 }
 
 impl Job<Vec<Option<Extent>>> for SurveyJob {
-    fn step(&mut self, out: &Outbox<Vec<Option<Extent>>>) -> Step {
+    fn step(&mut self, out: &Outbox<Vec<Option<Extent>>>) -> Turn {
         if out.cancel().is_cancelled() {
-            return Step::Done;
+            return Turn::Done;
         }
         if let Some((frame, camera)) = self.left.pop() {
             let options = self.measurement.get(camera).cloned().unwrap_or_default();
@@ -53,14 +53,14 @@ impl Job<Vec<Option<Extent>>> for SurveyJob {
                 (Some(a), Some(b)) => Some(union(a, b)),
                 (a, b) => a.or(b),
             };
-            return Step::Again;
+            return Turn::Again;
         }
         let mut extents = std::mem::take(&mut self.extents);
         for (camera, extent) in extents.iter_mut().enumerate() {
             *extent = extent.map(|subject| with_start(&self.footage, camera, subject));
         }
         out.send(extents);
-        Step::Done
+        Turn::Done
     }
 }
 

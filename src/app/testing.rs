@@ -15,7 +15,7 @@ use crate::context::preferences::Layout;
 pub(crate) struct Breaks;
 
 impl<O> backlit_jobs::Job<O> for Breaks {
-    fn step(&mut self, _: &backlit_jobs::Outbox<O>) -> backlit_jobs::Step {
+    fn step(&mut self, _: &backlit_jobs::Outbox<O>) -> backlit_jobs::Turn {
         panic!("thirteen");
     }
 }
@@ -24,7 +24,7 @@ impl<O> backlit_jobs::Job<O> for Breaks {
 pub(crate) fn settle(window: &mut Headless, app: &mut App) {
     let began = Instant::now();
     window.run(2, Vec::new(), |ui| app.frame(ui));
-    while !app.is_idle() {
+    while !app.inspector.is_idle() {
         assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
         window.run(1, Vec::new(), |ui| app.frame(ui));
     }
@@ -47,7 +47,7 @@ pub(crate) fn open_source(source: TakeSource, layout: Layout) -> (Headless, App)
     let options = AppOptions { opening, is_inline: true, ..AppOptions::default() };
     let mut app = App::new(window.ctx.clone(), options).unwrap();
     settle(&mut window, &mut app);
-    app.state.preferences.layout = layout;
+    app.inspector.state.preferences.layout = layout;
     settle(&mut window, &mut app);
     (window, app)
 }
@@ -85,6 +85,6 @@ pub(crate) fn small_take(folder: &Path, line: &str) -> PathBuf {
 
 /// What was said to have gone wrong.
 pub(crate) fn errors(app: &App) -> Vec<&str> {
-    let all = app.state.notices.all().iter();
+    let all = app.inspector.state.notices.all().iter();
     all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
 }

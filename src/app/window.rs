@@ -20,20 +20,17 @@ const LARGEST_FIRST: Vec2 = vec2(1600.0, 1000.0);
 /// What the desktop's bars and the window's own frame take of the screen: no system says so before the window is there.
 const BARS: Vec2 = vec2(24.0, 112.0);
 
-impl App {
-    /// Lets the first window of all lie within the screen's work area, its status bar too. Later ones are as they were
-    /// left.
-    pub(crate) fn place_first_window(&mut self, ctx: &egui::Context) {
-        let screen = ctx.input(|input| input.viewport().monitor_size);
-        let Some(screen) = screen.filter(|_| self.is_first_window) else { return };
-        self.is_first_window = false;
-        let size = first_size(screen);
-        if size != LARGEST_FIRST {
-            ctx.send_viewport_cmd(ViewportCommand::InnerSize(size));
-            let place = (0.5 * (screen - size - BARS)).max(Vec2::ZERO);
-            ctx.send_viewport_cmd(ViewportCommand::OuterPosition(place.to_pos2()));
-        }
+/// Lets the first window of all lie within the screen's work area, its status bar too. Later ones are as they were
+/// left. Returns `false` as long as the screen is not known.
+pub(crate) fn place_first(ctx: &egui::Context) -> bool {
+    let Some(screen) = ctx.input(|input| input.viewport().monitor_size) else { return false };
+    let size = first_size(screen);
+    if size != LARGEST_FIRST {
+        ctx.send_viewport_cmd(ViewportCommand::InnerSize(size));
+        let place = (0.5 * (screen - size - BARS)).max(Vec2::ZERO);
+        ctx.send_viewport_cmd(ViewportCommand::OuterPosition(place.to_pos2()));
     }
+    true
 }
 
 /// The size of a window that a screen has room for.
@@ -82,7 +79,9 @@ pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>)
             is_first_window: context.storage.is_none_or(|kept| kept.get_string(KEPT_PLACE).is_none()),
         };
         let mut app = App::new(context.egui_ctx.clone(), options)?;
-        app.complain(unread);
+        if let Some(unread) = unread {
+            app.inspector.state.notices.error(unread);
+        }
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };
     eframe::run_native(APP_ID, options, Box::new(create))

@@ -10,7 +10,7 @@ use image::DynamicImage;
 
 use super::command::no_such_command;
 use crate::app::window::open_window;
-use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
+use crate::app::{Opening, PictureOptions, headless_picture};
 
 /// The picture of the window, in the working folder.
 const PICTURE: &str = "backlit-window.png";
@@ -30,7 +30,7 @@ pub(crate) fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::R
             None => anyhow!("{}: there is no such file or folder", path.display()),
         });
     }
-    let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
+    let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), Opening::of);
     let state_file = state_file
         .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
     let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };

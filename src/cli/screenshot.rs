@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;
 
-use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
+use crate::app::{Opening, PictureOptions, headless_export, headless_picture};
 use crate::context::preferences::Layout;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
 use crate::features::export::{ExportChoices, MotionChoices, Part, SeriesFormat};
@@ -81,7 +81,7 @@ pub(crate) struct ScreenshotArguments {
     sequence: Option<SequenceWord>,
     /// Frames of a sequence of frames, first and last [default: all]
     #[arg(long, value_name = "FIRST..LAST", requires = "sequence")]
-    frames: Option<FrameRange>,
+    frames: Option<FrameArgument>,
     /// Time that each picture of an animated file stays, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 120, requires = "sequence")]
     delay: u32,
@@ -135,9 +135,9 @@ impl ModeWord {
 
 /// First and last frame.
 #[derive(Debug, Clone, Copy)]
-struct FrameRange([usize; 2]);
+struct FrameArgument([usize; 2]);
 
-impl FromStr for FrameRange {
+impl FromStr for FrameArgument {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -202,7 +202,7 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let order = order(arguments)?;
     let source = arguments.demonstration.map_or(TakeSource::BuiltIn, TakeSource::Demonstration);
-    let opening = arguments.take.as_deref().map_or(Opening::Take(source), opening_of);
+    let opening = arguments.take.as_deref().map_or(Opening::Take(source), Opening::of);
     let is_of_steps = arguments.sequence == Some(SequenceWord::Iterations);
     let options = PictureOptions {
         theme: match arguments.theme {

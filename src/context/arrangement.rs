@@ -12,7 +12,7 @@ mod change;
 mod kept;
 mod snap;
 
-pub(crate) use automatic::{Centre, automatic, has_strip, is_open_at_first};
+pub(crate) use automatic::{Centre, automatic, has_strip};
 pub(crate) use change::{close, is_open, open, panes_with};
 pub(crate) use kept::Kept;
 pub(crate) use snap::snap;

@@ -33,8 +33,8 @@ mod table;
 
 pub use groups::BasinView;
 pub(crate) use groups::{
-    BasinCommand, BeginningCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
-    HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
+    BasinCommand, BeginningCommand, BodyPart, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
+    HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, PoseCommand, RecoveryCommand,
     SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
@@ -43,7 +43,7 @@ pub(crate) use menu::Menu;
 use egui::KeyboardShortcut;
 
 use backlit_take::demonstration::Demonstration;
-use table::{Row, TABLE};
+use table::{CommandRow, TABLE};
 
 group! {
     /// A command.
@@ -110,7 +110,7 @@ impl Command {
     }
 
     /// Its row of the table, where it has one: a ninth camera has none, nor has a tree of so many spheres.
-    fn row(self) -> Option<&'static Row> {
+    fn row(self) -> Option<&'static CommandRow> {
         TABLE.iter().find(|row| row.command == self)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// What a dialog asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum DialogKind {
     /// A folder that is there.
     Folder,
     /// A file that is there, of these endings where any are named.
@@ -43,11 +43,11 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
         egui: &egui::Context,
         asked: Asked,
         title: &'static str,
-        wanted: Wanted,
+        kind: DialogKind,
     ) -> Result<(), NoDialog> {
         let (sender, egui) = (self.sender.clone(), egui.clone());
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
-            if let Some(path) = show(title, &wanted) {
+            if let Some(path) = show(title, &kind) {
                 // The window may be gone by now.
                 let _ = sender.send((asked, path));
                 egui.request_repaint();
@@ -62,16 +62,16 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
     }
 }
 
-fn show(title: &str, wanted: &Wanted) -> Option<PathBuf> {
+fn show(title: &str, kind: &DialogKind) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_title(title);
     let with = |dialog: rfd::FileDialog, endings: &[&str]| match endings {
         [] => dialog,
         [ending] if *ending == "backlit" => dialog.add_filter("Backlit", endings),
         [first, ..] => dialog.add_filter(first.to_uppercase(), endings),
     };
-    match wanted {
-        Wanted::Folder => dialog.pick_folder(),
-        Wanted::File(endings) => with(dialog, endings).pick_file(),
-        Wanted::NewFile(name, endings) => with(dialog, endings).set_file_name(name).save_file(),
+    match kind {
+        DialogKind::Folder => dialog.pick_folder(),
+        DialogKind::File(endings) => with(dialog, endings).pick_file(),
+        DialogKind::NewFile(name, endings) => with(dialog, endings).set_file_name(name).save_file(),
     }
 }

@@ -1,5 +1,7 @@
 //! What the program says in passing: the newest few as cards, all of them in *Help › Messages*.
 
+use backlit_jobs::Failure;
+
 use crate::context::command::Command;
 
 /// Time that a card stays, in seconds.
@@ -41,15 +43,14 @@ pub struct Notice {
 pub struct Notices {
     kept: Vec<Notice>,
     next_id: u64,
-    /// The window's clock, as far as it is known.
-    now: f64,
+    /// The window's clock.
+    pub(crate) now: f64,
 }
 
 impl Notices {
     /// Says something good to know.
-    pub(crate) fn info(&mut self, now: f64, text: impl Into<String>, command: Option<Command>) {
-        self.now = now;
-        self.push(Severity::Info, text.into(), command, Some(now + LIFETIME));
+    pub(crate) fn info(&mut self, text: impl Into<String>, command: Option<Command>) {
+        self.push(Severity::Info, text.into(), command, Some(self.now + LIFETIME));
     }
 
     /// Says that something did not work.
@@ -60,6 +61,11 @@ impl Notices {
     /// Says that something did not work, and offers a command that helps.
     pub(crate) fn error_with(&mut self, text: impl Into<String>, command: Command) {
         self.push(Severity::Error, text.into(), Some(command), None);
+    }
+
+    /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
+    pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
+        self.error(format!("{doing} broke down: {failure}. Your work is unharmed."));
     }
 
     /// The cards on the screen, the newest last.
@@ -88,15 +94,15 @@ impl Notices {
     }
 
     /// Closes all cards; they stay among the messages.
-    pub(crate) fn close_all(&mut self) {
+    pub fn close_all(&mut self) {
         for notice in &mut self.kept {
             notice.is_open = false;
         }
     }
 
     /// Closes the cards whose time is over, and says when the next one's will be.
-    pub(crate) fn tick(&mut self, now: f64) -> Option<f64> {
-        self.now = now;
+    pub(crate) fn tick(&mut self) -> Option<f64> {
+        let now = self.now;
         let mut next: Option<f64> = None;
         for notice in self.kept.iter_mut().filter(|notice| notice.is_open) {
             match notice.expires {
@@ -109,9 +115,9 @@ impl Notices {
     }
 
     /// A card under the pointer stays.
-    pub(crate) fn hold(&mut self, id: u64, now: f64) {
+    pub(crate) fn hold(&mut self, id: u64) {
         for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
-            notice.expires = notice.expires.map(|_| now + LIFETIME);
+            notice.expires = notice.expires.map(|_| self.now + LIFETIME);
         }
     }
 
@@ -136,11 +142,13 @@ mod tests {
     #[test]
     fn cards_go_by_themselves_and_errors_stay() {
         let mut notices = Notices::default();
-        notices.info(0.0, "Saved", None);
+        notices.info("Saved", None);
         notices.error("No such file");
-        assert_eq!(notices.tick(1.0), Some(6.0));
+        notices.now = 1.0;
+        assert_eq!(notices.tick(), Some(6.0));
         assert_eq!(notices.cards().count(), 2);
-        assert_eq!(notices.tick(6.5), None);
+        notices.now = 6.5;
+        assert_eq!(notices.tick(), None);
         let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
         assert_eq!(texts, ["No such file"]);
         let id = notices.cards().next().unwrap().id;
@@ -152,7 +160,7 @@ mod tests {
     fn at_most_three_cards_are_shown_and_none_twice() {
         let mut notices = Notices::default();
         for text in ["a", "b", "c", "d", "d"] {
-            notices.info(0.0, text, None);
+            notices.info(text, None);
         }
         let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
         assert_eq!(texts, ["b", "c", "d"]);

@@ -1,16 +1,17 @@
 //! Panes: what can stand in a tile of the centre.
 //!
-//! Another kind of pane is one variant of [`Pane`] with its row in `Pane::KINDS`, and one arm in
-//! `panels::dock::contents` that calls the panel's `ui` function. Menus, saving, dragging, closing and the
-//! full window follow from those. A panel fills the `Ui` that it gets. Its first [`size::TILE_HEADER`] points
-//! are the header by which the tile is dragged: the dock puts its own buttons at the right end of it, so a
-//! panel leaves `HEADER_BUTTONS` points free there.
+//! Another kind of pane is one variant of [`Pane`] with its row in `Pane::KINDS`, and a feature that fills it. Menus, saving,
+//! dragging, closing and the full window follow from those. A feature fills the `Ui` that it gets. Its first
+//! [`size::TILE_HEADER`] points are the header by which the tile is dragged: the dock puts its own buttons at the right end
+//! of it, so a pane leaves `HEADER_BUTTONS` points free there.
 //!
 //! [`size::TILE_HEADER`]: backlit_ui::style::theme::size::TILE_HEADER
 
 use backlit_ui::style::theme::size;
 use egui_tiles::TileId;
 use serde::{Deserialize, Serialize};
+
+use crate::context::preferences::Layout;
 
 /// Room that is left free at the right end of a pane's header, in points.
 pub(crate) const HEADER_BUTTONS: f32 = 2.0 * size::BUTTON + 4.0;
@@ -35,7 +36,7 @@ pub enum Pane {
 
 /// Where a pane comes in that has no place yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Side {
+pub(crate) enum PaneSide {
     /// A column at the right of everything.
     Right,
     /// A row below everything.
@@ -43,26 +44,17 @@ pub(crate) enum Side {
 }
 
 impl Pane {
-    /// The panes that are no cameras: title, where they come in, and what they show.
-    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 5] = [
-        (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
-        (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
-        (Self::Basin, "Basin", Side::Right, "How far off a start may be and still find the right pose"),
-        (
-            Self::Motions,
-            "Motions",
-            Side::Right,
-            "What the tracked motion is called, and why: a curve among kinds of motion",
-        ),
-        (
-            Self::Beginnings,
-            "Ways to begin",
-            Side::Right,
-            "Particles, ramp, templates and search, step by step",
-        ),
+    /// The panes that are no cameras: title, where they come in, the layout that begins with them, and what they show.
+    #[rustfmt::skip]
+    pub(crate) const KINDS: [(Self, &'static str, PaneSide, Option<Layout>, &'static str); 5] = [
+        (Self::Scene, "Scene", PaneSide::Right, Some(Layout::Debug), "Body, cameras and their pictures in three dimensions"),
+        (Self::Convergence, "Convergence", PaneSide::Below, Some(Layout::Debug), "The runs of the fit, step by step"),
+        (Self::Basin, "Basin", PaneSide::Right, None, "How far off a start may be and still find the right pose"),
+        (Self::Motions, "Motions", PaneSide::Right, None, "What the tracked motion is called, and why: a curve among kinds of motion"),
+        (Self::Beginnings, "Ways to begin", PaneSide::Right, None, "Particles, ramp, templates and search, step by step"),
     ];
 
-    /// All panes of a take with so many cameras.
+    /// All panes of a take with this number of cameras.
     pub(crate) fn all(cameras: usize) -> impl Iterator<Item = Self> {
         (0..cameras).map(Self::Camera).chain(Self::KINDS.iter().map(|kind| kind.0))
     }
@@ -80,7 +72,7 @@ impl Pane {
 
     /// What it shows, in words.
     pub(crate) fn explanation(self) -> &'static str {
-        self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].3)
+        self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].4)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
@@ -90,8 +82,13 @@ impl Pane {
     }
 
     /// Where it comes in when it has no place yet.
-    pub(crate) fn side(self) -> Side {
-        self.row().map_or(Side::Right, |row| Self::KINDS[row].2)
+    pub(crate) fn side(self) -> PaneSide {
+        self.row().map_or(PaneSide::Right, |row| Self::KINDS[row].2)
+    }
+
+    /// Whether a layout has it as long as the user has not closed it.
+    pub(crate) fn is_open_at_first(self, layout: Layout) -> bool {
+        self.row().is_none_or(|row| Self::KINDS[row].3 == Some(layout))
     }
 
     /// Names its tile: the same in every arrangement, so that a pane that is moved stays the same for egui.

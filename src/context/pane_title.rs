@@ -9,14 +9,14 @@ use egui::{
 };
 
 use crate::context::pane::Pane;
-use crate::context::{PaneEvent, Request, Requests};
+use crate::context::{PaneEvent, Requests, ShellRequest};
 
 /// The title of a pane that is no camera, and the panes behind it.
 pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], requests: &mut Requests) {
     ui.add(Label::new(pane.title()).selectable(false));
     for sibling in siblings {
         if behind(ui, *sibling).clicked() {
-            requests.request(Request::Pane(*sibling, PaneEvent::Open));
+            requests.request(ShellRequest::Pane(*sibling, PaneEvent::Open));
         }
     }
 }

@@ -98,7 +98,7 @@ impl Preferences {
     pub(crate) fn is_open(&self, pane: Pane, cameras: usize) -> bool {
         match self.kept.get(self.layout, cameras) {
             Some(tree) => arrangement::is_open(tree, pane),
-            None => arrangement::is_open_at_first(self.layout, pane),
+            None => pane.is_open_at_first(self.layout),
         }
     }
 }

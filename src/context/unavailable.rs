@@ -1,7 +1,7 @@
 //! Why a command cannot be used now.
 //!
-//! Each feature says it of its commands. The app asks them once a frame, before anything is shown, so that whoever shows a
-//! command need not know who does it.
+//! Each feature says it of its own commands; here is what is left. The app asks once a frame, before anything is shown, so
+//! that whoever shows a command need not know which feature does it.
 
 use super::Context;
 use super::command::{Command, FileCommand, HistoryCommand, WindowCommand};
@@ -26,30 +26,27 @@ pub(crate) fn unavailable(command: Command, context: &Context<'_>) -> Option<&'s
     context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
 }
 
-/// The same for commands whose feature does not say it itself.
-pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
+/// The same for the commands that are no feature's: files, undo, the window.
+pub(crate) fn window(command: Command, context: &Context<'_>) -> Why {
     match command {
-        Command::File(command) => file(command, context),
-        Command::History(command) => history(command, context),
-        Command::Window(command) => window(command, context),
-        Command::Fit(_)
-        | Command::Convergence(_)
-        | Command::Basin(_)
-        | Command::Beginning(_)
-        | Command::Scene(_)
-        | Command::Observability(_)
-        | Command::Tracking(_)
-        | Command::Timeline(_)
-        | Command::Export(_)
-        | Command::Recovery(_)
-        | Command::Pose(_)
-        | Command::View(_)
-        | Command::Laboratory(_)
-        | Command::Offsets
-        | Command::Tour => None,
-        Command::Demonstration(which) => {
-            because(!which.is_available(), "BACKLIT_DATA does not name a folder that has the real footage")
+        Command::File(FileCommand::FindTake) => {
+            because(!context.lacks_take, "No project is missing its take")
         }
+        Command::File(FileCommand::Save | FileCommand::SaveAs) => no_take(context),
+        Command::History(HistoryCommand::Undo) => {
+            because(!context.history.can_undo(), "There is nothing to undo")
+        }
+        Command::History(HistoryCommand::Redo) => {
+            because(context.history.redo_text().is_none(), "There is nothing to redo")
+        }
+        Command::Window(WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles) => no_tiles(context),
+        Command::Window(WindowCommand::NormalSize) => {
+            because(context.egui.zoom_factor() == 1.0, "The window has its usual size")
+        }
+        Command::Window(WindowCommand::RestoreLayout) => {
+            because(!context.can_restore_layout, "The layout was not reset")
+        }
+        _ => None,
     }
 }
 
@@ -91,46 +88,6 @@ pub(crate) fn no_body_fit(context: &Context<'_>) -> Why {
 fn no_camera(context: &Context<'_>) -> Why {
     let is_none = context.document().used_cameras().next().is_none();
     no_take(context).or(because(is_none, "No camera is used in the fit: tick one beside its view"))
-}
-
-fn file(command: FileCommand, context: &Context<'_>) -> Why {
-    match command {
-        FileCommand::FindTake => because(!context.lacks_take, "No project is missing its take"),
-        FileCommand::Save | FileCommand::SaveAs => no_take(context),
-        FileCommand::NewTake
-        | FileCommand::OpenTake
-        | FileCommand::OpenBuiltIn
-        | FileCommand::OpenProject
-        | FileCommand::Quit => None,
-    }
-}
-
-fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
-    match command {
-        HistoryCommand::Undo => because(!context.history.can_undo(), "There is nothing to undo"),
-        HistoryCommand::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
-    }
-}
-
-fn window(command: WindowCommand, context: &Context<'_>) -> Why {
-    match command {
-        WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
-        WindowCommand::NormalSize => {
-            because(context.egui.zoom_factor() == 1.0, "The window has its usual size")
-        }
-        WindowCommand::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
-        WindowCommand::Layout(_)
-        | WindowCommand::ToggleTheme
-        | WindowCommand::TogglePanel
-        | WindowCommand::ToggleTimeline
-        | WindowCommand::ResetLayout
-        | WindowCommand::Enlarge
-        | WindowCommand::Shrink
-        | WindowCommand::Palette
-        | WindowCommand::Shortcuts
-        | WindowCommand::Messages
-        | WindowCommand::About => None,
-    }
 }
 
 /// Why nothing can be done with what was tracked.

@@ -22,7 +22,7 @@ pub(crate) mod settings;
 mod tests;
 mod update;
 
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use job::Fitted;
 pub(crate) use preferences::{BasinPreferences, MapColour};
 pub(crate) use results::{BasinResults, Running, ShownMap};
@@ -30,6 +30,7 @@ pub use settings::{BasinProblem, BasinSettings, MapDirection, Reference};
 use std::time::Instant;
 
 use crate::context::file_dialog::FileDialogs;
+use crate::context::priority;
 
 /// What a result is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +63,7 @@ impl Default for Basin {
             preferences: BasinPreferences::default(),
             results: BasinResults::default(),
             problem: None,
-            task: Task::new(Priority::BASIN),
+            task: Task::new(priority::BASIN),
             began: None,
             dialogs: FileDialogs::default(),
         }
@@ -70,29 +71,8 @@ impl Default for Basin {
 }
 
 impl Basin {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        let results = BasinResults { running: None, ..self.results.clone() };
-        Self {
-            preferences: self.preferences.clone(),
-            results,
-            problem: self.problem.clone(),
-            ..Self::default()
-        }
-    }
-
-    /// Another take is open: what is about the old one goes.
-    pub(crate) fn reset(&mut self) {
-        *self = Self { preferences: std::mem::take(&mut self.preferences), ..Self::default() };
-    }
-
     /// Whether fits are being made.
     pub(crate) fn is_running(&self) -> bool {
         self.results.running.is_some()
-    }
-
-    /// How far it is, for the status bar.
-    pub(crate) fn progress(&self) -> Option<String> {
-        self.results.running.map(panel::progress_text)
     }
 }

@@ -24,10 +24,11 @@ mod way;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use backlit_tracking::body::Pose;
 use backlit_ui::drawing::Ghosts;
 
+use crate::context::priority;
 use crate::session::prediction::FitInputs;
 use job::{Found, Outcome};
 use way::Way;
@@ -71,7 +72,7 @@ pub(crate) struct Beginnings {
 impl Default for Beginnings {
     fn default() -> Self {
         Self {
-            task: Task::new(Priority::BASIN),
+            task: Task::new(priority::BASIN),
             about: None,
             ended: BTreeMap::new(),
             running: None,
@@ -86,42 +87,9 @@ impl Default for Beginnings {
 }
 
 impl Beginnings {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        let (about, ended, drawn) = (self.about.clone(), self.ended.clone(), self.drawn.clone());
-        let Self { no_start, at, is_shown, .. } = *self;
-        Self { about, ended, drawn, no_start, at, is_shown, ..Self::default() }
-    }
-
-    /// Another take is open: what is about the old one goes.
-    pub(crate) fn reset(&mut self) {
-        *self = Self { no_start: self.no_start, ..Self::default() };
-    }
-
     /// Whether a way is being tried.
     pub(crate) const fn is_running(&self) -> bool {
         self.task.is_busy()
-    }
-
-    /// What is going on, for the status bar.
-    pub(crate) fn sentence(&self) -> Option<String> {
-        if let Some(way) = self.running.filter(|_| self.is_running()) {
-            return Some(format!("Trying {}. Esc stops it; what is done stays.", way.lower_case()));
-        }
-        let (At { way, step }, _) = self.drawn.as_ref().filter(|_| self.is_shown)?;
-        Some(format!("Step {} of {}. Esc shows the pose again.", step + 1, way.lower_case()))
-    }
-
-    /// What views and scene draw in the place of the pose.
-    pub(crate) fn ghosts(&self) -> Option<Arc<Ghosts>> {
-        self.drawn.as_ref().filter(|_| self.is_shown).map(|(_, ghosts)| Arc::clone(ghosts))
-    }
-
-    /// Forgets how long things took, so that a picture is the same every time.
-    pub(crate) fn freeze_times(&mut self) {
-        for outcome in self.ended.values_mut().flatten() {
-            Arc::make_mut(outcome).seconds = f64::NAN;
-        }
     }
 
     /// What the way that is looked at led to.

@@ -61,7 +61,6 @@ use backlit_tracking::body::Model;
 use backlit_ui::drawing::{Comparison, ViewMode};
 use backlit_ui::widgets::{Framing, ViewTransform};
 
-use crate::context::Context;
 use crate::context::picture_alone::PictureAlone;
 use crate::context::preferences::Layout;
 use crate::session::prediction::Derivatives;
@@ -120,16 +119,6 @@ impl Tiles {
 }
 
 impl CameraViews {
-    /// Another take is open, with so many cameras.
-    pub(crate) fn reset(&mut self, cameras: usize) {
-        *self = Self { preferences: self.preferences, tiles: Tiles::new(cameras), ..Self::default() };
-    }
-
-    /// Asks for what the views lack.
-    pub(crate) fn update(&mut self, context: &Context<'_>) {
-        self.full.update(context);
-    }
-
     /// What the tiles of a layout show, by camera.
     pub(crate) fn tiles(&self, layout: Layout) -> &[TileView] {
         self.tiles.of(layout)

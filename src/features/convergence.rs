@@ -28,7 +28,7 @@ use crate::context::file_dialog::FileDialogs;
 
 /// What curves are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CurvesFile {
+pub enum CurvesFile {
     /// Every step of all runs.
     Table,
     /// The plot as it is shown.
@@ -37,22 +37,10 @@ pub(crate) enum CurvesFile {
 
 /// The feature.
 #[derive(Debug, Default)]
-pub(crate) struct Convergence {
+pub struct Convergence {
     /// What is chosen, kept from start to start.
     pub(crate) preferences: ConvergencePreferences,
     /// The name that is being typed: of which run, and the text so far.
     typing: Option<(usize, String)>,
     dialogs: FileDialogs<CurvesFile>,
-}
-
-impl Convergence {
-    /// The same without open dialogs, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        Self { preferences: self.preferences, typing: self.typing.clone(), ..Self::default() }
-    }
-
-    /// Another take is open: what is about the old one goes.
-    pub(crate) fn reset(&mut self) {
-        *self = Self { preferences: self.preferences, ..Self::default() };
-    }
 }

@@ -4,13 +4,17 @@ mod explanation;
 mod next;
 
 use backlit_take::demonstration::Demonstration;
+use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 use egui::Ui;
 
 use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
+use crate::context::feature::Feature;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::unavailable::Why;
+use crate::context::unavailable::because;
+use crate::context::{Context, DesktopRequest, FeatureRequest, PaneEvent, Requests, ShellRequest};
 
 /// The feature.
 #[derive(Debug, Default, Clone)]
@@ -19,25 +23,42 @@ pub(crate) struct Demonstrations {
     explained: Option<Demonstration>,
 }
 
-impl Demonstrations {
-    /// Does a command.
-    pub(crate) fn run(which: Demonstration, requests: &mut Requests) {
-        requests.request(Request::Open(TakeSource::Demonstration(which)));
+impl Feature for Demonstrations {
+    fn run(&mut self, command: Command, _: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Demonstration(which) = command else { return false };
+        requests.request(DesktopRequest::Open(TakeSource::Demonstration(which)));
+        true
     }
 
+    fn unavailable(&self, command: Command, _: &Context<'_>) -> Why {
+        let Command::Demonstration(which) = command else { return None };
+        let missing = "BACKLIT_DATA does not name a folder that has the real footage";
+        because(!which.is_available(), missing)
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        self.explained = None;
+    }
+
+    fn at_rest(&self) -> Self {
+        self.clone()
+    }
+}
+
+impl Demonstrations {
     /// Arranges the window for a demonstration that has just been opened.
     pub(crate) fn begin(&mut self, which: Demonstration, requests: &mut Requests) {
-        requests.request(Request::CloseNotices);
+        requests.request(ShellRequest::CloseNotices);
         self.explained = Some(which);
         match opening(which) {
             Opening::Laboratory(over, camera) => {
-                requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(Request::RunLaboratory { over, camera: Some(camera) });
+                requests.request(ShellRequest::Layout(Layout::Demonstrate));
+                requests.request(FeatureRequest::RunLaboratory { over, camera: Some(camera) });
             }
             Opening::Tiles(pane, command) => {
-                requests.request(Request::Layout(Layout::Pose));
+                requests.request(ShellRequest::Layout(Layout::Pose));
                 if let Some(pane) = pane {
-                    requests.request(Request::Pane(pane, PaneEvent::Open));
+                    requests.request(ShellRequest::Pane(pane, PaneEvent::Open));
                 }
                 requests.run(command);
             }

@@ -29,9 +29,10 @@ pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
 
 use std::path::PathBuf;
 
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 
 use crate::context::file_dialog::FileDialogs;
+use crate::context::priority;
 
 /// The feature.
 #[derive(Debug)]
@@ -73,7 +74,7 @@ impl Default for Export {
             order: None,
             running: None,
             folder: None,
-            task: Task::new(Priority::EXPORT),
+            task: Task::new(priority::EXPORT),
             dialogs: FileDialogs::default(),
         }
     }

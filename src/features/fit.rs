@@ -6,7 +6,6 @@
 //! | `job` | the fit, one iteration a step |
 //! | `again` | the same start once more with each renderer, preset or ramp |
 //! | `part` | which rotations a refit may move |
-//! | `unavailable` | why a command cannot be used now |
 //! | `refit`, [`refitted`] | the section of that name, and what the last refit has done |
 //! | `stages` | the table of stages in the section of the solver |
 //! | `solver`, `renderer`, `measurement` | the sections of those names |
@@ -22,7 +21,6 @@ mod solver;
 mod stages;
 #[cfg(test)]
 mod tests;
-mod unavailable;
 mod update;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -31,11 +29,12 @@ use std::sync::Arc;
 use again::Again;
 use backlit_document::history::Gesture;
 use backlit_document::run::RunStep;
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use egui::Ui;
 use job::{Fitted, Running};
 use refitted::Refitted;
 
+use crate::context::priority;
 use crate::context::{Context, Requests};
 use crate::session::prediction::{FitInputs, Predicted};
 
@@ -84,7 +83,7 @@ struct LiveRun {
 impl Default for Fit {
     fn default() -> Self {
         Self {
-            task: Task::new(Priority::FIT),
+            task: Task::new(priority::FIT),
             live: None,
             running: None,
             pending_steps: 0,
@@ -99,16 +98,6 @@ impl Default for Fit {
 }
 
 impl Fit {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        Self { refits: self.refits.clone(), step_seconds: self.step_seconds, ..Self::default() }
-    }
-
-    /// Another take is open: all of it was about the old one.
-    pub(crate) fn reset(&mut self) {
-        *self = Self::default();
-    }
-
     /// The section of the solver, with what else it holds at its end.
     pub(crate) fn solver_section(
         &mut self,

@@ -29,8 +29,7 @@ mod tests;
 mod update;
 
 use backlit_document::run::RunStep;
-use backlit_jobs::{Priority, Task};
-use backlit_take::footage::Footage;
+use backlit_jobs::Task;
 use backlit_tracking::body::{Model, Pose};
 
 pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
@@ -40,8 +39,8 @@ pub use lineup::{Entrant, Lineup};
 pub(crate) use push::{Push, PushAxis, Pushed};
 pub(crate) use start::StartChoice;
 
-use crate::context::command::Variants;
 use crate::context::file_dialog::FileDialogs;
+use crate::context::priority;
 
 /// The feature.
 #[derive(Debug)]
@@ -92,44 +91,15 @@ impl Default for Laboratory {
             wants_run: false,
             pending_steps: 0,
             fits: Vec::new(),
-            steps: Task::new(Priority::LABORATORY),
-            looks: Task::new(Priority::LABORATORY_LOOK),
-            checks: Task::new(Priority::LABORATORY_CHECK),
+            steps: Task::new(priority::LABORATORY),
+            looks: Task::new(priority::LABORATORY_LOOK),
+            checks: Task::new(priority::LABORATORY_CHECK),
             dialogs: FileDialogs::default(),
         }
     }
 }
 
 impl Laboratory {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        Self {
-            lineup: self.lineup,
-            start: self.start,
-            axis: self.axis,
-            camera: self.camera,
-            is_log: self.is_log,
-            marked: self.marked,
-            comparison: self.comparison.clone(),
-            step_seconds: self.step_seconds,
-            comparisons: self.comparisons,
-            ..Self::default()
-        }
-    }
-
-    /// Another take is open: its comparison is another.
-    pub(crate) fn reset(&mut self, footage: &Footage) {
-        let start = StartChoice::of(footage.demonstration());
-        *self = Self { is_log: self.is_log, comparisons: self.comparisons, start, ..Self::default() };
-    }
-
-    /// Compares these, and runs the fits as soon as they have begun; shows this camera's pictures.
-    pub(crate) fn run_when_begun(&mut self, over: Variants, camera: Option<usize>) {
-        self.lineup = over.into();
-        self.camera = camera.unwrap_or(self.camera);
-        self.wants_run = true;
-    }
-
     /// Whether fits are being stepped.
     pub(crate) fn is_running(&self) -> bool {
         self.steps.is_busy()
@@ -156,23 +126,5 @@ impl Laboratory {
         let seconds = self.comparison.iter().flat_map(|comparison| &comparison.contestants);
         let seconds: Vec<f64> = seconds.filter_map(|fit| newest(&fit.steps)).collect();
         self.step_seconds = (!seconds.is_empty()).then(|| seconds.iter().sum());
-    }
-
-    /// What it does, for the status bar.
-    pub(crate) fn sentence(&self) -> String {
-        let all = self.lineup.all_text();
-        let Some(comparison) = self.begun() else { return "Preparing the laboratory…".to_owned() };
-        let step = comparison.cursor;
-        if self.is_running() {
-            return format!("Step {step} in {all}. They are running; Esc stops them.");
-        }
-        let last = comparison.last();
-        if comparison.is_over() && step == last {
-            return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
-        }
-        if step < last {
-            return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
-        }
-        format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
     }
 }

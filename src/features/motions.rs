@@ -23,10 +23,11 @@ mod words;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 
 use crate::context::file_dialog::FileDialogs;
 use crate::context::motions::MotionMarks;
+use crate::context::priority;
 use job::{Found, Inputs, Missing};
 pub(crate) use preferences::MotionsPreferences;
 
@@ -53,32 +54,8 @@ impl Default for Motions {
             found: None,
             missing: None,
             marks: MotionMarks::default(),
-            task: Task::new(Priority::MOTIONS),
+            task: Task::new(priority::MOTIONS),
             dialogs: FileDialogs::default(),
         }
-    }
-}
-
-impl Motions {
-    /// What the timeline shows of it.
-    pub(crate) fn marks(&self) -> MotionMarks {
-        self.marks.clone()
-    }
-
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        Self {
-            preferences: self.preferences,
-            model: self.model.clone(),
-            found: self.found.clone(),
-            missing: self.missing.clone(),
-            marks: self.marks.clone(),
-            ..Self::default()
-        }
-    }
-
-    /// Another take is open: what is about the old one goes.
-    pub(crate) fn reset(&mut self) {
-        *self = Self { preferences: self.preferences, model: self.model.take(), ..Self::default() };
     }
 }

@@ -13,9 +13,10 @@ mod update;
 use std::path::PathBuf;
 
 use backlit_formats::import::ImportOptions;
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 
 use crate::context::file_dialog::FileDialogs;
+use crate::context::priority;
 
 /// The feature.
 #[derive(Debug)]
@@ -65,8 +66,8 @@ impl Default for NewTake {
             rate: String::new(),
             out: String::new(),
             state: State::Empty,
-            look: Task::new(Priority::OPEN),
-            write: Task::new(Priority::EXPORT),
+            look: Task::new(priority::OPEN),
+            write: Task::new(priority::EXPORT),
             dialogs: FileDialogs::default(),
         }
     }

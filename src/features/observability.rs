@@ -19,7 +19,7 @@ mod update;
 
 use std::sync::Arc;
 
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::{Direction, JointUncertainty, Observability as Figures};
 use backlit_tracking::posing::LimitedAngle;
@@ -28,7 +28,7 @@ use backlit_ui::drawing::ellipse_factor::automatic_factor;
 pub(crate) use observed::Observed;
 use sway::Sway;
 
-use crate::context::observability::{ObservabilityMarks, Uncertainty};
+use crate::context::priority;
 use crate::session::prediction::PosedInputs;
 
 /// What was chosen. It outlives the take.
@@ -88,7 +88,7 @@ impl Default for Observability {
             picked: None,
             sway: None,
             choices: Choices::default(),
-            task: Task::new(Priority::OBSERVABILITY),
+            task: Task::new(priority::OBSERVABILITY),
         }
     }
 }
@@ -158,28 +158,5 @@ impl Observability {
     /// A panel shows this angle of the selected limb with its limits.
     pub(crate) fn look_at_angle(&mut self, angle: Option<LimitedAngle>) {
         self.drawn.angle = angle;
-    }
-
-    /// What views and scene draw of it.
-    pub(crate) fn marks(&self) -> ObservabilityMarks {
-        let uncertainty = |(joints, others): (&[JointUncertainty], Option<&[usize]>)| {
-            let model = self.found()?.shown.model.clone();
-            let is_believed = others.is_none() && self.believed.is_some();
-            Some(Uncertainty { model, joints: joints.to_vec(), is_of_others: others.is_some(), is_believed })
-        };
-        ObservabilityMarks {
-            is_stale: self.is_stale,
-            is_playing: self.is_playing(),
-            swaying: self.swaying(),
-            swayed_pose: self.swayed_pose(),
-            uncertainty: self.ellipses().and_then(uncertainty),
-            factor: self.ellipse_factor(),
-            angle: self.shown.angle,
-        }
-    }
-
-    /// Another take is open: what is about the old one goes.
-    pub(crate) fn reset(&mut self) {
-        *self = Self { choices: self.choices.clone(), ..Self::default() };
     }
 }

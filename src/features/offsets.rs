@@ -16,9 +16,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_formats::synchronise::TakeClocks;
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use egui::ColorImage;
 use glam::DVec2;
+
+use crate::context::priority;
 
 /// The feature.
 #[derive(Debug)]
@@ -53,7 +55,7 @@ struct Side {
 
 impl Default for Side {
     fn default() -> Self {
-        Self { task: Task::new(Priority::FRAME), picture: None, problem: None }
+        Self { task: Task::new(priority::FRAME), picture: None, problem: None }
     }
 }
 
@@ -65,10 +67,10 @@ impl Default for Offsets {
             shifts: Vec::new(),
             sides: Default::default(),
             pointed_at: None,
-            find: Task::new(Priority::TRACK),
+            find: Task::new(priority::TRACK),
             progress: None,
             found: None,
-            write: Task::new(Priority::EXPORT),
+            write: Task::new(priority::EXPORT),
             path: PathBuf::new(),
         }
     }

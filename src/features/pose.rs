@@ -37,18 +37,12 @@ pub(crate) struct Posing {
 }
 
 impl Posing {
-    /// Another take is open: what is dragged is gone.
-    pub(crate) fn reset(&mut self) {
-        self.dragging = None;
-        self.nudging = None;
-    }
-
     /// What others must know of the drag.
-    pub(crate) fn marks(&self, now: f64) -> DragMarks<'_> {
+    pub(crate) fn marks(&self, now: f64) -> DragMarks {
         let nudging = self.nudging.as_ref().filter(|nudging| now - nudging.at < NUDGE_SECONDS);
         match &self.dragging {
             Some(dragging) => dragging.marks(),
-            None => DragMarks { from: nudging.map(|nudging| &nudging.base), ..DragMarks::default() },
+            None => DragMarks { from: nudging.map(|nudging| nudging.base.clone()), ..DragMarks::default() },
         }
     }
 

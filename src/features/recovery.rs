@@ -30,7 +30,9 @@ use std::time::Instant;
 
 use backlit_document::history::Version;
 use backlit_document::project::ProjectError;
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
+
+use crate::context::priority;
 
 /// The feature.
 #[derive(Debug)]
@@ -69,7 +71,7 @@ impl Default for Recovery {
             offered: Vec::new(),
             is_put_off: false,
             told: BTreeSet::new(),
-            task: Task::new(Priority::SAVE),
+            task: Task::new(priority::SAVE),
             writing: Arc::default(),
             written: None,
             is_picture_old: false,

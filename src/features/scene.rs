@@ -29,13 +29,15 @@ mod viewpoint;
 
 use std::sync::Arc;
 
-use backlit_jobs::{Pool, Priority, Task};
+use backlit_jobs::{Pool, Task};
 use backlit_tracking::visual_hull::VisualHull;
 
 pub(crate) use contents::{ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, Thumbnails};
 pub(crate) use hulls::HullCache;
 use hulls::HullInputs;
+
+use crate::context::priority;
 pub(crate) use order::SceneOrder;
 pub use preferences::{ScenePreferences, ShownHull};
 pub use upright::Upright;
@@ -61,25 +63,13 @@ impl Default for Scene {
             preferences: ScenePreferences::default(),
             hulls: HullCache::default(),
             drawing: None,
-            draw: Task::new(Priority::SCENE),
-            carve: Task::new(Priority::HULL),
+            draw: Task::new(priority::SCENE),
+            carve: Task::new(priority::HULL),
         }
     }
 }
 
 impl Scene {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        let (hulls, drawing) = (self.hulls.clone(), self.drawing.clone());
-        Self { preferences: self.preferences, hulls, drawing, ..Self::default() }
-    }
-
-    /// Another take is open: it is seen from where all its cameras are seen.
-    pub(crate) fn reset(&mut self) {
-        let preferences = ScenePreferences { viewpoint: None, ..self.preferences };
-        *self = Self { preferences, ..Self::default() };
-    }
-
     /// Whether nothing but the picture of the scene is being worked on.
     pub(crate) fn is_all_that_works(&self, pool: &Pool) -> bool {
         pool.is_idle_but(&self.draw)

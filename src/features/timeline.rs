@@ -29,7 +29,7 @@ use egui::{Frame, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sens
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::menu_row;
 use crate::context::preferences::Layout;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::{FrameRange, PlaybackChange};
 use lanes::Lane;
 use marks::RULER;
@@ -180,7 +180,7 @@ impl Timeline {
             && let Some(pointer) = response.interact_pointer_pos()
         {
             // What the menu offers is about the frame on the screen.
-            requests.request(Request::Frame(area.frame_at(pointer)));
+            requests.request(SessionRequest::Frame(area.frame_at(pointer)));
         }
         response.context_menu(|ui| {
             MENU.iter().for_each(|&command| menu_row(ui, context, requests, command, command.text()));
@@ -215,14 +215,14 @@ impl Timeline {
         if response.double_clicked() {
             self.span = None;
         } else if shift && response.clicked() {
-            requests.request(Request::Playback(PlaybackChange::Mark(None)));
+            requests.request(SessionRequest::Playback(PlaybackChange::Mark(None)));
         } else if response.drag_started_by(PointerButton::Primary) && shift {
             let from = ui.input(|input| input.pointer.press_origin());
             self.marks_from = from.map(|from| area.frame_at(from));
         } else if self.marks_from.is_some() {
             if response.drag_stopped() {
                 if let Some(range) = self.marking(area, response) {
-                    requests.request(Request::Playback(PlaybackChange::Mark(Some(range))));
+                    requests.request(SessionRequest::Playback(PlaybackChange::Mark(Some(range))));
                 }
                 self.marks_from = None;
             }
@@ -234,7 +234,7 @@ impl Timeline {
             && ui.input(|input| !input.pointer.secondary_down())
         {
             if response.drag_started() && context.playback.is_playing() {
-                requests.request(Request::Playback(PlaybackChange::Pause));
+                requests.request(SessionRequest::Playback(PlaybackChange::Pause));
             }
             self.scrub(area, context, requests, pointer);
         }
@@ -251,7 +251,7 @@ impl Timeline {
         }
         let frame = area.frame_at(pointer);
         if frame != context.selection.frame {
-            requests.request(Request::Frame(frame));
+            requests.request(SessionRequest::Frame(frame));
         }
     }
 

@@ -13,8 +13,10 @@ use glam::DVec3;
 
 use card::{Card, STEPS, Wish};
 
+use crate::context::command::Command;
+use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, DesktopRequest, FeatureRequest, Requests, SessionRequest, ShellRequest};
 
 /// The joint that is dragged.
 const JOINT: &str = "right wrist";
@@ -59,6 +61,41 @@ struct Begun {
     renderers: Vec<&'static str>,
 }
 
+impl Feature for Tour {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let is_open = shows_built_in(context);
+        match self.stage {
+            Stage::Over | Stage::Offered => {}
+            Stage::Opening if is_open && context.selection.frame != 0 => {
+                requests.request(SessionRequest::Visit(0));
+                context.egui.request_repaint();
+            }
+            Stage::Opening if is_open => {
+                if context.session.frames.get(0).is_some() {
+                    for layout in [Layout::Pose, Layout::Debug] {
+                        requests.request(FeatureRequest::ShowMode(layout, ViewMode::Tinted));
+                    }
+                    self.enter(0, context, requests);
+                }
+            }
+            // Where it could not be opened that was said.
+            Stage::Opening if context.busy.opening => {}
+            Stage::Opening => self.stage = Stage::Over,
+            Stage::At(_) if !is_open => self.stage = Stage::Over,
+            Stage::At(step) => self.follow(step, context, requests),
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let is_own = command == Command::Tour;
+        if is_own {
+            self.begin(context, requests);
+            requests.request(ShellRequest::CloseCard);
+        }
+        is_own
+    }
+}
+
 impl Tour {
     /// Offers it, once.
     pub(crate) fn offer(&mut self) {
@@ -71,7 +108,7 @@ impl Tour {
     pub(crate) fn begin(&mut self, context: &Context<'_>, requests: &mut Requests) {
         *self = Self { was_offered: true, stage: Stage::Opening, ..Self::default() };
         if !shows_built_in(context) {
-            requests.request(Request::Open(TakeSource::BuiltIn));
+            requests.request(DesktopRequest::Open(TakeSource::BuiltIn));
         }
     }
 
@@ -81,31 +118,6 @@ impl Tour {
             Stage::Offered => can_offer(context).then_some(0),
             Stage::Over | Stage::Opening => None,
             Stage::At(step) => Some(step + 1),
-        }
-    }
-
-    /// Looks whether the step on the screen was done.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        let is_open = shows_built_in(context);
-        match self.stage {
-            Stage::Over | Stage::Offered => {}
-            Stage::Opening if is_open && context.selection.frame != 0 => {
-                requests.request(Request::Visit(0));
-                context.egui.request_repaint();
-            }
-            Stage::Opening if is_open => {
-                if context.session.frames.get(0).is_some() {
-                    for layout in [Layout::Pose, Layout::Debug] {
-                        requests.request(Request::ShowMode(layout, ViewMode::Tinted));
-                    }
-                    self.enter(0, context, requests);
-                }
-            }
-            // Where it could not be opened that was said.
-            Stage::Opening if context.busy.opening => {}
-            Stage::Opening => self.stage = Stage::Over,
-            Stage::At(_) if !is_open => self.stage = Stage::Over,
-            Stage::At(step) => self.follow(step, context, requests),
         }
     }
 
@@ -134,11 +146,11 @@ impl Tour {
             self.first_camera = self.dragged_in.unwrap_or(0);
         }
         let layout = if matches!(step, 4 | 5) { Layout::Debug } else { Layout::Pose };
-        requests.request(Request::Layout(layout));
-        requests.request(Request::ShowAllTiles);
+        requests.request(ShellRequest::Layout(layout));
+        requests.request(ShellRequest::ShowAllTiles);
         if step == 5 {
             // The step that was looked at is left: the renderers are compared on the pose of the frame.
-            requests.request(Request::LeaveStep);
+            requests.request(SessionRequest::LeaveStep);
         }
         self.stage = Stage::At(step);
         self.furthest = self.furthest.max(step);

@@ -19,20 +19,25 @@ mod other_poses;
 mod tests;
 mod update;
 
+use backlit_take::footage::Footage;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_document::Estimate;
 use backlit_document::history::Gesture;
-use backlit_jobs::{Priority, Task};
+use backlit_jobs::Task;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 
 use crate::context::activity::TrackingProgress;
+use crate::context::command::Command;
+use crate::context::command::FitCommand;
 use crate::context::command::TrackingCommand;
+use crate::context::feature::Feature;
+use crate::context::priority;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::context::{Context, Requests};
 use update::{joined, keys_around};
@@ -108,7 +113,7 @@ struct OtherPoses {
 impl Default for Tracking {
     fn default() -> Self {
         Self {
-            task: Task::new(Priority::TRACK),
+            task: Task::new(priority::TRACK),
             work: None,
             gesture: None,
             tracked: Vec::new(),
@@ -122,58 +127,26 @@ impl Default for Tracking {
     }
 }
 
-impl Tracking {
-    /// The same without any work that is going on, for a picture of it.
-    pub(crate) fn at_rest(&self) -> Self {
-        Self { other_poses: self.other_poses.clone(), ..Self::default() }
+impl Feature for Tracking {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.take_in(context, requests);
     }
 
-    /// Another take is open.
-    pub(crate) fn reset(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Whether there is work under way, of any kind.
-    pub(crate) const fn is_busy(&self) -> bool {
-        self.task.is_busy()
-    }
-
-    /// How far the tracker is.
-    pub(crate) fn progress(&self) -> Option<TrackingProgress> {
-        if let Some(TrackingWork::Track(progress)) = self.work { Some(progress) } else { None }
-    }
-
-    /// Asks the work to end; what it has found stays.
-    pub(crate) fn stop(&self) {
-        self.task.stop();
-    }
-
-    /// The user has gone elsewhere: the screen follows the tracker no more.
-    pub(crate) fn stop_following(&mut self) {
-        self.follows = false;
-    }
-
-    /// What is being done, for the status bar.
-    pub(crate) fn sentence(&self) -> Option<String> {
-        let tracking = match self.work.as_ref()? {
-            TrackingWork::Search(_) => {
-                return Some("Looking for other poses that fit this frame. Esc stops it.".to_owned());
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        match command {
+            Command::Tracking(command) => self.do_command(command, context, requests),
+            Command::Fit(FitCommand::SearchPoses) => self.search_poses(context),
+            Command::Fit(command @ (FitCommand::FitBody | FitCommand::MakeSpheres)) => {
+                self.make_body(command, context, requests);
             }
-            TrackingWork::Make(at) => return Some(format!("{at}. Esc stops it; nothing is changed then.")),
-            TrackingWork::Track(progress) => progress,
-        };
-        let direction = match tracking.between {
-            Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
-            None if tracking.backwards => " back".to_owned(),
-            None => String::new(),
-        };
-        let rate = tracking.rate();
-        let rate = rate.map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
-        Some(format!("Tracking{direction}, {} of {} frames{rate}.", tracking.done, tracking.total))
+            Command::Fit(FitCommand::Stop) => self.stop(),
+            _ => return false,
+        }
+        true
     }
 
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(&self, command: TrackingCommand, context: &Context<'_>) -> Why {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Tracking(command) = command else { return None };
         let (document, frame) = (context.document(), context.selection.frame);
         let no_track = || {
             no_take(context)
@@ -202,5 +175,53 @@ impl Tracking {
             }
             TrackingCommand::Clear => not_tracked(context),
         }
+    }
+
+    fn sentence(&self, _: &Context<'_>) -> Option<String> {
+        let tracking = match self.work.as_ref()? {
+            TrackingWork::Search(_) => {
+                return Some("Looking for other poses that fit this frame. Esc stops it.".to_owned());
+            }
+            TrackingWork::Make(at) => return Some(format!("{at}. Esc stops it; nothing is changed then.")),
+            TrackingWork::Track(progress) => progress,
+        };
+        let direction = match tracking.between {
+            Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
+            None if tracking.backwards => " back".to_owned(),
+            None => String::new(),
+        };
+        let rate = tracking.rate();
+        let rate = rate.map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
+        Some(format!("Tracking{direction}, {} of {} frames{rate}.", tracking.done, tracking.total))
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self::default();
+    }
+
+    fn at_rest(&self) -> Self {
+        Self { other_poses: self.other_poses.clone(), ..Self::default() }
+    }
+}
+
+impl Tracking {
+    /// Whether there is work under way, of any kind.
+    pub(crate) const fn is_busy(&self) -> bool {
+        self.task.is_busy()
+    }
+
+    /// How far the tracker is.
+    pub(crate) fn progress(&self) -> Option<TrackingProgress> {
+        if let Some(TrackingWork::Track(progress)) = self.work { Some(progress) } else { None }
+    }
+
+    /// Asks the work to end; what it has found stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
+    }
+
+    /// The user has gone elsewhere: the screen follows the tracker no more.
+    pub(crate) fn stop_following(&mut self) {
+        self.follows = false;
     }
 }

@@ -28,35 +28,23 @@ impl FrameRange {
 
 /// How frames are played. Nothing here is saved or undone.
 #[derive(Debug, Clone)]
-pub(crate) struct Playback {
+pub struct Playback {
     /// Multiple of the take's own speed.
     pub(crate) speed: f64,
     /// Whether it begins again at the end.
     pub(crate) loops: bool,
     /// The frames that were marked: they are what is played and what can be cleared.
     pub(crate) range: Option<FrameRange>,
-    film: Option<Film>,
+    film: Option<RunningFilm>,
 }
 
-/// A film that is running.
 #[derive(Debug, Clone, Copy)]
-struct Film {
+struct RunningFilm {
     /// Frame and time of the window's clock from which time is counted.
     from: usize,
     since: f64,
     /// The frame that was shown last.
     shown: usize,
-}
-
-/// What is to be done now.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cue {
-    /// Nothing.
-    Wait,
-    /// Go to a frame.
-    Show(usize),
-    /// The film is over; it ends with this frame.
-    End(usize),
 }
 
 /// What is asked of the playing of frames.
@@ -82,7 +70,7 @@ impl Default for Playback {
 
 impl Playback {
     /// Whether frames are being played.
-    pub(crate) fn is_playing(&self) -> bool {
+    pub fn is_playing(&self) -> bool {
         self.film.is_some()
     }
 
@@ -90,7 +78,7 @@ impl Playback {
     pub(crate) fn start(&mut self, here: usize, count: usize, now: f64) -> usize {
         let FrameRange { first, last } = self.played(count);
         let from = if (first..last).contains(&here) { here } else { first };
-        self.film = Some(Film { from, since: now, shown: from });
+        self.film = Some(RunningFilm { from, since: now, shown: from });
         from
     }
 
@@ -104,6 +92,28 @@ impl Playback {
         if let Some(film) = &mut self.film {
             (film.from, film.since) = (film.shown, now);
         }
+    }
+
+    /// Changes how frames are played. Returns the frame where playing starts, if it does.
+    pub(crate) fn change(
+        &mut self,
+        change: PlaybackChange,
+        here: usize,
+        count: usize,
+        now: f64,
+    ) -> Option<usize> {
+        match change {
+            PlaybackChange::PlayOrPause if !self.is_playing() => return Some(self.start(here, count, now)),
+            PlaybackChange::PlayOrPause | PlaybackChange::Pause => self.stop(),
+            PlaybackChange::Speed(speed) => self.set_speed(speed, now),
+            PlaybackChange::ToggleLoop => self.loops ^= true,
+            PlaybackChange::Mark(range) => {
+                self.range = range;
+                // Frames are marked to be seen again and again.
+                self.loops |= range.is_some();
+            }
+        }
+        None
     }
 
     /// The next of the offered speeds.
@@ -123,40 +133,39 @@ impl Playback {
         FrameRange { first: range.first.min(end), last: range.last.min(end) }
     }
 
-    /// What is to be shown now, if the pictures of some frames are there. `here` is the frame on the screen: the
+    /// The frame to be shown now, if the pictures of some frames are there. `here` is the frame on the screen: the
     /// user may have gone elsewhere, and the film goes on from there.
-    pub(crate) fn cue(
+    pub(crate) fn due(
         &mut self,
         here: usize,
         count: usize,
         rate: f64,
         now: f64,
         is_there: impl Fn(usize) -> bool,
-    ) -> Cue {
+    ) -> Option<usize> {
         let played = self.played(count);
-        let Some(film) = &mut self.film else { return Cue::Wait };
+        let film = self.film.as_mut()?;
         if here != film.shown {
-            *film = Film { from: here, since: now, shown: here };
+            *film = RunningFilm { from: here, since: now, shown: here };
         }
         if !is_there(here) {
             // Time does not run before its picture is on the screen.
             (film.from, film.since) = (here, now);
-            return Cue::Wait;
+            return None;
         }
         let passed = passed(*film, rate * self.speed, now);
         if passed == 0 {
-            return Cue::Wait;
+            return None;
         }
         if !self.loops && film.from.max(played.first) + passed > played.last {
             self.film = None;
-            return Cue::End(played.last);
+            return Some(played.last);
         }
         // The newest picture that is there, of those that are due.
         let due = (1..=passed.min(played.count())).map(|back| wrapped(film.from, passed + 1 - back, played));
         let found = due.take_while(|frame| *frame != film.shown).find(|frame| is_there(*frame));
-        let Some(frame) = found else { return Cue::Wait };
-        film.shown = frame;
-        Cue::Show(frame)
+        film.shown = found?;
+        found
     }
 
     /// Seconds until the next frame is due; `None` while nothing is played.
@@ -180,7 +189,7 @@ impl Playback {
 }
 
 /// Frames that have passed since the film was started or went on.
-fn passed(film: Film, rate: f64, now: f64) -> usize {
+fn passed(film: RunningFilm, rate: f64, now: f64) -> usize {
     // A whole frame is not short of one by a rounding error.
     ((now - film.since) * rate + 1e-6).max(0.0) as usize
 }
@@ -202,10 +211,7 @@ mod tests {
         times
             .iter()
             .map(|now| {
-                match playback.cue(here, count, RATE, *now, |_| true) {
-                    Cue::Show(frame) | Cue::End(frame) => here = frame,
-                    Cue::Wait => {}
-                }
+                here = playback.due(here, count, RATE, *now, |_| true).unwrap_or(here);
                 here
             })
             .collect()
@@ -231,12 +237,12 @@ mod tests {
     fn pictures_that_come_too_late_are_left_out() {
         let mut playback = Playback::default();
         playback.start(0, 100, 0.0);
-        assert_eq!(playback.cue(0, 100, RATE, 0.5, |frame| frame == 0 || frame > 5), Cue::Wait);
+        assert_eq!(playback.due(0, 100, RATE, 0.5, |frame| frame == 0 || frame > 5), None);
         assert_eq!(playback.due_in(0.1, 100, RATE, 0.5), Some(7));
-        assert_eq!(playback.cue(0, 100, RATE, 0.8, |frame| frame == 0 || frame == 7), Cue::Show(7));
+        assert_eq!(playback.due(0, 100, RATE, 0.8, |frame| frame == 0 || frame == 7), Some(7));
         // The user goes elsewhere: the film goes on from there, once its picture is there.
-        assert_eq!(playback.cue(50, 100, RATE, 0.9, |_| false), Cue::Wait);
-        assert_eq!(playback.cue(50, 100, RATE, 1.9, |_| true), Cue::Show(60));
+        assert_eq!(playback.due(50, 100, RATE, 0.9, |_| false), None);
+        assert_eq!(playback.due(50, 100, RATE, 1.9, |_| true), Some(60));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use backlit_ui::style::theme::{size, space, title};
 use backlit_ui::widgets::{card, primary_button};
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
-use crate::context::{Request, Requests};
+use crate::context::{DesktopRequest, Requests, ShellRequest};
 
 /// The report whose method this is.
 const CITATION: &str = "P. Kaimakis, “Markerless Motion Capture”, University of Cambridge, 2004.";
@@ -41,10 +41,10 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.label(CITATION);
         ui.horizontal(|ui| {
             if text_button(ui, "Copy citation", "As it stands above") {
-                requests.request(Request::Copy("citation", CITATION.to_owned()));
+                requests.request(ShellRequest::Copy("citation", CITATION.to_owned()));
             }
             if text_button(ui, "Copy BibTeX", BIBTEX) {
-                requests.request(Request::Copy("BibTeX entry", BIBTEX.to_owned()));
+                requests.request(ShellRequest::Copy("BibTeX entry", BIBTEX.to_owned()));
             }
         });
         ui.add_space(space::GROUP);
@@ -53,7 +53,7 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.add_space(space::ROW);
         for (text, address) in LINKS {
             if ui.link(text).on_hover_text(address).clicked() {
-                requests.request(Request::OpenOutside(address.to_owned()));
+                requests.request(DesktopRequest::OpenOutside(address.to_owned()));
             }
         }
         ui.add_space(space::GROUP);
@@ -61,7 +61,7 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
             close = primary_button(ui, "Close").clicked();
             let system = format!("{version}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
             if text_button(ui, "Copy version", &system) {
-                requests.request(Request::Copy("version", format!("Backlit {}", system.to_lowercase())));
+                requests.request(ShellRequest::Copy("version", format!("Backlit {}", system.to_lowercase())));
             }
         });
     });

@@ -14,7 +14,7 @@ use super::docking::Docking;
 use crate::context::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, PaneEvent, Requests, ShellRequest};
 use crate::features::Features;
 use crate::features::camera_views::Place;
 
@@ -81,10 +81,10 @@ pub(crate) fn ui(
             if let Some(pointer) = ui.input(|input| input.pointer.latest_pos()) {
                 snap(&before, &mut tree, pointer);
             }
-            requests.request(Request::Arrange(Box::new(tree)));
+            requests.request(ShellRequest::Arrange(Box::new(tree)));
         }
         Some(EditAction::TileDropped | EditAction::TabSelected) => {
-            requests.request(Request::Arrange(Box::new(tree)));
+            requests.request(ShellRequest::Arrange(Box::new(tree)));
         }
         Some(EditAction::TileDragged) | None => {}
     }
@@ -111,21 +111,12 @@ fn contents(
     let mut dragged = false;
     ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
-        if !matches!(pane, Pane::Camera(_)) {
+        if let Pane::Camera(camera) = pane {
+            let place = Place { camera, is_alone: docking.alone == Some(pane), siblings };
+            dragged = features.camera_views.pane(ui, context, place, requests);
+        } else if let Some(feature) = features.of_pane(pane) {
             dragged = handle(ui, rect, pane, requests);
-        }
-        match pane {
-            Pane::Camera(camera) => {
-                let place = Place { camera, is_alone: docking.alone == Some(pane), siblings };
-                dragged = features.camera_views.pane(ui, context, place, requests);
-            }
-            Pane::Scene => features.scene.pane(ui, context, siblings, requests),
-            Pane::Convergence => features.convergence.pane(ui, context, siblings, requests),
-            Pane::Basin => features.basin.pane(ui, context, siblings, requests),
-            Pane::Motions => features.motions.pane(ui, context, siblings, requests),
-            Pane::Beginnings => features.beginnings.pane(ui, context, siblings, requests),
-        }
-        if !matches!(pane, Pane::Camera(_)) {
+            feature.pane(ui, context, siblings, requests);
             header_buttons(ui, rect, pane, docking.alone == Some(pane), requests);
         }
     });
@@ -138,7 +129,7 @@ fn handle(ui: &Ui, rect: Rect, pane: Pane, requests: &mut Requests) -> bool {
     let response = ui.interact(header, ui.scope_id().with("handle"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", pane.title())));
     if response.double_clicked() {
-        requests.request(Request::Pane(pane, PaneEvent::ToggleAlone));
+        requests.request(ShellRequest::Pane(pane, PaneEvent::ToggleAlone));
     }
     response.drag_started()
 }
@@ -153,13 +144,13 @@ fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, requests:
         ui.spacing_mut().item_spacing.x = 0.0;
         let tooltip = if is_alone { "Back to all tiles" } else { "Fill the window with this tile" };
         if icon_button(ui, Icon::Expand, &format!("Expand {title}"), tooltip).clicked() {
-            requests.request(Request::Pane(pane, PaneEvent::ToggleAlone));
+            requests.request(ShellRequest::Pane(pane, PaneEvent::ToggleAlone));
         }
         let more = icon_button(ui, Icon::More, &format!("More for {title}"), "More");
         Popup::menu(&more).show(|ui| {
             let close = ui.add(Button::new("Close tile"));
             if close.on_hover_text("The View menu opens it again").clicked() {
-                requests.request(Request::Pane(pane, PaneEvent::Close));
+                requests.request(ShellRequest::Pane(pane, PaneEvent::Close));
             }
         });
     });
@@ -197,7 +188,7 @@ fn strip_of_cameras(
                 ui.painter().hline(line.x_range(), line.bottom(), Stroke::new(2.0, palette.text));
             }
             if response.on_hover_text(format!("Show camera {}", camera + 1)).clicked() {
-                requests.request(Request::Camera(camera));
+                requests.request(ShellRequest::Camera(camera));
             }
         }
         let text =
@@ -274,7 +265,7 @@ impl Behavior<Pane> for Dock<'_> {
         if let Some(pane) = tiles.get_pane(&tile_id)
             && response.double_clicked()
         {
-            self.requests.request(Request::Pane(*pane, PaneEvent::ToggleAlone));
+            self.requests.request(ShellRequest::Pane(*pane, PaneEvent::ToggleAlone));
         }
         response
     }

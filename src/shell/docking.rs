@@ -1,4 +1,4 @@
-//! Tiles of the centre: arranging them, opening and closing, one alone in the window.
+//! Tiles of the centre: arranging them, opening and closing, one alone in the tiles.
 
 use egui::Vec2;
 
@@ -27,8 +27,8 @@ impl Default for Docking {
     }
 }
 
-/// What the tiles are arranged in.
-pub(crate) struct Window<'a> {
+/// What the docking changes besides itself.
+pub(crate) struct Tiles<'a> {
     pub(crate) preferences: &'a mut Preferences,
     pub(crate) selection: &'a mut Selection,
     pub(crate) session: &'a Session,
@@ -44,62 +44,62 @@ impl Docking {
     }
 
     /// Does what the user asked of a tile.
-    pub(crate) fn pane_event(&mut self, window: &mut Window<'_>, pane: Pane, event: PaneEvent) {
-        let mut tree = self.arrangement(window.preferences, window.session);
+    pub(crate) fn pane_event(&mut self, tiles: &mut Tiles<'_>, pane: Pane, event: PaneEvent) {
+        let mut tree = self.arrangement(tiles.preferences, tiles.session);
         match event {
             PaneEvent::ToggleAlone => {
                 self.alone = if self.alone == Some(pane) { None } else { Some(pane) };
                 if let Pane::Camera(camera) = pane {
-                    self.make_active(window, camera);
+                    self.make_active(tiles, camera);
                 }
             }
             PaneEvent::Open => {
                 arrangement::open(&mut tree, pane);
-                window.arrange(tree);
+                tiles.arrange(tree);
                 self.alone = None;
             }
             PaneEvent::Close => {
                 arrangement::close(&mut tree, pane);
-                window.arrange(tree);
+                tiles.arrange(tree);
                 self.alone = self.alone.filter(|alone| *alone != pane);
             }
         }
     }
 
     /// Opens a pane, or closes it.
-    pub(crate) fn toggle_pane(&mut self, window: &mut Window<'_>, pane: Pane) {
-        let is_open = window.preferences.is_open(pane, window.session.camera_count());
-        self.pane_event(window, pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
+    pub(crate) fn toggle_pane(&mut self, tiles: &mut Tiles<'_>, pane: Pane) {
+        let is_open = tiles.preferences.is_open(pane, tiles.session.camera_count());
+        self.pane_event(tiles, pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
     }
 
     /// Makes a camera's tile the active one, and shows it where it was hidden.
-    pub(crate) fn make_active(&mut self, window: &mut Window<'_>, camera: usize) {
+    pub(crate) fn make_active(&mut self, tiles: &mut Tiles<'_>, camera: usize) {
         if !self.pair.contains(&camera) {
-            let other = usize::from(self.pair[0] == window.selection.camera);
+            let other = usize::from(self.pair[0] == tiles.selection.camera);
             self.pair[other] = camera;
         }
         if matches!(self.alone, Some(Pane::Camera(_))) {
             self.alone = Some(Pane::Camera(camera));
         }
-        window.selection.camera = camera;
-        let kept = window.preferences.kept.get(window.preferences.layout, window.session.camera_count());
+        tiles.selection.camera = camera;
+        let kept = tiles.preferences.kept.get(tiles.preferences.layout, tiles.session.camera_count());
         if let Some(kept) = kept {
             let mut tree = kept.clone();
             arrangement::open(&mut tree, Pane::Camera(camera));
             if tree != *kept {
-                window.arrange(tree);
+                tiles.arrange(tree);
             }
         }
     }
 
     /// Shows another camera in the tile of one.
-    pub(crate) fn switch_camera(&mut self, window: &mut Window<'_>, from: usize, to: usize) {
+    pub(crate) fn switch_camera(&mut self, tiles: &mut Tiles<'_>, from: usize, to: usize) {
         if let Some(place) = self.pair.iter().position(|camera| *camera == from)
             && !self.pair.contains(&to)
         {
             self.pair[place] = to;
         }
-        self.make_active(window, to);
+        self.make_active(tiles, to);
     }
 
     /// Whether a tile is being dragged: Esc is its own then.
@@ -116,7 +116,7 @@ impl Docking {
     }
 }
 
-impl Window<'_> {
+impl Tiles<'_> {
     /// The user has arranged the tiles.
     pub(crate) fn arrange(&mut self, tree: Arrangement) {
         self.preferences.kept.set(self.preferences.layout, self.session.camera_count(), tree);

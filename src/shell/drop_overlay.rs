@@ -1,27 +1,24 @@
 //! What will happen to the files that are over the window.
 
-use std::path::PathBuf;
-
 use backlit_take::dropped::Dropped;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::Icon;
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 
-/// The files over the window, and what they are.
-#[derive(Debug)]
-pub(crate) struct Hovering {
-    pub(crate) paths: Vec<PathBuf>,
-    pub(crate) dropped: Dropped,
-}
+use crate::context::Context;
 
 /// How far the window is dimmed.
 const DIM: f32 = 0.6;
 /// From the window's edge to the frame.
 const INSET: f32 = 10.0;
 
-/// The card in the middle of the dimmed window.
-pub(crate) fn ui(ui: &Ui, what: &str, name: &str, is_possible: bool) {
+/// Says what will happen, over everything: a card in the middle of the dimmed window.
+pub(crate) fn ui(ui: &Ui, context: &Context<'_>, dropped: &Dropped) {
+    let (what, name) = dropped.explanation(context.selection.frame);
+    let lacks_take = dropped.needs_take() && context.session.take.is_none();
+    let is_possible = !lacks_take && !matches!(dropped, Dropped::Unknown(..));
+    let what = if lacks_take { "Open a take first".to_owned() } else { what };
     let palette = theme::palette(ui);
     let window = ui.ctx().content_rect();
     let layer = egui::LayerId::new(Order::Foreground, Id::unique("drop dim"));
@@ -44,7 +41,7 @@ pub(crate) fn ui(ui: &Ui, what: &str, name: &str, is_possible: bool) {
                     let (rect, _) = ui.allocate_exact_size(egui::vec2(20.0, 20.0), Sense::hover());
                     Icon::Warning.paint(ui.painter(), rect, palette.error);
                 }
-                ui.label(RichText::new(what).text_style(theme::title()).color(palette.text));
+                ui.label(RichText::new(&what).text_style(theme::title()).color(palette.text));
                 ui.label(RichText::new(name).color(palette.text2));
             });
         });

@@ -10,13 +10,13 @@ use backlit_ui::widgets::checkbox;
 use egui::Ui;
 
 use crate::context::command::{
-    Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand, LaboratoryCommand,
-    Menu, Part, PoseCommand, TimelineCommand, ViewCommand, WindowCommand,
+    BodyPart, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+    LaboratoryCommand, Menu, PoseCommand, TimelineCommand, ViewCommand, WindowCommand,
 };
 use crate::context::command_button::menu_row;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, PaneEvent, Requests, ShellRequest};
 
 /// All menus in a row, or one menu of menus where there is little room.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {
@@ -93,7 +93,7 @@ fn begins_group(command: Command) -> bool {
             )
             | Command::View(V::FitSubject | V::LinkZoom | V::Mode(ViewMode::Footage))
             | Command::View(V::Compare(Comparison::Wipe) | V::CameraAlone(0))
-            | Command::Fit(Fit::EarlierStep | Fit::Refit(Part::Limb) | Fit::SearchPoses)
+            | Command::Fit(Fit::EarlierStep | Fit::Refit(BodyPart::Limb) | Fit::SearchPoses)
             | Command::Fit(Fit::Renderer(RendererKind::Capsule) | Fit::Preset(Preset::Report))
             | Command::Convergence(ConvergenceCommand::ClearRuns)
             | Command::Timeline(T::SetKeyPose | T::PreviousFrame | T::Play | T::WholeTake)
@@ -119,7 +119,7 @@ fn panes(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
             let mut is_open = context.preferences.is_open(pane, cameras);
             if checkbox(ui, &mut is_open, &pane.title()).on_hover_text(pane.explanation()).changed() {
                 let event = if is_open { PaneEvent::Open } else { PaneEvent::Close };
-                requests.request(Request::Pane(pane, event));
+                requests.request(ShellRequest::Pane(pane, event));
             }
         }
     });

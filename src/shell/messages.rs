@@ -6,10 +6,10 @@ use backlit_ui::widgets::{Icon, card, primary_button};
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::notices::{Notices, Severity};
-use crate::context::{Request, Requests};
+use crate::context::{Requests, ShellRequest};
 
 /// Shows all messages, the newest first, and says whether they stay open.
-pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requests) -> bool {
+pub(crate) fn messages(ui: &Ui, notices: &Notices, requests: &mut Requests) -> bool {
     let mut close = false;
     let modal = card(ui.ctx(), "messages").show(ui.ctx(), |ui| {
         let palette = theme::palette(ui);
@@ -25,7 +25,7 @@ pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requ
                     let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, size::ROW), Sense::hover());
                     mark.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, word));
                     icon.paint_scaled(ui.painter(), rect, colour, 0.85);
-                    let age = RichText::new(age(now - notice.said)).monospace().color(palette.text3);
+                    let age = RichText::new(age(notices.now - notice.said)).monospace().color(palette.text3);
                     ui.allocate_ui_with_layout(
                         vec2(84.0, size::ROW),
                         Direction::left_to_right(Align::Center),
@@ -45,7 +45,7 @@ pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requ
             let copy = Button::new("Copy all").min_size(vec2(0.0, size::BUTTON));
             if ui.add_enabled(!notices.all().is_empty(), copy).clicked() {
                 let texts: Vec<&str> = notices.all().iter().map(|notice| notice.text.as_str()).collect();
-                requests.request(Request::Copy("messages", texts.join("\n")));
+                requests.request(ShellRequest::Copy("messages", texts.join("\n")));
             }
         });
     });

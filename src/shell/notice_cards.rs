@@ -9,7 +9,7 @@ use egui::{
 
 use crate::context::command::{Command, HistoryCommand, WindowCommand};
 use crate::context::notices::{Notice, Severity};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, ShellRequest};
 
 /// The cards, upwards from the corner `bottom_right`. Returns the cards under the pointer.
 pub(crate) fn ui(
@@ -63,13 +63,13 @@ fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
             icon.paint(ui.painter(), rect, colour);
             ui.with_layout(Direction::right_to_left(Align::Min), |ui| {
                 if icon_button(ui, Icon::Close, "Close notice", "Close").clicked() {
-                    requests.request(Request::CloseNotice(notice.id));
+                    requests.request(ShellRequest::CloseNotice(notice.id));
                 }
                 if let Some(command) = notice.command
                     && ui.add(Button::new(word(command)).min_size(vec2(0.0, size::BUTTON))).clicked()
                 {
                     requests.run(command);
-                    requests.request(Request::CloseNotice(notice.id));
+                    requests.request(ShellRequest::CloseNotice(notice.id));
                 }
                 ui.with_layout(Direction::left_to_right(Align::Min), |ui| {
                     let text = egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap();

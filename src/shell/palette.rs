@@ -6,7 +6,7 @@ use backlit_ui::widgets::{search_card, search_field};
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, WindowCommand};
-use crate::context::{Context, Request, Requests, unavailable};
+use crate::context::{Context, Requests, ShellRequest, unavailable};
 use crate::shell::matching::fuzzy;
 
 /// Width of the card.
@@ -27,7 +27,7 @@ pub(crate) struct Palette {
 
 /// A command that fits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Found {
+struct Match {
     command: Command,
     /// Whether it stands among those that were used lately, above all others.
     is_recent: bool,
@@ -65,7 +65,7 @@ impl Palette {
             });
         });
         if let Some(command) = chosen.filter(|command| unavailable(*command, context).is_none()) {
-            requests.request(Request::Used(command));
+            requests.request(ShellRequest::Used(command));
             requests.run(command);
             return false;
         }
@@ -114,14 +114,14 @@ fn row(ui: &mut Ui, context: &Context<'_>, command: Command, is_marked: bool, sc
 
 /// The commands that fit what was typed, the best first. Where nothing is typed: those that were used lately, then all
 /// others in the order of the menus.
-fn matching(text: &str, used: &[String]) -> Vec<Found> {
+fn matching(text: &str, used: &[String]) -> Vec<Match> {
     let commands = || Command::all().filter(|command| *command != Command::Window(WindowCommand::Palette));
     let is_used = |command: Command| used.iter().any(|name| name == command.text());
     if text.trim().is_empty() {
         let recent = used.iter().filter_map(|name| commands().find(|command| command.text() == name));
-        let recent = recent.map(|command| Found { command, is_recent: true });
+        let recent = recent.map(|command| Match { command, is_recent: true });
         let rest = commands().filter(|command| !is_used(*command));
-        return recent.chain(rest.map(|command| Found { command, is_recent: false })).collect();
+        return recent.chain(rest.map(|command| Match { command, is_recent: false })).collect();
     }
     let words: Vec<String> = text.to_lowercase().split_whitespace().map(str::to_owned).collect();
     let score = |command: Command| {
@@ -132,8 +132,8 @@ fn matching(text: &str, used: &[String]) -> Vec<Found> {
         let lately = if is_used(command) { USED_LATELY } else { 0 };
         Some(named.or_else(explained)? + lately)
     };
-    let mut found: Vec<(i32, Found)> = commands()
-        .filter_map(|command| Some((score(command)?, Found { command, is_recent: false })))
+    let mut found: Vec<(i32, Match)> = commands()
+        .filter_map(|command| Some((score(command)?, Match { command, is_recent: false })))
         .collect();
     // Letters that are scattered over a long name are chance, where others fit well.
     let best = found.iter().map(|(score, _)| *score).max().unwrap_or(0);

@@ -7,7 +7,7 @@ use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Icon, icon_button};
 use egui::{Id, RichText, Ui};
 
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, DesktopRequest, Requests, ShellRequest};
 
 /// How long it is believed that a file is still there, in seconds: asking may take time on some disks.
 const BELIEVED: f64 = 5.0;
@@ -47,10 +47,10 @@ pub(crate) fn rows(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, 
             shown.inner
         };
         if opens {
-            requests.request(Request::OpenPath(path.clone()));
+            requests.request(DesktopRequest::OpenPath(path.clone()));
         }
         if forgets {
-            requests.request(Request::ForgetRecent(path.clone()));
+            requests.request(ShellRequest::ForgetRecent(path.clone()));
         }
         is_chosen |= opens;
     }

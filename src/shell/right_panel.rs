@@ -57,8 +57,5 @@ fn sections(
     features.fit.solver_section(ui, context, requests, !posing, |ui, requests| {
         tracking_choices::ui(ui, context, requests);
     });
-    let debugging = layout == Layout::Debug;
-    features.observability.section(ui, context, requests, debugging);
-    features.observability.subsets_section(ui, context, requests, debugging);
-    features.basin.section(ui, context, requests, false);
+    features.all_mut().for_each(|feature| feature.sections(ui, context, requests));
 }

@@ -54,26 +54,14 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     if let Some(doing) = context.doing {
         return doing.to_owned();
     }
-    if let Some(sentence) = features.tracking.sentence() {
-        return sentence;
-    }
-    if context.busy.opening {
+    if context.busy.opening && !context.busy.tracking {
         return "Opening the take…".to_owned();
     }
     if session.take.is_none() {
         return "Open a take, or drop its folder anywhere.".to_owned();
     }
-    if context.busy.fitting {
-        return "The fit is running. Esc stops it; all steps stay.".to_owned();
-    }
-    if let Some(progress) = features.basin.progress() {
-        return format!("Running the basin: {progress}. Esc stops it; what is done stays.");
-    }
-    if let Some(sentence) = features.beginnings.sentence() {
+    if let Some(sentence) = features.all().find_map(|feature| feature.sentence(context)) {
         return sentence;
-    }
-    if context.preferences.layout == Layout::Demonstrate {
-        return features.laboratory.sentence();
     }
     if let Some(step) = context.selection.step {
         let steps = context.runs().get(step.run).map_or(0, Run::last_step);

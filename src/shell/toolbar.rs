@@ -14,7 +14,7 @@ use crate::context::command::{
 };
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
-use crate::context::{Context, Request, Requests, preset_box};
+use crate::context::{Context, Requests, ShellRequest, preset_box};
 use crate::features::Features;
 use crate::features::fit::renderer;
 
@@ -57,7 +57,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
             let mut layout = context.preferences.layout;
             if segmented(ui, &mut layout, &Layout::ALL).changed() {
-                requests.request(Request::Layout(layout));
+                requests.request(ShellRequest::Layout(layout));
             }
         });
     });

@@ -62,17 +62,17 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     let opening = Opening::Take(TakeSource::BuiltIn);
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), opening);
     set_starts(&mut harness, "5 40", "0 20");
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     settings.starts = 2;
     settings.seed = 7;
-    harness.state_mut().set_basin(settings);
-    let fit = (*harness.state().document().fit).clone();
+    harness.state_mut().inspector.features.basin.set(settings);
+    let fit = (*harness.state().inspector.document().fit).clone();
     click(&mut harness, "Run starts");
-    let found = harness.state().basin().results.angles.as_ref().unwrap().report.clone();
+    let found = harness.state().inspector.features.basin.results.angles.as_ref().unwrap().report.clone();
     harness.get_by_label("The basin is done: 4 fits.");
 
     let state = harness.state();
-    let footage = state.session().take.as_ref().unwrap();
+    let footage = state.inspector.state.session.take.as_ref().unwrap();
     let take = backlit_formats::Footage::new(backlit_take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
     let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
@@ -98,36 +98,43 @@ fn what_is_typed_wrong_is_said_and_nothing_runs() {
     harness.get_by_label_contains("“many” is not a number");
     click(&mut harness, "Run starts");
     assert!(
-        harness.state().basin().results.angles.is_none() && harness.state().basin().results.running.is_none()
+        harness.state().inspector.features.basin.results.angles.is_none()
+            && harness.state().inspector.features.basin.results.running.is_none()
     );
-    assert!(harness.state().basin().problem.as_ref().unwrap().to_string().contains("many"));
+    assert!(harness.state().inspector.features.basin.problem.as_ref().unwrap().to_string().contains("many"));
 }
 
 #[test]
 fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 10 20 30 45", "0");
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     settings.starts = 500;
-    harness.state_mut().set_basin(settings);
+    harness.state_mut().inspector.features.basin.set(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
     let begun = std::time::Instant::now();
     let done = |harness: &Harness<'_, App>| {
-        harness.state().basin().results.running.map_or(0, |running| running.done)
+        harness.state().inspector.features.basin.results.running.map_or(0, |running| running.done)
     };
     while done(&harness) < 10 {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
     }
     harness.get_by_role_and_label(Role::Button, "Step").click();
-    while harness.state().runs().first().is_none_or(|run| run.steps.len() < 2 || run.ending.is_some()) {
+    while harness
+        .state()
+        .inspector
+        .runs()
+        .first()
+        .is_none_or(|run| run.steps.len() < 2 || run.ending.is_some())
+    {
         assert!(begun.elapsed() < PATIENCE, "the step does not come");
         harness.step();
     }
-    assert!(harness.state().basin().results.running.is_some(), "the basin goes on");
+    assert!(harness.state().inspector.features.basin.results.running.is_some(), "the basin goes on");
     harness.get_all_by_role_and_label(Role::Button, "Cancel basin").next().unwrap().click();
     settle(&mut harness);
-    let result = harness.state().basin().results.angles.as_ref().unwrap();
+    let result = harness.state().inspector.features.basin.results.angles.as_ref().unwrap();
     let tried: usize = result.report.choices[0].levels.iter().map(|level| level.tried).sum();
     assert!((10..2500).contains(&tried), "{tried}");
     harness.get_by_label_contains("The basin was stopped after");
@@ -137,12 +144,12 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
 fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 45", "0");
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     settings.starts = 500;
-    harness.state_mut().set_basin(settings);
+    harness.state_mut().inspector.features.basin.set(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
     let begun = std::time::Instant::now();
-    let running = |harness: &Harness<'_, App>| harness.state().basin().results.running;
+    let running = |harness: &Harness<'_, App>| harness.state().inspector.features.basin.results.running;
     while running(&harness).is_none_or(|running| running.done < 3) {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
@@ -152,7 +159,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     assert!(harness.query_by_label_contains("Partial: ").is_none(), "more is to come");
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(running(&harness).is_none());
-    let done = harness.state().basin().results.angles.as_ref().unwrap().fits().done;
+    let done = harness.state().inspector.features.basin.results.angles.as_ref().unwrap().fits().done;
     assert!((3..1000).contains(&done), "{done}");
     let partial = format!("Partial: {done} of 1\u{2009}000 fits");
     harness.get_by_label(&partial);
@@ -160,7 +167,10 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let folder = tempfile::tempdir().unwrap();
     let path = |kind: FileKind| folder.path().join(format!("part.{}", kind.extension()));
     for kind in FileKind::ALL {
-        harness.state_mut().export_basin_to(kind, &path(kind));
+        harness
+            .state_mut()
+            .inspector
+            .ask(|features, context, requests| features.basin.write(kind, &path(kind), context, requests));
         settle(&mut harness);
     }
     let numbers: serde_json::Value =
@@ -172,7 +182,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let table = std::fs::read_to_string(path(FileKind::Csv)).unwrap();
     assert_eq!(table.lines().count(), 1001);
     assert_eq!(table.lines().filter(|line| line.ends_with(",,")).count(), 1000 - done);
-    let figure = harness.state().basin().results.angles.as_ref().unwrap().figure();
+    let figure = harness.state().inspector.features.basin.results.angles.as_ref().unwrap().figure();
     assert!(figure.subtitle.starts_with(&partial), "{}", figure.subtitle);
 }
 
@@ -181,19 +191,19 @@ fn what_is_chosen_is_there_at_the_next_start() {
     let mut harness = open_arm();
     set_starts(&mut harness, "7 21", "3");
     click(&mut harness, "Compare with…");
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     settings.directions[1].joint = Some("right forearm".to_owned());
     (settings.starts, settings.seed, settings.cells, settings.only_held) = (33, 9, 7, true);
-    harness.state_mut().set_basin(settings.clone());
+    harness.state_mut().inspector.features.basin.set(settings.clone());
     harness.step();
-    let kept = serde_json::to_string(&harness.state().settings()).unwrap();
+    let kept = serde_json::to_string(&harness.state().inspector.settings()).unwrap();
     drop(harness);
 
     let look: Settings = serde_json::from_str(&kept).unwrap();
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let options = AppOptions { settings: look, opening, ..AppOptions::default() };
     let mut harness = open_sized(options, vec2(1500.0, 1000.0));
-    assert_eq!(harness.state().settings().basin.settings, settings);
+    assert_eq!(harness.state().inspector.settings().basin.settings, settings);
     click(&mut harness, "Pose");
     click(&mut harness, "Refit");
     click(&mut harness, "Basin");
@@ -205,7 +215,7 @@ fn what_is_chosen_is_there_at_the_next_start() {
 #[test]
 fn the_windows_map_is_the_commands() {
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), Opening::Take(TakeSource::BuiltIn));
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Cylinder };
     settings.compared = vec![report];
     settings.reference = Reference::Truth;
@@ -213,9 +223,9 @@ fn the_windows_map_is_the_commands() {
     let direction = |joint: &str, angle| MapDirection { joint: Some(joint.to_owned()), angle };
     settings.directions =
         [direction("right forearm", Angle::Flexion), direction("right upper arm", Angle::Sideways)];
-    harness.state_mut().set_basin(settings);
+    harness.state_mut().inspector.features.basin.set(settings);
     click(&mut harness, "Run map");
-    let map = harness.state().basin().results.map.clone().unwrap();
+    let map = harness.state().inspector.features.basin.results.map.clone().unwrap();
     assert!(map.fits().is_whole());
 
     let folder = tempfile::tempdir().unwrap();
@@ -257,33 +267,33 @@ fn the_windows_map_is_the_commands() {
 
 /// Runs a small map about the take's start.
 fn run_map(harness: &mut Harness<'_, App>) {
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     settings.cells = 7;
-    harness.state_mut().set_basin(settings);
+    harness.state_mut().inspector.features.basin.set(settings);
     click(harness, "Run map");
 }
 
 #[test]
 fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
     let mut harness = open_arm();
-    let mut settings = harness.state().settings().basin.settings.clone();
+    let mut settings = harness.state().inspector.settings().basin.settings.clone();
     for direction in &mut settings.directions {
         direction.joint = Some("right forearm".to_owned());
     }
-    harness.state_mut().set_basin(settings);
+    harness.state_mut().inspector.features.basin.set(settings);
     run_map(&mut harness);
-    let map = harness.state().basin().results.map.clone().unwrap();
+    let map = harness.state().inspector.features.basin.results.map.clone().unwrap();
     assert_eq!(map.directions[0], "right forearm, flexion");
     assert_eq!(map.cells.iter().flatten().count(), 49);
     assert_eq!(map.cell(0, [3, 3]).unwrap().error_mm, 0.0);
-    let before = harness.state().document().pose_at(0).clone();
+    let before = harness.state().inspector.document().pose_at(0).clone();
     let cell = harness.get_by_label_contains("Start 20°, 40°: from");
     cell.click();
     settle(&mut harness);
-    let taken = harness.state().document().pose_at(0).clone();
+    let taken = harness.state().inspector.document().pose_at(0).clone();
     assert_eq!(taken, map.options.start(&map.frame, [4, 5]).normalized());
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().document().pose_at(0), before);
+    assert_eq!(*harness.state().inspector.document().pose_at(0), before);
 }
 
 #[test]
@@ -298,7 +308,10 @@ fn results_are_written_as_tables_pictures_and_numbers() {
         settle(&mut harness);
         for kind in FileKind::ALL {
             let path = folder.path().join(format!("{view}.{}", kind.extension()));
-            harness.state_mut().export_basin_to(kind, &path);
+            harness
+                .state_mut()
+                .inspector
+                .ask(|features, context, requests| features.basin.write(kind, &path, context, requests));
             settle(&mut harness);
             assert!(path.is_file(), "{}", path.display());
         }
@@ -308,14 +321,14 @@ fn results_are_written_as_tables_pictures_and_numbers() {
         assert!(numbers.starts_with("{\n  \"format\": \"backlit-experiment 1\""), "{numbers:.80}");
         assert!(image::open(folder.path().join(format!("{view}.png"))).unwrap().width() > 400);
     }
-    assert_eq!(harness.state().settings().basin.view, BasinView::Map);
+    assert_eq!(harness.state().inspector.settings().basin.view, BasinView::Map);
 }
 
 /// The pane alone.
 fn pane(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, name: &str) {
-    harness.state_mut().close_notices();
+    harness.state_mut().inspector.state.notices.close_all();
     for _ in 0..3 {
-        harness.state_mut().freeze_times();
+        harness.state_mut().inspector.freeze_times();
         harness.step();
     }
     let header = harness.get_by_label("Basin header").rect();
@@ -360,9 +373,9 @@ fn the_section_does_not_widen_the_panel() {
         for _ in 0..2 {
             click(&mut harness, "Compare with…");
         }
-        let mut settings = harness.state().settings().basin.settings.clone();
+        let mut settings = harness.state().inspector.settings().basin.settings.clone();
         settings.directions[0].joint = Some("right upper arm".to_owned());
-        harness.state_mut().set_basin(settings);
+        harness.state_mut().inspector.features.basin.set(settings);
         settle(&mut harness);
         assert_eq!(left(&harness), before, "{width}");
     }

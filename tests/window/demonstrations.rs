@@ -1,6 +1,6 @@
 //! Every demonstration through the real window, from the menu to what is to be seen.
 
-use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::app::{App, AppOptions, Opening};
 use backlit::features::laboratory::Contestant;
 use backlit_lab::experiment::fig51;
 use backlit_lab::synthetic::upper_body;
@@ -38,14 +38,14 @@ fn error_mm(found: &Pose) -> f64 {
 
 /// The laboratory's fits, each with the last mismatch in percent of the first.
 fn fits(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
-    let comparison = harness.state().laboratory().comparison.as_ref().unwrap();
+    let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     let percent = |fit: &Contestant| (fit.entrant.name, fit.percent(fit.last()).unwrap());
     comparison.contestants.iter().map(percent).collect()
 }
 
 /// How far each of the laboratory's fits ended from the truth, millimetres.
 fn errors_mm(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
-    let comparison = harness.state().laboratory().comparison.as_ref().unwrap();
+    let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     let error = |fit: &Contestant| (fit.entrant.name, error_mm(&fit.steps.last().unwrap().iteration.point));
     comparison.contestants.iter().map(error).collect()
 }
@@ -62,9 +62,9 @@ fn two_clicks_show_the_single_limb_with_all_three_renderers() {
     }
     assert!(fits(&harness)[0].1 > 99.0);
     harness.get_by_label("Why the flat ends lose");
-    assert!(!harness.state().document().has_pose(1));
-    assert!(harness.state().runs().is_empty(), "the laboratory leaves the other layouts alone");
-    let comparison = harness.state().laboratory().comparison.as_ref().unwrap();
+    assert!(!harness.state().inspector.document().has_pose(1));
+    assert!(harness.state().inspector.runs().is_empty(), "the laboratory leaves the other layouts alone");
+    let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     assert_eq!((comparison.last(), comparison.cursor), (25, 25));
 }
 
@@ -76,11 +76,11 @@ fn one_camera_is_fooled_and_two_are_not() {
     let fooled = errors_mm(&harness);
     assert!(fooled.iter().all(|(_, error)| *error > 25.0), "{fooled:?} mm");
     harness.get_by_label_contains("Mean joint errors: ");
-    assert_eq!(harness.state().document().used_cameras().count(), 1);
-    assert_eq!(harness.state().laboratory().camera, 1, "the camera that shows it");
+    assert_eq!(harness.state().inspector.document().used_cameras().count(), 1);
+    assert_eq!(harness.state().inspector.features.laboratory.camera, 1, "the camera that shows it");
 
     click(&mut harness, "Fit with camera 2 too");
-    assert_eq!(harness.state().document().used_cameras().count(), 2);
+    assert_eq!(harness.state().inspector.document().used_cameras().count(), 2);
     let found = errors_mm(&harness);
     assert!(found.iter().zip(&fooled).all(|(two, one)| two.1 < 0.5 * one.1), "{found:?} of {fooled:?} mm");
 
@@ -105,10 +105,10 @@ fn the_thesis_ramp_leaves_the_truth() {
 fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
     let mut harness = open();
     show(&mut harness, "Fig. 5.6");
-    assert_eq!(harness.state().session().frame_count(), 50);
-    assert!(harness.state().runs().is_empty());
+    assert_eq!(harness.state().inspector.state.session.frame_count(), 50);
+    assert!(harness.state().inspector.runs().is_empty());
     click(&mut harness, "Track with Robust");
-    let document = harness.state().document();
+    let document = harness.state().inspector.document();
     assert_eq!(document.estimates.len(), 50);
     assert!(document.estimates.values().all(|found| !found.lost));
 
@@ -116,12 +116,16 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
     let path = folder.path().join("tiny.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    let saved = harness.state().document().clone();
+    let saved = harness.state().inspector.document().clone();
     let again = open_sized(
-        AppOptions { opening: Some(opening_of(&path)), ..AppOptions::default() },
+        AppOptions { opening: Some(Opening::of(&path)), ..AppOptions::default() },
         vec2(1500.0, 900.0),
     );
-    assert_eq!(*again.state().document(), saved, "a project keeps its poses: nothing runs by itself");
+    assert_eq!(
+        *again.state().inspector.document(),
+        saved,
+        "a project keeps its poses: nothing runs by itself"
+    );
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     let wider = header(&harness, "Camera 1").width();
     assert!((wider - first - 70.0).abs() < 2.0, "{first} {wider}");
     assert_fills(&harness);
-    assert!(harness.state().settings().kept.get(Layout::Debug, 2).is_some());
+    assert!(harness.state().inspector.settings().kept.get(Layout::Debug, 2).is_some());
 
     command(&mut harness, "Arrange tiles");
     assert!((header(&harness, "Camera 1").width() - first).abs() < 0.5);
@@ -113,13 +113,14 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     assert!((header(&harness, "Camera 1").width() - wider).abs() < 0.5);
 
     press(&mut harness, Modifiers::COMMAND, Key::B);
-    let before = harness.state().settings();
+    let before = harness.state().inspector.settings();
     command(&mut harness, "Reset layout");
     assert!(
-        harness.state().settings().panel && harness.state().settings().kept.get(Layout::Debug, 2).is_none()
+        harness.state().inspector.settings().panel
+            && harness.state().inspector.settings().kept.get(Layout::Debug, 2).is_none()
     );
     undo_in_notice(&mut harness);
-    let look = harness.state().settings();
+    let look = harness.state().inspector.settings();
     assert_eq!((&look.kept, look.panel), (&before.kept, false));
 }
 
@@ -144,7 +145,7 @@ fn the_arrangement_is_there_at_the_next_start() {
     let split = split_right_of(&harness, "Camera 1");
     drag(&mut harness, split, vec2(-60.0, 0.0));
     let widths = DEBUG_PANES.map(|pane| header(&harness, pane).width());
-    let text = serde_json::to_string(&harness.state().settings()).unwrap();
+    let text = serde_json::to_string(&harness.state().inspector.settings()).unwrap();
     let again = open(serde_json::from_str(&text).unwrap());
     assert_eq!(DEBUG_PANES.map(|pane| header(&again, pane).width()), widths);
     // The other layout has its own.
@@ -172,7 +173,7 @@ fn tiles_are_closed_and_opened_again() {
     click(&mut harness, "More for Scene");
     click(&mut harness, "Close tile");
     assert!(!has(&harness, "Scene") && has(&harness, "Camera 2"));
-    assert!(!harness.state().is_open(Pane::Scene));
+    assert!(!harness.state().inspector.is_open(Pane::Scene));
     command(&mut harness, "Show or hide scene");
     assert_eq!(header(&harness, "Scene"), before, "it comes back to its place");
     for pane in DEBUG_PANES {
@@ -201,12 +202,12 @@ fn any_tile_fills_the_window_and_esc_brings_the_others_back() {
 #[test]
 fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     let mut harness = debug();
-    let orbit = |harness: &Harness<'_, App>| match harness.state().settings().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.state().inspector.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
     let at = header(&harness, "Scene").center_bottom() + vec2(0.0, 250.0);
-    assert_eq!(harness.state().settings().scene.viewpoint, None);
+    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
     drag(&mut harness, at, vec2(60.0, 10.0));
     let turned = orbit(&harness);
     drag_by(&mut harness, PointerButton::Middle, at, vec2(0.0, 40.0));
@@ -223,27 +224,27 @@ fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     harness.run_steps(20);
     assert!(orbit(&harness).distance < panned.distance);
     double_click(&mut harness, at);
-    assert_eq!(harness.state().settings().scene.viewpoint, None);
+    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
 }
 
 #[test]
 fn a_click_on_a_camera_in_the_scene_makes_its_tile_the_active_one() {
     let mut harness = debug();
-    assert_eq!(harness.state().selection().camera, 0);
+    assert_eq!(harness.state().inspector.state.selection.camera, 0);
     click(&mut harness, "Scene camera 2");
-    assert_eq!(harness.state().selection().camera, 1);
+    assert_eq!(harness.state().inspector.state.selection.camera, 1);
     command(&mut harness, "Scene from the active camera");
-    assert_eq!(harness.state().settings().scene.viewpoint, Some(Viewpoint::Camera(1)));
+    assert_eq!(harness.state().inspector.settings().scene.viewpoint, Some(Viewpoint::Camera(1)));
     assert!(harness.query_by_role_and_label(Role::Button, "Scene camera 2").is_none());
 }
 
 #[test]
 fn the_hull_is_carved_for_the_scene() {
     let harness = debug();
-    let session = harness.state().session();
+    let session = &harness.state().inspector.state.session;
     let frame = session.shown_frame(0).unwrap();
-    let hull = harness.state().shown_scene().hulls.get(frame).unwrap().unwrap();
-    let model = &harness.state().document().model;
+    let hull = harness.state().inspector.features.scene.hulls.get(frame).unwrap().unwrap();
+    let model = &harness.state().inspector.document().model;
     let truth = backlit_tracking::body::Kinematics::new(model, &take::truth(model, 0));
     for (start, end) in truth.starts().iter().zip(truth.ends()) {
         for joint in [start, end] {
@@ -256,8 +257,8 @@ fn the_hull_is_carved_for_the_scene() {
     harness.get_by_label_contains("Visual hull ");
     let hidden = ScenePreferences { hull: ShownHull::Hidden, ..ScenePreferences::default() };
     let harness = open(Settings { layout: Layout::Debug, scene: hidden, ..Settings::default() });
-    let session = harness.state().session();
-    let hulls = &harness.state().shown_scene().hulls;
+    let session = &harness.state().inspector.state.session;
+    let hulls = &harness.state().inspector.features.scene.hulls;
     assert!(hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
 }
 
@@ -268,7 +269,7 @@ fn the_scene_in_both_themes() {
         let scene = ScenePreferences { hull: ShownHull::Shell, ..ScenePreferences::default() };
         let mut harness = open(Settings { theme, layout: Layout::Debug, scene, ..Settings::default() });
         for _ in 0..3 {
-            harness.state_mut().freeze_times();
+            harness.state_mut().inspector.freeze_times();
             harness.step();
         }
         let (top, below) = (header(&harness, "Scene"), header(&harness, "Convergence"));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::app::{App, AppOptions, Opening};
 use backlit_formats::pose_file;
 use backlit_tracking::silhouette::Label;
 use backlit_ui::style::theme::Theme;
@@ -31,7 +31,10 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn open(folder: &Path) -> Harness<'static, App> {
-    open_sized(AppOptions { opening: Some(opening_of(folder)), ..AppOptions::default() }, vec2(1300.0, 860.0))
+    open_sized(
+        AppOptions { opening: Some(Opening::of(folder)), ..AppOptions::default() },
+        vec2(1300.0, 860.0),
+    )
 }
 
 #[derive(Debug)]
@@ -62,11 +65,11 @@ fn hover(harness: &mut Harness<'_, App>, path: &Path) {
 }
 
 fn said<'a>(harness: &'a Harness<'_, App>) -> &'a str {
-    harness.state().notices().all().last().map_or("", |notice| notice.text.as_str())
+    harness.state().inspector.state.notices.all().last().map_or("", |notice| notice.text.as_str())
 }
 
 fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
-    let frame = harness.state().session().frames.get(0).unwrap();
+    let frame = harness.state().inspector.state.session.frames.get(0).unwrap();
     frame.cameras[camera].mask.as_ref().unwrap().count(Label::Subject)
 }
 
@@ -74,10 +77,11 @@ fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
 fn a_calibration_replaces_the_cameras_and_is_undone() {
     let folder = folder();
     let mut harness = open(folder.path());
-    let centre =
-        |harness: &Harness<'_, App>| harness.state().session().take.as_ref().unwrap().cameras[0].centre();
+    let centre = |harness: &Harness<'_, App>| {
+        harness.state().inspector.state.session.take.as_ref().unwrap().cameras[0].centre()
+    };
     let before = centre(&harness);
-    let iou = harness.state().session().iou().unwrap();
+    let iou = harness.state().inspector.state.session.iou().unwrap();
     let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
     // The first camera sees through the second one's place.
     let swapped = text.replace("front", "?").replace("above", "front").replace('?', "above");
@@ -86,33 +90,36 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     drop_on(&mut harness, std::slice::from_ref(&path));
     assert_eq!(said(&harness), "The 2 cameras now come from swapped.json.");
     assert!(centre(&harness).distance(before) > 0.5);
-    assert!(harness.state().session().iou().unwrap() < iou, "the body is not where these cameras see it");
+    assert!(
+        harness.state().inspector.state.session.iou().unwrap() < iou,
+        "the body is not where these cameras see it"
+    );
 
     let project = folder.path().join("a.backlit");
     harness.state_mut().save_to(&project);
     settle(&mut harness);
     let saved = read_project(&project).unwrap().document;
-    assert_eq!(saved, *harness.state().document());
+    assert_eq!(saved, *harness.state().inspector.document());
     let again = open(&project);
     assert!(centre(&again).distance(before) > 0.5, "a project brings its cameras");
 
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(centre(&harness).distance(before) < 1e-9);
-    assert!((harness.state().session().iou().unwrap() - iou).abs() < 1e-12);
+    assert!((harness.state().inspector.state.session.iou().unwrap() - iou).abs() < 1e-12);
 }
 
 #[test]
 fn a_calibration_of_another_rig_is_an_error_that_says_what_differs() {
     let folder = folder();
     let mut harness = open(folder.path());
-    let before = harness.state().document().clone();
+    let before = harness.state().inspector.document().clone();
     let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
     let path = folder.path().join("one.json");
     let first = text.find("{\"name\": \"above\"").unwrap();
     std::fs::write(&path, format!("{}]}}", text[..first].trim_end().trim_end_matches(','))).unwrap();
     drop_on(&mut harness, &[path]);
     assert!(said(&harness).contains("one.json: has 1 camera (front); the take has 2 cameras (front, above)"));
-    assert_eq!(*harness.state().document(), before);
+    assert_eq!(*harness.state().inspector.document(), before);
 }
 
 #[test]
@@ -143,27 +150,27 @@ fn silhouettes_replace_those_of_the_frame_and_are_undone() {
 fn poses_bodies_projects_and_takes_are_taken_in() {
     let (folder, other) = (folder(), folder());
     let mut harness = open(folder.path());
-    let model = harness.state().document().model.clone();
+    let model = harness.state().inspector.document().model.clone();
     let pose = take::truth(&model, 2);
     let path = folder.path().join("truth.json");
     pose_file::write(&path, &model, &pose).unwrap();
     drop_on(&mut harness, &[path]);
     assert_eq!(said(&harness), "Frame 0 now has the pose of truth.json.");
-    assert!(harness.state().document().pose_at(0).root.distance(pose.root) < 1e-12);
+    assert!(harness.state().inspector.document().pose_at(0).root.distance(pose.root) < 1e-12);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().document().keys.is_empty());
+    assert!(harness.state().inspector.document().keys.is_empty());
 
     let body = folder.path().join("long.toml");
     let text = std::fs::read_to_string(folder.path().join("arm.toml")).unwrap();
     std::fs::write(&body, text.replace("length = 0.3\n", "length = 0.4\n")).unwrap();
     drop_on(&mut harness, std::slice::from_ref(&body));
-    assert_eq!(harness.state().document().model.limbs()[0].length, 0.4);
+    assert_eq!(harness.state().inspector.document().model.limbs()[0].length, 0.4);
     std::fs::write(&body, text.replace("right forearm", "tail")).unwrap();
     drop_on(&mut harness, &[body]);
     assert!(said(&harness).contains("other limbs"), "{}", said(&harness));
 
     drop_on(&mut harness, &[other.path().to_owned()]);
-    assert_eq!(harness.state().document().model.limbs()[0].length, 0.3, "another take is open");
+    assert_eq!(harness.state().inspector.document().model.limbs()[0].length, 0.3, "another take is open");
     let strange = folder.path().join("notes.txt");
     std::fs::write(&strange, "hello").unwrap();
     drop_on(&mut harness, &[strange]);
@@ -198,7 +205,7 @@ fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
     let name = here.path().file_name().unwrap().to_string_lossy().into_owned();
     harness.get_by_role_and_label(Role::Link, &name).click();
     settle(&mut harness);
-    assert!(harness.state().session().take.is_some());
+    assert!(harness.state().inspector.state.session.take.is_some());
 }
 
 #[test]
@@ -258,7 +265,7 @@ fn the_cards_look_as_they_should() {
     let folder = folder();
     for theme in Theme::ALL {
         let look = Settings { theme, ..Settings::default() };
-        let opening = Some(opening_of(folder.path()));
+        let opening = Some(Opening::of(folder.path()));
         let mut harness =
             open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
         harness.set_render_cursor(false);
@@ -281,7 +288,7 @@ fn the_cards_look_as_they_should() {
 }
 
 fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
-    harness.state_mut().freeze_times();
+    harness.state_mut().inspector.freeze_times();
     harness.step();
     let window = harness.render().unwrap();
     let rect = harness.get_by_label(label).rect().expand(16.0).round();

@@ -79,7 +79,7 @@ fn the_window_is_exported_as_it_is() {
     // The notice that says so is not in it, nor the margin that a harness leaves around the window.
     harness.get_by_role_and_label(Role::Button, "Close notice").click();
     settle(&mut harness);
-    harness.state_mut().freeze_times();
+    harness.state_mut().inspector.freeze_times();
     harness.step();
     let shown = image::DynamicImage::ImageRgba8(harness.render().unwrap()).to_rgb8();
     let section = harness.get_by_role_and_label(Role::Button, "Solver").rect();
@@ -154,7 +154,7 @@ fn frames_are_exported_and_an_export_can_be_stopped() {
     harness.run_steps(2);
     harness.get_by_role_and_label(Role::Button, "Stop export").click();
     settle(&mut harness);
-    let said = &harness.state().notices().all().last().unwrap().text;
+    let said = &harness.state().inspector.state.notices.all().last().unwrap().text;
     assert!(said.starts_with("Stopped the export") || said.starts_with("Exported 3"), "{said}");
     assert_eq!(other.exists(), said.starts_with("Exported"), "{said}");
 }
@@ -186,7 +186,7 @@ fn the_dialog_looks_as_it_should() {
         click(&mut harness, "Step");
         for (what, name) in [("export view", "view"), ("export steps", "iterations")] {
             command(&mut harness, what);
-            harness.state_mut().freeze_times();
+            harness.state_mut().inspector.freeze_times();
             harness.step();
             let window = harness.render().unwrap();
             let cut = crop_imm(&window, 350, 220, 500, 360).to_image();

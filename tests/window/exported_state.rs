@@ -65,10 +65,10 @@ fn nothing_new_is_nothing_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("state.json");
     let mut harness = open(&path);
-    harness.state_mut().freeze_times();
+    harness.state_mut().inspector.freeze_times();
     settle(&mut harness);
     let step = |harness: &mut Harness<'_, App>| {
-        harness.state_mut().freeze_times();
+        harness.state_mut().inspector.freeze_times();
         harness.step();
     };
     step(&mut harness);

@@ -13,9 +13,10 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::export::{command, export_to};
-use crate::support::app_window::{PATIENCE, click, drag, open_sized, press, settle};
+use crate::support::app_window::{PATIENCE, click, drag, open_sized, press, settle, write_curves};
 use crate::support::storage::NoStorage;
-use backlit::app::{App, AppOptions, Inspector, opening_of};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::features::convergence::CurvesFile;
 use backlit_tracking::body::builtin;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Vec2, vec2};
@@ -36,14 +37,14 @@ const SIZE: Vec2 = vec2(1200.0, 800.0);
 
 fn open(folder: &Path) -> Harness<'static, App> {
     take::write_to(&folder.join("arm"));
-    let opening = Some(opening_of(&folder.join("arm")));
+    let opening = Some(Opening::of(&folder.join("arm")));
     let data_folder = Some(folder.join("data"));
     open_sized(AppOptions { opening, data_folder, ..AppOptions::default() }, SIZE)
 }
 
 /// All that was said so far.
 fn said(harness: &Harness<'_, App>) -> Vec<String> {
-    harness.state().notices().all().iter().map(|notice| notice.text.clone()).collect()
+    harness.state().inspector.state.notices.all().iter().map(|notice| notice.text.clone()).collect()
 }
 
 /// Frames until something is said that begins so.
@@ -110,16 +111,16 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
         let said = said(&harness).pop().unwrap();
         assert!(said.starts_with("Not saved: ") && names(&said, &place), "{said}");
         assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
-        assert!(harness.state().is_unsaved(), "{said}");
+        assert!(harness.state().inspector.state.history.is_dirty(), "{said}");
         harness.get_by_role_and_label(Role::Button, "Save as…");
-        harness.state_mut().close_notices();
+        harness.state_mut().inspector.state.notices.close_all();
         harness.step();
     }
     assert_eq!(read_project(&good).unwrap().document, saved);
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 10.0));
     harness.state_mut().save_to(&good);
     settle(&mut harness);
-    assert_eq!(read_project(&good).unwrap().document, *harness.state().document());
+    assert_eq!(read_project(&good).unwrap().document, *harness.state().inspector.document());
 }
 
 #[test]
@@ -128,8 +129,8 @@ fn tables_and_plots_that_cannot_be_written_are_said() {
     let mut harness = open(folder.path());
     click(&mut harness, "Step");
     for (place, reason) in bad_places(folder.path()) {
-        for write in [Inspector::export_curves_to, Inspector::export_plot_to] {
-            write(harness.state_mut(), &place);
+        for file in [CurvesFile::Table, CurvesFile::Plot] {
+            write_curves(harness.state_mut(), file, &place);
             settle(&mut harness);
             let said = said(&harness).pop().unwrap();
             assert!(said.starts_with("Not written: ") && names(&said, &place), "{said}");
@@ -137,7 +138,7 @@ fn tables_and_plots_that_cannot_be_written_are_said() {
         }
     }
     let good = folder.path().join("curves.csv");
-    harness.state_mut().export_curves_to(&good);
+    write_curves(harness.state_mut(), CurvesFile::Table, &good);
     settle(&mut harness);
     assert!(good.exists());
 }
@@ -154,7 +155,7 @@ fn pictures_that_cannot_be_written_are_said() {
         let said = said(&harness).pop().unwrap();
         assert!(said.starts_with("Not exported: ") && names(&said, &place), "{said}");
         assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
-        harness.state_mut().close_notices();
+        harness.state_mut().inspector.state.notices.close_all();
         press(&mut harness, Modifiers::NONE, Key::Escape);
     }
 }
@@ -189,10 +190,10 @@ fn a_copy_that_cannot_be_written_is_said_once_and_again_when_it_works() {
     harness.get_by_role_and_label(Role::Button, "Save as…");
     std::fs::remove_file(&data).unwrap();
     wait_for(&mut harness, WORKS);
-    assert_eq!(read_project(&copy).unwrap().document, *harness.state().document());
+    assert_eq!(read_project(&copy).unwrap().document, *harness.state().inspector.document());
     harness.step();
     assert!(harness.query_by_label_contains(FAILED).is_none(), "the card has gone");
-    assert!(harness.state().document().has_pose(0));
+    assert!(harness.state().inspector.document().has_pose(0));
 }
 
 #[test]
@@ -201,15 +202,15 @@ fn work_that_can_be_kept_nowhere_is_not_left_at_the_first_try() {
     std::fs::write(folder.path().join("data"), "a file").unwrap();
     let mut harness = open(folder.path());
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
-    let work = harness.state().document().clone();
+    let work = harness.state().inspector.document().clone();
     let other = folder.path().join("arm");
-    harness.state_mut().open_path(&other);
+    harness.state_mut().open(Opening::of(&other));
     settle(&mut harness);
-    assert_eq!(*harness.state().document(), work);
+    assert_eq!(*harness.state().inspector.document(), work);
     wait_for(&mut harness, "Not opened: your work is not saved");
-    harness.state_mut().open_path(&other);
+    harness.state_mut().open(Opening::of(&other));
     settle(&mut harness);
-    assert_ne!(*harness.state().document(), work);
+    assert_ne!(*harness.state().inspector.document(), work);
 
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     let close = |harness: &mut Harness<'_, App>| {
@@ -231,7 +232,7 @@ fn work_on_a_bad_disk() {
     let reason = std::env::var(REASON).unwrap();
     let good = folder.join("good.backlit");
     let saved = std::fs::read(&good).unwrap();
-    let opening = Some(opening_of(&folder.join("arm")));
+    let opening = Some(Opening::of(&folder.join("arm")));
     let data_folder = Some(folder.join("data"));
     let mut harness = open_sized(AppOptions { opening, data_folder, ..AppOptions::default() }, SIZE);
     let filler = folder.join("filler");
@@ -245,7 +246,7 @@ fn work_on_a_bad_disk() {
     assert!(failure.contains(&reason) && failure.contains("unsaved.backlit"), "{failure}");
     click(&mut harness, "Step");
     harness.state_mut().save_to(&good);
-    harness.state_mut().export_plot_to(&folder.join("curves.png"));
+    write_curves(harness.state_mut(), CurvesFile::Plot, &folder.join("curves.png"));
     press(&mut harness, Modifiers::NONE, Key::F2);
     eframe::App::save(harness.state_mut(), &mut NoStorage);
     // The settings are few bytes: too many only for a disk that is full.
@@ -262,7 +263,7 @@ fn work_on_a_bad_disk() {
         wait_for(&mut harness, WORKS);
         harness.state_mut().save_to(&good);
         settle(&mut harness);
-        assert_eq!(read_project(&good).unwrap().document, *harness.state().document());
+        assert_eq!(read_project(&good).unwrap().document, *harness.state().inspector.document());
     }
     let parts = |folder: &Path| {
         let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());

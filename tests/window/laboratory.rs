@@ -41,7 +41,7 @@ fn open_arm() -> Harness<'static, App> {
 }
 
 fn comparison<'a>(harness: &'a Harness<'_, App>) -> &'a Comparison {
-    harness.state().laboratory().comparison.as_ref().unwrap()
+    harness.state().inspector.features.laboratory.comparison.as_ref().unwrap()
 }
 
 /// The step that is looked at, and the last one.
@@ -78,7 +78,7 @@ fn assert_whole(harness: &Harness<'_, App>) {
 fn caption(harness: &Harness<'_, App>) -> story::Story {
     let comparison = comparison(harness);
     let (key, _) = comparison.contestants[0].pushed.as_ref().unwrap();
-    let story = story::tell(comparison, harness.state().laboratory().lineup, *key);
+    let story = story::tell(comparison, harness.state().inspector.features.laboratory.lineup, *key);
     assert!(story::words(&story) <= MOST_WORDS, "{} words: {story:?}", story::words(&story));
     harness.get_by_label(&story.title);
     for paragraph in &story.paragraphs {
@@ -90,7 +90,7 @@ fn caption(harness: &Harness<'_, App>) -> story::Story {
 #[test]
 fn keys_go_through_the_steps_and_leave_the_take_alone() {
     let mut harness = open_limb();
-    let before = harness.state().document().clone();
+    let before = harness.state().inspector.document().clone();
     assert_eq!(steps(&harness), (25, 25));
     assert_whole(&harness);
     let there = |harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key| {
@@ -122,11 +122,11 @@ fn keys_go_through_the_steps_and_leave_the_take_alone() {
     let again: Vec<Vec<f64>> = comparison(&harness).contestants.iter().map(|fit| fit.percents()).collect();
     assert_eq!(curves, again, "the same steps, bit by bit");
 
-    assert_eq!(*harness.state().document(), before);
+    assert_eq!(*harness.state().inspector.document(), before);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().document(), before, "there is nothing to undo");
-    assert!(harness.state().runs().is_empty());
-    assert_eq!(harness.state().selection().frame, 0);
+    assert_eq!(*harness.state().inspector.document(), before, "there is nothing to undo");
+    assert!(harness.state().inspector.runs().is_empty());
+    assert_eq!(harness.state().inspector.state.selection.frame, 0);
 }
 
 #[test]
@@ -135,10 +135,10 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     assert_eq!(steps(&harness), (0, 0), "an own take waits");
     assert_whole(&harness);
     press(&mut harness, NONE, Key::Num2);
-    assert_eq!(harness.state().laboratory().camera, 1);
+    assert_eq!(harness.state().inspector.features.laboratory.camera, 1);
     assert_whole(&harness);
     choose(&mut harness, "Camera", "Camera 1");
-    assert_eq!(harness.state().laboratory().camera, 0);
+    assert_eq!(harness.state().inspector.features.laboratory.camera, 0);
     choose(&mut harness, "Limb", "Right forearm");
     choose(&mut harness, "Motion", "twists");
     for fit in &comparison(&harness).contestants {
@@ -149,7 +149,7 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     choose(&mut harness, "Motion", "slides along its axis");
     for (lineup, name) in Lineup::ALL.into_iter().rev() {
         choose(&mut harness, "Compare", name);
-        assert_eq!(harness.state().laboratory().lineup, lineup);
+        assert_eq!(harness.state().inspector.features.laboratory.lineup, lineup);
         harness.get_by_label(lineup.title());
         caption(&harness);
         click(&mut harness, &format!("Run {}", lineup.all_text()));
@@ -167,10 +167,10 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     let begun = comparison(&harness).id;
     press(&mut harness, NONE, Key::F1);
     press(&mut harness, NONE, Key::ArrowRight);
-    assert_eq!((harness.state().selection().frame, comparison(&harness).id), (1, begun));
+    assert_eq!((harness.state().inspector.state.selection.frame, comparison(&harness).id), (1, begun));
     press(&mut harness, NONE, Key::F3);
     assert!(comparison(&harness).id > begun, "another frame begins again");
-    assert!(!harness.state().document().has_pose(1));
+    assert!(!harness.state().inspector.document().has_pose(1));
 }
 
 fn point(harness: &mut Harness<'_, App>, at: Pos2) {
@@ -195,7 +195,10 @@ fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
     harness.get_by_label_contains("Copied the curves");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("curves.png");
-    harness.state_mut().save_laboratory_plot(&path);
+    harness
+        .state_mut()
+        .inspector
+        .ask(|features, context, requests| features.laboratory.save_plot(&path, context, requests));
     settle(&mut harness);
     assert!(image::open(&path).unwrap().width() > 400);
 
@@ -205,16 +208,16 @@ fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
     };
     let at = label(&harness);
     point(&mut harness, at);
-    assert_eq!(harness.state().laboratory().marked, Some(1));
+    assert_eq!(harness.state().inspector.features.laboratory.marked, Some(1));
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let [x, y] = worst.pixel;
     let words = format!("Camera 1, pixel ({x}, {y}), column {}", worst.column);
     assert!(harness.get_all_by_label_contains(&words).next().is_some());
     point(&mut harness, at);
-    assert_eq!(harness.state().laboratory().marked, None);
+    assert_eq!(harness.state().inspector.features.laboratory.marked, None);
     harness.get_by_role_and_label(Role::RadioButton, "Log").click();
     settle(&mut harness);
-    assert!(harness.state().laboratory().is_log);
+    assert!(harness.state().inspector.features.laboratory.is_log);
 }
 
 /// The worst pixel over all cameras: named with its camera, which a click shows.
@@ -224,7 +227,7 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let other = 1 - worst.camera;
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
-    assert_eq!(harness.state().laboratory().camera, other);
+    assert_eq!(harness.state().inspector.features.laboratory.camera, other);
     let button = harness.get_all_by_label_contains("Gradient check of the capsule").next().unwrap();
     let at = button.rect().center();
     harness
@@ -232,14 +235,18 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
         .next()
         .unwrap();
     point(&mut harness, at);
-    let laboratory = harness.state().laboratory();
+    let laboratory = &harness.state().inspector.features.laboratory;
     assert_eq!((laboratory.marked, laboratory.camera), (Some(1), worst.camera));
     assert_whole(&harness);
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
     point(&mut harness, at);
-    assert_eq!(harness.state().laboratory().camera, worst.camera, "back to it, still marked");
+    assert_eq!(
+        harness.state().inspector.features.laboratory.camera,
+        worst.camera,
+        "back to it, still marked"
+    );
     point(&mut harness, at);
-    assert_eq!(harness.state().laboratory().marked, None);
+    assert_eq!(harness.state().inspector.features.laboratory.marked, None);
 }
 
 /// At the least size of the window nothing of the caption has to be scrolled to, whatever is compared.
@@ -291,7 +298,7 @@ fn column_and_plot_look_as_they_did() {
             Rect::from_min_max(egui::pos2(upper.left(), head.top() - 6.0), foot.max + vec2(14.0, 4.0));
         let plot = harness.get_by_label("Laboratory plot").rect();
         for (rect, name) in [(column, "column"), (plot, "plot")] {
-            harness.state_mut().freeze_times();
+            harness.state_mut().inspector.freeze_times();
             harness.step();
             let window = harness.render().unwrap();
             let (min, size) = (rect.min.round(), rect.size().round());

@@ -34,71 +34,71 @@ fn chart<'a>(harness: &'a Harness<'_, App>) -> egui_kittest::Node<'a> {
 #[test]
 fn a_picked_direction_sways_until_the_pose_is_edited() {
     let mut harness = open(Theme::Dark);
-    let found = harness.state().observability().found().unwrap();
+    let found = harness.state().inspector.features.observability.found().unwrap();
     assert_eq!(found.shown.directions.len(), 9);
     assert_eq!(found.shown.null_count(), 2, "the twists of both limbs");
-    assert!(harness.state().observability().swaying().is_none(), "still until asked");
-    let document = harness.state().document().clone();
+    assert!(harness.state().inspector.features.observability.swaying().is_none(), "still until asked");
+    let document = harness.state().inspector.document().clone();
 
     // The middle of the chart is a direction that is seen.
     chart(&harness).click();
     harness.run_steps(3);
-    let (_, direction) = harness.state().observability().direction().unwrap();
-    assert!(!direction.is_null && harness.state().observability().is_playing());
+    let (_, direction) = harness.state().inspector.features.observability.direction().unwrap();
+    assert!(!direction.is_null && harness.state().inspector.features.observability.is_playing());
     harness.run_steps(12);
-    let swayed = harness.state().observability().swayed_pose().unwrap();
+    let swayed = harness.state().inspector.features.observability.swayed_pose().unwrap();
     assert_ne!(swayed, *document.pose_at(0), "it has moved");
-    let shown = &harness.state().observability().found().unwrap().shown;
+    let shown = &harness.state().inspector.features.observability.found().unwrap().shown;
     let kinematics = |pose| backlit_tracking::body::Kinematics::new(&shown.model, pose);
     let (here, there) = (kinematics(&shown.pose), kinematics(&swayed));
     let farthest = here.ends().iter().zip(there.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     assert!(farthest > 1e-3 && farthest < 0.065, "no joint sways farther than 60 mm: {farthest}");
-    assert_eq!(*harness.state().document(), document, "the document is not touched");
+    assert_eq!(*harness.state().inspector.document(), document, "the document is not touched");
 
     click(&mut harness, "Hold");
-    let held = harness.state().observability().swayed_pose().unwrap();
+    let held = harness.state().inspector.features.observability.swayed_pose().unwrap();
     harness.run_steps(6);
-    assert_eq!(harness.state().observability().swayed_pose().unwrap(), held);
+    assert_eq!(harness.state().inspector.features.observability.swayed_pose().unwrap(), held);
     click(&mut harness, "Put back");
-    assert!(!harness.state().observability().is_swaying());
+    assert!(!harness.state().inspector.features.observability.is_swaying());
 
     click(&mut harness, "Sway");
     harness.run_steps(3);
-    assert!(harness.state().observability().is_playing());
+    assert!(harness.state().inspector.features.observability.is_playing());
     press(&mut harness, Modifiers::NONE, Key::X);
     press(&mut harness, Modifiers::SHIFT, Key::Backspace);
-    assert_ne!(harness.state().document(), &document);
-    assert!(!harness.state().observability().is_swaying(), "an edited pose stops it");
-    assert!(!harness.state().observability().is_stale(), "and is looked at again");
+    assert_ne!(harness.state().inspector.document(), &document);
+    assert!(!harness.state().inspector.features.observability.is_swaying(), "an edited pose stops it");
+    assert!(!harness.state().inspector.features.observability.is_stale(), "and is looked at again");
 }
 
 #[test]
 fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     let mut harness = open(Theme::Dark);
-    let weakest = harness.state().observability().picked().unwrap();
+    let weakest = harness.state().inspector.features.observability.picked().unwrap();
     assert_eq!(weakest, 6, "at first the weakest that is seen");
     press(&mut harness, Modifiers::NONE, Key::PageDown);
     press(&mut harness, Modifiers::NONE, Key::PageDown);
-    assert_eq!(harness.state().observability().picked(), Some(8));
+    assert_eq!(harness.state().inspector.features.observability.picked(), Some(8));
     harness.get_by_label_contains("Direction 9 of 9: right forearm twist");
     harness.get_by_label_contains("No camera sees this.");
     harness.get_by_label_contains("No joint moves");
     press(&mut harness, Modifiers::SHIFT, Key::U);
     harness.run_steps(3);
-    let swaying = harness.state().observability().swaying().unwrap();
+    let swaying = harness.state().inspector.features.observability.swaying().unwrap();
     assert_eq!(swaying.twisted, [1], "seams show what no outline does");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().observability().is_swaying());
+    assert!(!harness.state().inspector.features.observability.is_swaying());
 
     chart(&harness).focus();
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert_eq!(harness.state().observability().picked(), Some(7));
-    assert_eq!(harness.state().selection().frame, 0, "the arrow is the chart's");
-    let steps = harness.state().runs()[0].steps.len();
+    assert_eq!(harness.state().inspector.features.observability.picked(), Some(7));
+    assert_eq!(harness.state().inspector.state.selection.frame, 0, "the arrow is the chart's");
+    let steps = harness.state().inspector.runs()[0].steps.len();
     press(&mut harness, Modifiers::NONE, Key::Space);
-    assert!(harness.state().observability().is_playing());
-    assert_eq!(harness.state().runs()[0].steps.len(), steps, "and so is Space");
+    assert!(harness.state().inspector.features.observability.is_playing());
+    assert_eq!(harness.state().inspector.runs()[0].steps.len(), steps, "and so is Space");
 }
 
 #[test]
@@ -106,41 +106,45 @@ fn ellipses_and_sets_of_cameras() {
     let mut harness = open(Theme::Dark);
     harness.get_by_role_and_label(Role::CheckBox, "Uncertainty in the views").click();
     settle(&mut harness);
-    let (joints, others) = harness.state().observability().ellipses().unwrap();
+    let (joints, others) = harness.state().inspector.features.observability.ellipses().unwrap();
     assert_eq!((joints.len(), others), (3, None));
     let two = joints[2].worst_deviation_m();
     assert!(two > 0.0 && two.is_finite());
     // What is drawn says by how much it is larger than life, and the user may choose.
-    let drawn = harness.state().observability().ellipse_factor();
+    let drawn = harness.state().inspector.features.observability.ellipse_factor();
     harness.get_by_role_and_label(Role::ComboBox, &format!("Ellipses drawn Automatic, ×{drawn}")).click();
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "×5").click();
     settle(&mut harness);
     assert!(harness.query_all_by_label_contains("σ, drawn ×5").next().is_some());
-    assert_eq!(harness.state().observability().ellipse_factor(), 5);
+    assert_eq!(harness.state().inspector.features.observability.ellipse_factor(), 5);
 
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
     harness.run_steps(3);
-    let (joints, others) = harness.state().observability().ellipses().unwrap();
+    let (joints, others) = harness.state().inspector.features.observability.ellipses().unwrap();
     assert_eq!(others, Some(&[1][..]));
     assert!(joints[2].worst_deviation_m() > two, "one camera knows less");
 
-    let before = harness.state().document().clone();
+    let before = harness.state().inspector.document().clone();
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().document().used_cameras().collect::<Vec<_>>(), [1]);
-    assert_eq!(harness.state().observability().found().unwrap().shown.cameras, [1], "looked at again");
+    assert_eq!(harness.state().inspector.document().used_cameras().collect::<Vec<_>>(), [1]);
+    assert_eq!(
+        harness.state().inspector.features.observability.found().unwrap().shown.cameras,
+        [1],
+        "looked at again"
+    );
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().document(), before, "undone as one");
+    assert_eq!(*harness.state().inspector.document(), before, "undone as one");
 }
 
 #[test]
 fn figures_are_not_made_where_nobody_looks() {
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(WIDTH, 900.0));
-    assert!(harness.state().observability().found().is_none());
+    assert!(harness.state().inspector.features.observability.found().is_none());
     press(&mut harness, Modifiers::NONE, Key::U);
-    assert!(harness.state().observability().ellipses().is_some());
+    assert!(harness.state().inspector.features.observability.ellipses().is_some());
 }
 
 #[test]
@@ -154,7 +158,7 @@ fn both_sections() {
             harness.get_by_role_and_label(Role::Button, title).rect().top()
         };
         for _ in 0..3 {
-            harness.state_mut().freeze_times();
+            harness.state_mut().inspector.freeze_times();
             harness.step();
         }
         let window = harness.render().unwrap();

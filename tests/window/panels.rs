@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
@@ -38,7 +38,7 @@ fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, rect: Rect, n
     harness.set_render_cursor(false);
     harness.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
     for _ in 0..3 {
-        harness.state_mut().freeze_times();
+        harness.state_mut().inspector.freeze_times();
         harness.step();
     }
     let window = harness.render().unwrap();
@@ -111,7 +111,7 @@ fn convergence_of_a_finished_run() {
         click(&mut harness, "Step back");
         press(&mut harness, Modifiers::NONE, Key::Y);
         click(&mut harness, "Run");
-        let steps = &harness.state().runs()[1].steps;
+        let steps = &harness.state().inspector.runs()[1].steps;
         assert!(
             steps.iter().skip(1).any(|step| !step.iteration.accepted),
             "the run has rejected steps to show"
@@ -141,7 +141,7 @@ fn empty_state_with_an_error() {
     for theme in Theme::ALL {
         let recent = vec![PathBuf::from("takes/balancing"), PathBuf::from("takes/walking")];
         let look = Settings { theme, recent, ..Settings::default() };
-        let opening = Some(opening_of("/no/such/take".as_ref()));
+        let opening = Some(Opening::of("/no/such/take".as_ref()));
         let window = vec2(900.0, 500.0);
         let mut harness = open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, window);
         let rect = Rect::from_min_max(pos2(200.0, 100.0), window.to_pos2() - vec2(MARGIN, MARGIN));

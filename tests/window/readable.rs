@@ -39,7 +39,7 @@ fn open(opening: Opening, layout: Layout, size: Vec2) -> Harness<'static, App> {
     let settings = Settings { layout, ..Settings::default() };
     let mut window =
         open_sized(AppOptions { settings, opening: Some(opening), ..AppOptions::default() }, size);
-    window.state_mut().close_notices();
+    window.state_mut().inspector.state.notices.close_all();
     settle(&mut window);
     window
 }
@@ -71,7 +71,7 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
             let mut window = open(opening, layout, size);
             look(&window, &place, &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Enter);
-            window.state_mut().close_notices();
+            window.state_mut().inspector.state.notices.close_all();
             settle(&mut window);
             look(&window, &format!("{place}, fitted"), &mut wrong);
         }
@@ -88,7 +88,7 @@ fn every_word_of_every_pane_can_be_read() {
             let mut window = open(opening, layout, size);
             press(&mut window, Modifiers::NONE, Key::Enter);
             command(&mut window, "Run again with each preset");
-            window.state_mut().close_notices();
+            window.state_mut().inspector.state.notices.close_all();
             for pane in PANES {
                 let place = format!("{pane} in {layout:?} at {} × {}", size.x.round(), size.y.round());
                 let is_open = |window: &Harness<'_, App>| {
@@ -150,7 +150,7 @@ fn demonstrations_can_be_read(size: Vec2) {
         let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
         look(&window, &place, &mut wrong);
         press(&mut window, Modifiers::NONE, Key::Space);
-        window.state_mut().close_notices();
+        window.state_mut().inspector.state.notices.close_all();
         settle(&mut window);
         look(&window, &format!("{place}, a step on"), &mut wrong);
     }

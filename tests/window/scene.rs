@@ -23,7 +23,7 @@ fn open() -> Harness<'static, App> {
 }
 
 fn drawing(harness: &Harness<'_, App>) -> Arc<SceneDrawing> {
-    harness.state().shown_scene().drawing.clone().expect("the scene was drawn")
+    harness.state().inspector.features.scene.drawing.clone().expect("the scene was drawn")
 }
 
 fn middle(harness: &Harness<'_, App>) -> Pos2 {
@@ -33,8 +33,8 @@ fn middle(harness: &Harness<'_, App>) -> Pos2 {
 /// Whether the picture shows the body as it is now, with smooth edges.
 fn shows_pose(harness: &Harness<'_, App>) -> bool {
     let app = harness.state();
-    let pose = app.shown_pose();
-    let kinematics = Kinematics::new(&app.document().model, pose);
+    let pose = app.inspector.shown_pose();
+    let kinematics = Kinematics::new(&app.inspector.document().model, pose);
     let order = &drawing(harness).order;
     let limbs = order.scene.limbs.iter().map(|limb| limb.ends[1]);
     !order.is_draft && limbs.eq(kinematics.ends().iter().copied())
@@ -58,7 +58,7 @@ fn stepping_draws_nothing_in_the_windows_own_time() {
         harness.key_press(Key::Space);
         // Several frames, so that orders are made while the worker is at it.
         for _ in 0..20 {
-            let (before, is_idle) = (drawing(&harness), harness.state().is_idle());
+            let (before, is_idle) = (drawing(&harness), harness.state().inspector.is_idle());
             harness.step();
             let after = drawing(&harness);
             let is_new = !Arc::ptr_eq(&before, &after);
@@ -96,8 +96,10 @@ fn a_view_that_is_dragged_ends_where_the_hand_let_go() {
     harness.event(button(from + vec2(59.0, 18.0), false));
     settle(&mut harness);
     let app = harness.state();
-    let Some(Viewpoint::Orbit(orbit)) = app.settings().scene.viewpoint else { panic!("it was turned") };
-    let upright = Upright::of(&app.session().take.as_ref().unwrap().cameras);
+    let Some(Viewpoint::Orbit(orbit)) = app.inspector.settings().scene.viewpoint else {
+        panic!("it was turned")
+    };
+    let upright = Upright::of(&app.inspector.state.session.take.as_ref().unwrap().cameras);
     let order = &drawing(&harness).order;
     assert_eq!(order.eye, orbit.camera(&upright));
     assert!(drafts > 0 && !order.is_draft, "{drafts}");
@@ -109,7 +111,7 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     let at = middle(&harness);
     harness.event(Event::PointerMoved(at));
     settle(&mut harness);
-    let orbit = |harness: &Harness<'_, App>| match harness.state().settings().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.state().inspector.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
@@ -125,19 +127,25 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     press(&mut harness, Modifiers::NONE, Key::Minus);
     press(&mut harness, Modifiers::NONE, Key::Minus);
     assert!(orbit(&harness).distance > turned.distance);
-    assert_eq!(harness.state().selection().frame, 0);
+    assert_eq!(harness.state().inspector.state.selection.frame, 0);
     press(&mut harness, Modifiers::NONE, Key::Home);
-    assert_eq!(harness.state().settings().scene.viewpoint, None);
+    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
 
     harness.event(Event::PointerGone);
     settle(&mut harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    assert_eq!((harness.state().selection().frame, harness.state().settings().scene.viewpoint), (1, None));
+    assert_eq!(
+        (
+            harness.state().inspector.state.selection.frame,
+            harness.state().inspector.settings().scene.viewpoint
+        ),
+        (1, None)
+    );
 
     harness.get_by_role_and_label(Role::Image, "Scene").focus();
     settle(&mut harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert!(orbit(&harness).distance > 0.0 && harness.state().selection().frame == 1);
+    assert!(orbit(&harness).distance > 0.0 && harness.state().inspector.state.selection.frame == 1);
 }
 
 #[test]

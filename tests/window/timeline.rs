@@ -34,11 +34,11 @@ fn open() -> Window {
 }
 
 fn document(window: &Window) -> &Document {
-    window.state().document()
+    window.state().inspector.document()
 }
 
 fn frame(window: &Window) -> usize {
-    window.state().selection().frame
+    window.state().inspector.state.selection.frame
 }
 
 fn tracked(window: &Window) -> Vec<usize> {
@@ -50,7 +50,7 @@ fn keys(window: &Window) -> Vec<usize> {
 }
 
 fn go_to(window: &mut Window, frame: usize) {
-    window.state_mut().go_to_frame(frame);
+    window.state_mut().inspector.state.go_to_frame(frame);
     settle(window);
 }
 
@@ -148,7 +148,7 @@ impl Film {
     }
 
     fn is_playing(&self) -> bool {
-        self.window.state().is_playing()
+        self.window.state().inspector.state.playback.is_playing()
     }
 }
 
@@ -466,7 +466,7 @@ fn a_track_between_keys_that_is_stopped_keeps_what_was_done() {
 fn open_tracked(look: Settings, size: Vec2) -> Window {
     let mut window = open_as(take::take_of(FRAMES, &[EMPTY]), look, size);
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    window.state_mut().close_notices();
+    window.state_mut().inspector.state.notices.close_all();
     settle(&mut window);
     window
 }
@@ -553,7 +553,7 @@ fn part(snapshots: &mut Snapshots, window: &mut Window, name: &str) {
     window.remove_cursor();
     window.set_render_cursor(false);
     for _ in 0..3 {
-        window.state_mut().freeze_times();
+        window.state_mut().inspector.freeze_times();
         window.step();
     }
     let lanes = timeline(window);

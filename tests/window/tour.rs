@@ -122,14 +122,23 @@ fn walk(harness: &mut Harness<'_, App>) {
     harness.run_steps(2);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     let start = Instant::now();
-    while harness.state().document().estimates.len() < 3 {
+    while harness.state().inspector.document().estimates.len() < 3 {
         assert!(start.elapsed() < PATIENCE);
         harness.step();
     }
     press(harness, Modifiers::NONE, Key::Escape);
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("Tour, step").is_none());
-    assert!(harness.state().notices().all().iter().any(|notice| notice.text.contains("That was the tour")));
+    assert!(
+        harness
+            .state()
+            .inspector
+            .state
+            .notices
+            .all()
+            .iter()
+            .any(|notice| notice.text.contains("That was the tour"))
+    );
 }
 
 #[test]
@@ -148,7 +157,7 @@ fn the_tour_is_offered_once() {
     harness.get_by_label("Offer of the tour");
     click(&mut harness, "Not now");
     assert!(harness.query_by_label("Offer of the tour").is_none());
-    let look = harness.state().settings();
+    let look = harness.state().inspector.settings();
     assert!(look.tour_offered);
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
     let again = open_sized(
@@ -192,7 +201,7 @@ fn cards_look_as_they_should() {
 }
 
 fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
-    harness.state_mut().freeze_times();
+    harness.state_mut().inspector.freeze_times();
     harness.step();
     let window = harness.render().unwrap();
     let rect = harness.get_by_label(label).rect().expand2(vec2(60.0, 16.0)).round();

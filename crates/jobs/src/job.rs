@@ -1,12 +1,12 @@
 //! What is done on another thread.
 
-use backlit_tracking::cancel::CancelToken;
+use backlit_cancel::CancelToken;
 
 use super::Outbox;
 
 /// Whether a job wants another turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum Turn {
     /// Call again, after more urgent work.
     Again,
     /// Done.
@@ -16,7 +16,7 @@ pub enum Step {
 /// Work that is done in short steps.
 pub trait Job<O>: Send {
     /// Does a little, and sends what came of it.
-    fn step(&mut self, out: &Outbox<O>) -> Step;
+    fn step(&mut self, out: &Outbox<O>) -> Turn;
 }
 
 /// Work that is done in one step, see [`once`].
@@ -29,10 +29,10 @@ pub const fn once<O, F: FnOnce(&CancelToken) -> O + Send>(work: F) -> Once<F> {
 }
 
 impl<O, F: FnOnce(&CancelToken) -> O + Send> Job<O> for Once<F> {
-    fn step(&mut self, out: &Outbox<O>) -> Step {
+    fn step(&mut self, out: &Outbox<O>) -> Turn {
         if let Some(work) = self.0.take() {
             out.send(work(out.cancel()));
         }
-        Step::Done
+        Turn::Done
     }
 }

@@ -12,7 +12,7 @@
 //! use backlit_jobs::{News, Pool, Priority, Task, once};
 //!
 //! let pool = Pool::inline();
-//! let mut square: Task<u64, u64> = Task::new(Priority::PREDICTION);
+//! let mut square: Task<u64, u64> = Task::new(Priority::screen(0));
 //! assert!(square.ask(&pool, 12, |&side| once(move |_| side * side)));
 //! assert!(!square.ask(&pool, 12, |&side| once(move |_| side * side)), "it is under way");
 //! pool.turn();
@@ -27,7 +27,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 
-pub use job::{Job, Step, once};
+pub use job::{Job, Turn, once};
 pub use outbox::{Failure, News, Outbox};
 pub use pool::Pool;
 pub use priority::Priority;

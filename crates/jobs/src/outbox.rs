@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::mpsc::Sender;
 
-use backlit_tracking::cancel::CancelToken;
+use backlit_cancel::CancelToken;
 
 use super::pool::Wake;
 

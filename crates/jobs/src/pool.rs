@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use backlit_tracking::cancel::CancelToken;
+use backlit_cancel::CancelToken;
 
 use super::priority::{Crew, Priority};
-use super::{Step, Task};
+use super::{Task, Turn};
 
 /// What is called for every message, on the thread of its job.
 pub(super) type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -86,7 +86,7 @@ impl Drop for Owner {
     fn drop(&mut self) {
         self.shared.close();
         if self.threads.is_empty() {
-            while self.shared.turn(Crew::Files) {}
+            while self.shared.turn(Crew::Saving) {}
         }
         // A job may have held the last handle: its thread cannot wait for itself.
         let here = std::thread::current().id();
@@ -99,31 +99,31 @@ impl Drop for Owner {
 
 /// Where a job stands: the most urgent first, of the same priority the one that was asked for first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Place {
+pub(super) struct QueuePosition {
     priority: Priority,
     number: u64,
 }
 
-impl Place {
+impl QueuePosition {
     fn is_kept(self) -> bool {
-        self.priority.crew == Crew::Files
+        self.priority.crew == Crew::Saving
     }
 }
 
 /// Does a step of a job.
-pub(super) type Run = Box<dyn FnMut() -> Step + Send>;
+pub(super) type RunTurn = Box<dyn FnMut() -> Turn + Send>;
 
 /// A job that waits for its turn.
 pub(super) struct Slot {
     pub(super) cancel: CancelToken,
-    pub(super) run: Run,
+    pub(super) run: RunTurn,
 }
 
 #[derive(Default)]
 struct Queue {
-    waiting: BTreeMap<Place, Slot>,
+    waiting: BTreeMap<QueuePosition, Slot>,
     /// Jobs whose step is under way and that may go on after it.
-    stepping: BTreeMap<Place, CancelToken>,
+    stepping: BTreeMap<QueuePosition, CancelToken>,
     next_number: u64,
     closing: bool,
 }
@@ -144,10 +144,15 @@ impl Shared {
     }
 
     /// Queues a job, in the place of the one that it supersedes or behind those of its priority.
-    pub(super) fn put(&self, priority: Priority, supersedes: Option<Place>, slot: Slot) -> Place {
+    pub(super) fn put(
+        &self,
+        priority: Priority,
+        supersedes: Option<QueuePosition>,
+        slot: Slot,
+    ) -> QueuePosition {
         let mut queue = self.lock();
         queue.next_number += 1;
-        let place = supersedes.unwrap_or(Place { priority, number: queue.next_number });
+        let place = supersedes.unwrap_or(QueuePosition { priority, number: queue.next_number });
         let old = (queue.waiting.insert(place, slot), queue.stepping.remove(&place));
         drop(queue);
         self.changed.notify_all();
@@ -156,7 +161,7 @@ impl Shared {
     }
 
     /// Takes a job out; if its step is under way, it is the last.
-    pub(super) fn withdraw(&self, place: Place) {
+    pub(super) fn withdraw(&self, place: QueuePosition) {
         let mut queue = self.lock();
         let old = (queue.waiting.remove(&place), queue.stepping.remove(&place));
         drop(queue);
@@ -200,18 +205,18 @@ impl Shared {
         true
     }
 
-    fn step(&self, place: Place, mut slot: Slot) {
+    fn step(&self, place: QueuePosition, mut slot: Slot) {
         let step = (slot.run)();
         let mut queue = self.lock();
         // Unless it has been superseded, withdrawn or closed by now.
-        if queue.stepping.remove(&place).is_some() && step == Step::Again {
+        if queue.stepping.remove(&place).is_some() && step == Turn::Again {
             queue.waiting.insert(place, slot);
         }
     }
 }
 
 impl Queue {
-    fn next(&mut self, crew: Crew) -> Option<(Place, Slot)> {
+    fn next(&mut self, crew: Crew) -> Option<(QueuePosition, Slot)> {
         let place = self.waiting.keys().copied().find(|place| place.priority.crew == crew)?;
         let (place, slot) = self.waiting.remove_entry(&place)?;
         self.stepping.insert(place, slot.cancel.clone());

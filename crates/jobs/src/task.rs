@@ -4,24 +4,24 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use backlit_tracking::cancel::CancelToken;
+use backlit_cancel::CancelToken;
 
-use super::pool::{Place, Pool, Run, Shared, Slot};
+use super::pool::{Pool, QueuePosition, RunTurn, Shared, Slot};
 use super::priority::{Crew, Priority};
-use super::{Failure, Job, News, Outbox, Step};
+use super::{Failure, Job, News, Outbox, Turn};
 
 /// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is to be saved.
 pub struct Task<Inputs, Output> {
     priority: Priority,
     inputs: Option<Inputs>,
-    work: Option<Work<Output>>,
+    work: Option<Pending<Output>>,
     failure: Option<Failure>,
 }
 
 /// A job whose end has not been heard yet.
-struct Work<O> {
+struct Pending<O> {
     shared: Arc<Shared>,
-    place: Place,
+    place: QueuePosition,
     cancel: CancelToken,
     news: Receiver<News<O>>,
     _open: Arc<()>,
@@ -120,7 +120,7 @@ impl<I, O: Send + 'static> Task<I, O> {
         let cancel = CancelToken::new();
         let out = Outbox::new(cancel.clone(), sender, shared.wake.clone());
         // What is to be saved is under way also when its task is gone.
-        let open = (self.priority.crew == Crew::Files).then(|| shared.open.clone());
+        let open = (self.priority.crew == Crew::Saving).then(|| shared.open.clone());
         let run = run(job(&inputs), out, open);
         if self.work.as_ref().is_some_and(|work| !Arc::ptr_eq(&work.shared, shared)) {
             self.forget();
@@ -131,7 +131,7 @@ impl<I, O: Send + 'static> Task<I, O> {
         });
         let place = shared.put(self.priority, superseded, Slot { cancel: cancel.clone(), run });
         let (shared, open) = (shared.clone(), shared.open.clone());
-        self.work = Some(Work { shared, place, cancel, news, _open: open });
+        self.work = Some(Pending { shared, place, cancel, news, _open: open });
         self.inputs = Some(inputs);
         self.failure = None;
     }
@@ -139,7 +139,7 @@ impl<I, O: Send + 'static> Task<I, O> {
 
 impl<I, O> Drop for Task<I, O> {
     fn drop(&mut self) {
-        if self.priority.crew != Crew::Files {
+        if self.priority.crew != Crew::Saving {
             self.forget();
         }
     }
@@ -154,18 +154,18 @@ impl<I, O> std::fmt::Debug for Task<I, O> {
 }
 
 /// A job as the queue sees it: does a step, and tells the end. Until then it keeps the pool `open`, if it is given that.
-fn run<O: Send + 'static>(job: impl Job<O> + 'static, out: Outbox<O>, open: Option<Arc<()>>) -> Run {
+fn run<O: Send + 'static>(job: impl Job<O> + 'static, out: Outbox<O>, open: Option<Arc<()>>) -> RunTurn {
     let mut job = Some((job, open));
     Box::new(move || {
-        let Some((steps, _)) = &mut job else { return Step::Done };
+        let Some((steps, _)) = &mut job else { return Turn::Done };
         let end = match catch_unwind(AssertUnwindSafe(|| steps.step(&out))) {
-            Ok(Step::Again) => return Step::Again,
-            Ok(Step::Done) => News::Ended,
+            Ok(Turn::Again) => return Turn::Again,
+            Ok(Turn::Done) => News::Ended,
             Err(panic) => News::Failed(Failure::of_panic(&*panic)),
         };
         // Whoever hears of the end may rely on it.
         job = None;
         out.tell(end);
-        Step::Done
+        Turn::Done
     })
 }

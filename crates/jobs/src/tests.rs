@@ -12,11 +12,11 @@ struct Count {
 }
 
 impl Job<u32> for Count {
-    fn step(&mut self, out: &Outbox<u32>) -> Step {
+    fn step(&mut self, out: &Outbox<u32>) -> Turn {
         assert!(self.from != 13, "thirteen");
         out.send(self.from);
         self.from += 1;
-        if self.from == self.to || out.cancel().is_cancelled() { Step::Done } else { Step::Again }
+        if self.from == self.to || out.cancel().is_cancelled() { Turn::Done } else { Turn::Again }
     }
 }
 
@@ -32,12 +32,12 @@ struct Gate {
 }
 
 impl Job<u32> for Gate {
-    fn step(&mut self, out: &Outbox<u32>) -> Step {
+    fn step(&mut self, out: &Outbox<u32>) -> Turn {
         self.steps.fetch_add(1, Ordering::SeqCst);
         self.entered.send(()).unwrap();
         self.go.recv().unwrap();
         out.send(99);
-        Step::Again
+        Turn::Again
     }
 }
 
@@ -52,11 +52,11 @@ fn gate() -> (Gate, Receiver<()>, Sender<()>, Arc<AtomicUsize>) {
 struct Endless;
 
 impl Job<u32> for Endless {
-    fn step(&mut self, out: &Outbox<u32>) -> Step {
+    fn step(&mut self, out: &Outbox<u32>) -> Turn {
         while !out.cancel().is_cancelled() {
             std::thread::yield_now();
         }
-        Step::Done
+        Turn::Done
     }
 }
 
@@ -64,10 +64,10 @@ impl Job<u32> for Endless {
 struct Write(&'static str, u32, Arc<Mutex<Vec<&'static str>>>);
 
 impl Job<u32> for Write {
-    fn step(&mut self, _: &Outbox<u32>) -> Step {
+    fn step(&mut self, _: &Outbox<u32>) -> Turn {
         self.2.lock().unwrap().push(self.0);
         self.1 += 1;
-        if self.1 == 2 { Step::Done } else { Step::Again }
+        if self.1 == 2 { Turn::Done } else { Turn::Again }
     }
 }
 
@@ -102,7 +102,7 @@ fn outputs_and_end(outputs: &[u32]) -> Vec<News<u32>> {
 #[test]
 fn a_job_reports_and_ends_with_and_without_threads() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::FIT);
+        let mut task = Counting::new(Priority::screen(6));
         assert!(pool.is_idle() && !task.is_busy() && task.inputs().is_none());
         assert!(task.ask(&pool, [0, 3], count));
         assert!(!pool.is_idle() && task.is_busy());
@@ -114,7 +114,7 @@ fn a_job_reports_and_ends_with_and_without_threads() {
 #[test]
 fn unread_news_are_not_idle() {
     let pool = Pool::inline();
-    let mut task = Counting::new(Priority::FIT);
+    let mut task = Counting::new(Priority::screen(6));
     task.ask(&pool, [0, 1], count);
     pool.turn();
     assert!(!pool.is_idle() && task.is_busy());
@@ -125,7 +125,7 @@ fn unread_news_are_not_idle() {
 #[test]
 fn work_of_one_step_is_a_closure() {
     for pool in both_pools() {
-        let mut task = Task::<(), u32>::new(Priority::OPEN);
+        let mut task = Task::<(), u32>::new(Priority::screen(2));
         let word = "seven".to_owned();
         task.ask(&pool, (), |()| once(move |cancel| word.len() as u32 + u32::from(cancel.is_cancelled())));
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[5]));
@@ -140,7 +140,7 @@ fn asking_for_the_same_is_free_and_beginning_is_not() {
             made.fetch_add(1, Ordering::SeqCst);
             count(inputs)
         };
-        let mut task = Counting::new(Priority::FIT);
+        let mut task = Counting::new(Priority::screen(6));
         assert!(task.ask(&pool, [0, 2], make));
         assert!(!task.ask(&pool, [0, 2], make), "it is under way");
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[0, 1]));
@@ -157,7 +157,7 @@ fn asking_for_the_same_is_free_and_beginning_is_not() {
 #[test]
 fn new_work_supersedes_old_and_is_not_held_up_by_other_tasks() {
     let pool = Pool::start(|| {}).unwrap();
-    let (mut track, mut fit) = (Counting::new(Priority::TRACK), Counting::new(Priority::FIT));
+    let (mut track, mut fit) = (Counting::new(Priority::long(2)), Counting::new(Priority::screen(6)));
     track.ask(&pool, [100, u32::MAX], count);
     fit.ask(&pool, [20, u32::MAX], count);
     fit.ask(&pool, [0, 2], count);
@@ -171,7 +171,7 @@ fn new_work_supersedes_old_and_is_not_held_up_by_other_tasks() {
 #[test]
 fn outputs_of_superseded_work_are_dropped() {
     let pool = Pool::inline();
-    let mut task = Counting::new(Priority::FIT);
+    let mut task = Counting::new(Priority::screen(6));
     task.ask(&pool, [20, 30], count);
     pool.turn();
     pool.turn();
@@ -186,7 +186,7 @@ fn a_step_under_way_is_the_last_of_superseded_and_forgotten_work() {
     let pool = Pool::start(|| {}).unwrap();
     for is_superseded in [true, false] {
         let (job, is_in, open, steps) = gate();
-        let mut task = Counting::new(Priority::FIT);
+        let mut task = Counting::new(Priority::screen(6));
         task.ask(&pool, [99, 99], |_| job);
         is_in.recv().unwrap();
         if !is_superseded {
@@ -204,9 +204,9 @@ fn a_step_under_way_is_the_last_of_superseded_and_forgotten_work() {
 #[test]
 fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut track = Task::<(), u32>::new(Priority::TRACK);
+    let mut track = Task::<(), u32>::new(Priority::long(2));
     track.ask(&pool, (), |()| Endless);
-    for priority in [Priority::PREDICTION, Priority::SCENE, Priority::SAVE] {
+    for priority in [Priority::screen(0), Priority::drawing(0), Priority::saving(0)] {
         let mut task = Counting::new(priority);
         task.ask(&pool, [0, 1], count);
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[0]));
@@ -217,7 +217,7 @@ fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
 #[test]
 fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::FRAME);
+        let mut task = Counting::new(Priority::screen(5));
         task.ask(&pool, [12, 20], count);
         let news = wait(&pool, &mut task);
         assert!(
@@ -237,7 +237,7 @@ fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
 #[test]
 fn a_panic_with_words_of_its_own_or_none_is_told() {
     let pool = Pool::inline();
-    let mut task = Task::<u32, u32>::new(Priority::FRAME);
+    let mut task = Task::<u32, u32>::new(Priority::screen(5));
     task.ask(&pool, 7, |number| {
         let number = *number;
         once(move |_| panic!("number {number}"))
@@ -252,7 +252,7 @@ fn a_panic_with_words_of_its_own_or_none_is_told() {
 #[test]
 fn what_is_forgotten_may_be_asked_for_again() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::FIT);
+        let mut task = Counting::new(Priority::screen(6));
         task.ask(&pool, [0, 2], count);
         wait(&pool, &mut task);
         task.forget();
@@ -273,13 +273,13 @@ fn what_is_forgotten_may_be_asked_for_again() {
 fn dropping_a_task_cancels_an_endless_job() {
     let pool = Pool::start(|| {}).unwrap();
     for _ in 0..2 {
-        let mut endless = Counting::new(Priority::TRACK);
+        let mut endless = Counting::new(Priority::long(2));
         endless.ask(&pool, [100, u32::MAX], count);
-        let mut in_one_step = Task::<(), u32>::new(Priority::SURVEY);
+        let mut in_one_step = Task::<(), u32>::new(Priority::long(0));
         in_one_step.ask(&pool, (), |()| Endless);
     }
     assert!(pool.is_idle());
-    let mut next = Counting::new(Priority::BASIN);
+    let mut next = Counting::new(Priority::long(6));
     next.ask(&pool, [0, 1], count);
     assert_eq!(wait(&pool, &mut next), outputs_and_end(&[0]));
 }
@@ -287,7 +287,7 @@ fn dropping_a_task_cancels_an_endless_job() {
 #[test]
 fn dropping_the_pool_ends_endless_jobs_and_their_tasks_hear_of_it() {
     for pool in both_pools() {
-        let (mut track, mut basin) = (Counting::new(Priority::TRACK), Counting::new(Priority::BASIN));
+        let (mut track, mut basin) = (Counting::new(Priority::long(2)), Counting::new(Priority::long(6)));
         track.ask(&pool, [100, u32::MAX], count);
         basin.ask(&pool, [100, u32::MAX], count);
         drop(pool);
@@ -306,13 +306,13 @@ fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews()
     let said = Arc::new(Mutex::new(Vec::new()));
     let mut tasks = Vec::new();
     for (name, priority) in [
-        ("basin", Priority::BASIN),
-        ("save", Priority::SAVE),
-        ("survey", Priority::SURVEY),
-        ("scene", Priority::SCENE),
-        ("fit", Priority::FIT),
-        ("prediction", Priority::PREDICTION),
-        ("another fit", Priority::FIT),
+        ("basin", Priority::long(6)),
+        ("save", Priority::saving(0)),
+        ("survey", Priority::long(0)),
+        ("scene", Priority::drawing(0)),
+        ("fit", Priority::screen(6)),
+        ("prediction", Priority::screen(0)),
+        ("another fit", Priority::screen(6)),
     ] {
         let mut task = Task::<(), u32>::new(priority);
         task.ask(&pool, (), |()| Write(name, 0, said.clone()));
@@ -337,8 +337,8 @@ fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews()
 fn superseding_work_takes_the_place_of_the_old() {
     let pool = Pool::inline();
     let said = Arc::new(Mutex::new(Vec::new()));
-    let mut first = Task::<u32, u32>::new(Priority::FIT);
-    let mut second = Task::<u32, u32>::new(Priority::FIT);
+    let mut first = Task::<u32, u32>::new(Priority::screen(6));
+    let mut second = Task::<u32, u32>::new(Priority::screen(6));
     first.ask(&pool, 0, |_| Write("old", 0, said.clone()));
     second.ask(&pool, 0, |_| Write("second", 0, said.clone()));
     first.ask(&pool, 1, |_| Write("new", 0, said.clone()));
@@ -350,10 +350,10 @@ fn superseding_work_takes_the_place_of_the_old() {
 fn what_is_to_be_saved_is_saved_without_task_and_pool() {
     for pool in both_pools() {
         let said = Arc::new(Mutex::new(Vec::new()));
-        let mut left = Task::<(), u32>::new(Priority::SETTINGS);
+        let mut left = Task::<(), u32>::new(Priority::saving(1));
         left.ask(&pool, (), |()| Write("settings", 0, said.clone()));
         for name in ["one", "two"] {
-            let mut task = Task::<(), u32>::new(Priority::WRITE);
+            let mut task = Task::<(), u32>::new(Priority::saving(2));
             task.ask(&pool, (), |()| Write(name, 0, said.clone()));
         }
         drop(pool);
@@ -366,7 +366,7 @@ fn what_is_to_be_saved_is_saved_without_task_and_pool() {
 fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
     for pool in both_pools() {
         let said = Arc::new(Mutex::new(Vec::new()));
-        let mut task = Task::<(), u32>::new(Priority::SAVE);
+        let mut task = Task::<(), u32>::new(Priority::saving(0));
         task.ask(&pool, (), |()| Write("file", 0, said.clone()));
         drop(task);
         until(|| {
@@ -380,7 +380,7 @@ fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
 #[test]
 fn what_was_to_be_saved_is_given_up_only_when_it_is_forgotten() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut task = Task::<(), u32>::new(Priority::SAVE);
+    let mut task = Task::<(), u32>::new(Priority::saving(0));
     task.ask(&pool, (), |()| Endless);
     task.forget();
     drop((task, pool));
@@ -394,7 +394,7 @@ fn every_message_wakes() {
         counter.fetch_add(1, Ordering::SeqCst);
     })
     .unwrap();
-    let mut task = Counting::new(Priority::FIT);
+    let mut task = Counting::new(Priority::screen(6));
     task.ask(&pool, [0, 3], count);
     until(|| woken.load(Ordering::SeqCst) == 4);
     assert_eq!(task.poll(), outputs_and_end(&[0, 1, 2]));
@@ -409,7 +409,7 @@ fn no_thread_is_left_when_the_last_handle_is_dropped() {
     })
     .unwrap();
     let second = pool.clone();
-    let mut task = Task::<(), u32>::new(Priority::TRACK);
+    let mut task = Task::<(), u32>::new(Priority::long(2));
     task.ask(&pool, (), |()| {
         once(|cancel| {
             until(|| cancel.is_cancelled());
@@ -428,7 +428,7 @@ fn no_thread_is_left_when_the_last_handle_is_dropped() {
 fn a_job_may_hold_the_last_handle() {
     let pool = Pool::start(|| {}).unwrap();
     let (open, go) = channel::<()>();
-    let mut task = Task::<(), u32>::new(Priority::TRACK);
+    let mut task = Task::<(), u32>::new(Priority::long(2));
     let own = pool.clone();
     task.ask(&pool, (), |()| {
         once(move |_| {

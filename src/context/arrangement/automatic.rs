@@ -44,15 +44,7 @@ pub(crate) fn has_strip(centre: &Centre) -> bool {
     centre.layout != Layout::Debug && centre.cameras > 2 && centre.size.x < TWO_TILES_BELOW
 }
 
-/// Whether a layout has a pane as long as the user has not closed it.
-pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
-    match pane {
-        Pane::Camera(_) => true,
-        Pane::Scene | Pane::Convergence => layout == Layout::Debug,
-        Pane::Basin | Pane::Beginnings | Pane::Motions => false,
-    }
-}
-
+/// The arrangement that suits the centre.
 pub(crate) fn automatic(centre: &Centre) -> Arrangement {
     let mut plan = Plan { tiles: Tiles::default() };
     let root = if centre.layout == Layout::Debug {
@@ -264,7 +256,7 @@ mod tests {
                         assert!(fits(&tree, cameras) || pair[0] == pair[1], "{centre:?}: {tree:?}");
                         for pane in Pane::all(cameras) {
                             let is_there = tree.tiles.find_pane(&pane).is_some();
-                            assert_eq!(is_there, is_open_at_first(layout, pane), "{centre:?} {pane:?}");
+                            assert_eq!(is_there, pane.is_open_at_first(layout), "{centre:?} {pane:?}");
                         }
                     }
                 }

@@ -3,7 +3,7 @@
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId};
 
 use super::Arrangement;
-use crate::context::pane::{Pane, Side};
+use crate::context::pane::{Pane, PaneSide};
 
 /// A pane that comes in takes this share of the window, where it has no place yet.
 const NEW: f32 = 1.0 / 3.0;
@@ -59,8 +59,8 @@ fn insert(tree: &mut Arrangement, pane: Pane) {
         return;
     };
     let dir = match pane.side() {
-        Side::Right => LinearDir::Horizontal,
-        Side::Below => LinearDir::Vertical,
+        PaneSide::Right => LinearDir::Horizontal,
+        PaneSide::Below => LinearDir::Vertical,
     };
     if let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(root)
         && linear.dir == dir

@@ -14,11 +14,11 @@ use crate::context::preferences::Layout;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Kept {
-    entries: Vec<Entry>,
+    entries: Vec<KeptArrangement>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Entry {
+struct KeptArrangement {
     layout: Layout,
     cameras: usize,
     tree: Arrangement,
@@ -34,7 +34,7 @@ impl Kept {
     /// Keeps an arrangement in the place of the one before.
     pub(crate) fn set(&mut self, layout: Layout, cameras: usize, tree: Arrangement) {
         self.forget(layout, cameras);
-        self.entries.push(Entry { layout, cameras, tree });
+        self.entries.push(KeptArrangement { layout, cameras, tree });
     }
 
     /// The automatic arrangement comes back.

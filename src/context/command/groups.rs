@@ -122,7 +122,7 @@ group! {
         EarlierStep,
         LaterStep,
         Branch,
-        Refit(Part) of Part::every(),
+        Refit(BodyPart) of BodyPart::every(),
         RunAgain(Variants) of Variants::every(),
         SearchPoses,
         FitBody,
@@ -143,7 +143,7 @@ group! {
 
 group! {
     /// Which part of the body is fitted.
-    Part { Limb, Chain, Body }
+    BodyPart { Limb, Chain, Body }
 }
 
 group! {

@@ -12,15 +12,16 @@ use super::Command::{
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
-    BasinCommand, BasinView, BeginningCommand, Command, ConvergenceCommand, ExportCommand, FileCommand,
-    FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand,
-    RecoveryCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
+    BasinCommand, BasinView, BeginningCommand, BodyPart, Command, ConvergenceCommand, ExportCommand,
+    FileCommand, FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand,
+    PoseCommand, RecoveryCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand,
+    WindowCommand,
 };
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
 /// All about a command.
-pub(super) struct Row {
+pub(super) struct CommandRow {
     pub(super) command: Command,
     pub(super) menu: Menu,
     pub(super) text: &'static str,
@@ -34,12 +35,12 @@ const fn row(
     text: &'static str,
     tooltip: &'static str,
     keys: &'static [KeyboardShortcut],
-) -> Row {
-    Row { command, menu, text, tooltip, keys }
+) -> CommandRow {
+    CommandRow { command, menu, text, tooltip, keys }
 }
 
 #[rustfmt::skip]
-pub(super) const TABLE: &[Row] = &[
+pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::File, File(FileCommand::NewTake), "New take…", "Make a take from footage and a calibration, or from another tool’s project", &[ctrl(Key::N)]),
     row(Menu::File, File(FileCommand::OpenTake), "Open take…", "Open a folder with a take.toml", &[ctrl(Key::O)]),
     row(Menu::File, File(FileCommand::OpenBuiltIn), "Open built-in take", "A synthetic figure before four cameras, with known truth", &[]),
@@ -135,9 +136,9 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Fit(FitCommand::EarlierStep), "Earlier step", "Look at the previous step of the run", &[key(Key::Comma)]),
     row(Menu::Fit, Fit(FitCommand::LaterStep), "Later step", "Look at the next step of the run", &[key(Key::Period)]),
     row(Menu::Fit, Fit(FitCommand::Branch), "Branch", "Start a new run from the step on the screen; the old run stays", &[]),
-    row(Menu::Fit, Fit(FitCommand::Refit(Part::Limb)), "Refit limb", "Fit the selected limb alone; the rest stays", &[]),
-    row(Menu::Fit, Fit(FitCommand::Refit(Part::Chain)), "Refit chain", "Fit the selected limb and its neighbours up to the trunk", &[]),
-    row(Menu::Fit, Fit(FitCommand::Refit(Part::Body)), "Refit body", "Fit the whole body", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(BodyPart::Limb)), "Refit limb", "Fit the selected limb alone; the rest stays", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(BodyPart::Chain)), "Refit chain", "Fit the selected limb and its neighbours up to the trunk", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(BodyPart::Body)), "Refit body", "Fit the whole body", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Renderers)), "Run again with each renderer", "From the start of the run on the screen, once with capsules, cylinders and sphere trees; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Presets)), "Run again with each preset", "From the start of the run on the screen, once with Report 2004 and once with Robust; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Ramps)), "Run again with each ramp", "From the start of the run on the screen, once with each kind of ramp; the body stays as it is", &[]),

@@ -1,6 +1,6 @@
 //! The basin of a frame, one fit a step.
 
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::basin_map::{self, BasinMap};
 use backlit_lab::experiment::frame_basin::{self, Frame, FrameBasin};
@@ -76,16 +76,16 @@ fn prepare(frame: Frame, work: BasinWork, cancel: &CancelToken) -> Result<Prepar
 }
 
 impl Job<Fitted> for BasinJob {
-    fn step(&mut self, out: &Outbox<Fitted>) -> Step {
+    fn step(&mut self, out: &Outbox<Fitted>) -> Turn {
         if out.cancel().is_cancelled() {
-            return Step::Done;
+            return Turn::Done;
         }
         match self.go_on(out) {
-            Ok(true) => Step::Again,
-            Ok(false) | Err(ExperimentError::Cancelled) => Step::Done,
+            Ok(true) => Turn::Again,
+            Ok(false) | Err(ExperimentError::Cancelled) => Turn::Done,
             Err(error) => {
                 out.send(Fitted::Refused(error));
-                Step::Done
+                Turn::Done
             }
         }
     }

@@ -34,7 +34,7 @@ enum Wish {
 
 impl Basin {
     /// The pane, in all of the space that is left.
-    pub(crate) fn pane(
+    pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,

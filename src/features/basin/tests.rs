@@ -7,11 +7,13 @@ use crate::context::preferences::Layout;
 #[test]
 fn a_basin_that_breaks_down_is_said_once_and_is_a_part_or_nothing() {
     let (mut window, mut app) = open(Layout::Pose);
-    app.run(Command::Basin(BasinCommand::Run(BasinView::Angles)), &window.ctx.clone());
-    let pool = app.state.pool.clone();
-    assert!(app.features.basin.is_running());
-    app.features.basin.task.begin(&pool, (), |()| Breaks);
+    app.run(Command::Basin(BasinCommand::Run(BasinView::Angles)));
+    let pool = app.inspector.state.pool.clone();
+    assert!(app.inspector.features.basin.is_running());
+    app.inspector.features.basin.task.begin(&pool, (), |()| Breaks);
     settle(&mut window, &mut app);
-    assert!(!app.features.basin.is_running() && app.features.basin.results.angles.is_none());
+    assert!(
+        !app.inspector.features.basin.is_running() && app.inspector.features.basin.results.angles.is_none()
+    );
     assert_eq!(errors(&app), ["The basin broke down: thirteen. Your work is unharmed."]);
 }

@@ -1,5 +1,7 @@
 //! The basin of the frame on the screen: begun, stopped, its starts taken, its results written.
 
+use backlit_take::footage::Footage;
+use egui::Ui;
 use std::path::Path;
 use std::time::Instant;
 
@@ -9,38 +11,102 @@ use backlit_lab::experiment::frame_basin::{Frame, Report};
 use backlit_results::basin::{About, AnglesResult, MapResult, direction_name};
 use backlit_tracking::search::start;
 use backlit_ui::style::format;
-use backlit_ui::style::theme::Theme;
 
+use super::BasinResults;
 use super::job::{BasinJob, BasinWork, Fitted};
+use super::panel::progress_text;
 use super::settings::BasinProblem;
 use super::{Basin, BasinSettings, FileKind, Reference, Running, ShownMap};
+use crate::context::command::Command;
 use crate::context::command::{BasinCommand, BasinView};
-use crate::context::file_dialog::Wanted;
+use crate::context::feature::Feature;
+use crate::context::file_dialog::DialogKind;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit};
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, PaneEvent, Requests, SessionRequest, ShellRequest};
 
-impl Basin {
-    /// Other settings.
-    pub(crate) fn set(&mut self, settings: BasinSettings) {
-        self.preferences.settings = settings;
-        self.problem = None;
+impl Feature for Basin {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for news in self.task.poll() {
+            match news {
+                News::Output(Fitted::Trial(trial)) => self.results.add_trial(trial),
+                News::Output(Fitted::Cell(cell)) => self.results.add_cell(cell),
+                News::Output(Fitted::Refused(error)) => {
+                    requests.complain(format!("The basin cannot run: {error}."));
+                }
+                News::Ended => self.ended(requests),
+                News::Failed(failure) => {
+                    requests.failed("The basin", &failure);
+                    self.ended(requests);
+                }
+            }
+            self.estimate_time();
+        }
+        for (kind, path) in self.dialogs.answers() {
+            self.write(kind, &path, context, requests);
+        }
     }
 
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: BasinCommand, context: &Context<'_>, requests: &mut Requests) {
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Basin(command) = command else { return false };
         match command {
             BasinCommand::Run(view) => self.begin(view, context, requests),
             BasinCommand::Cancel => self.cancel(),
         }
+        true
     }
 
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(command: BasinCommand, context: &Context<'_>) -> Why {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Basin(command) = command else { return None };
         match command {
             BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is running")),
             BasinCommand::Cancel => because(!context.busy.basin, "No basin is running"),
         }
+    }
+
+    fn fills(&self) -> Option<Pane> {
+        Some(Pane::Basin)
+    }
+
+    fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        self.show(ui, context, siblings, requests);
+    }
+
+    fn sections(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        self.section(ui, context, requests, false);
+    }
+
+    fn sentence(&self, _: &Context<'_>) -> Option<String> {
+        let progress = progress_text(self.results.running?);
+        Some(format!("Running the basin: {progress}. Esc stops it; what is done stays."))
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self { preferences: std::mem::take(&mut self.preferences), ..Self::default() };
+    }
+
+    fn freeze_times(&mut self) {
+        if let Some(running) = &mut self.results.running {
+            running.seconds_left = None;
+        }
+    }
+
+    fn at_rest(&self) -> Self {
+        let results = BasinResults { running: None, ..self.results.clone() };
+        Self {
+            preferences: self.preferences.clone(),
+            results,
+            problem: self.problem.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Basin {
+    /// Other settings.
+    pub fn set(&mut self, settings: BasinSettings) {
+        self.preferences.settings = settings;
+        self.problem = None;
     }
 
     /// Stops the fits; what is done stays.
@@ -51,7 +117,7 @@ impl Basin {
     /// Runs what a view shows, about the pose on the screen, and shows it.
     fn begin(&mut self, view: BasinView, context: &Context<'_>, requests: &mut Requests) {
         self.preferences.view = view;
-        requests.request(Request::Pane(Pane::Basin, PaneEvent::Open));
+        requests.request(ShellRequest::Pane(Pane::Basin, PaneEvent::Open));
         self.problem = self.try_to_begin(view, context).err();
     }
 
@@ -121,28 +187,6 @@ impl Basin {
         About { frame, conditions }
     }
 
-    /// Takes in the fits that were made, and the files that were chosen.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.task.poll() {
-            match news {
-                News::Output(Fitted::Trial(trial)) => self.results.add_trial(trial),
-                News::Output(Fitted::Cell(cell)) => self.results.add_cell(cell),
-                News::Output(Fitted::Refused(error)) => {
-                    requests.complain(format!("The basin cannot run: {error}."));
-                }
-                News::Ended => self.ended(requests),
-                News::Failed(failure) => {
-                    requests.failed("The basin", &failure);
-                    self.ended(requests);
-                }
-            }
-            self.estimate_time();
-        }
-        for (kind, path) in self.dialogs.answers() {
-            self.write(kind, &path, context.preferences.theme, requests);
-        }
-    }
-
     fn estimate_time(&mut self) {
         if let (Some(running), Some(began)) = (&mut self.results.running, self.began)
             && running.done > 0
@@ -174,7 +218,7 @@ impl Basin {
         let (frame, pose) = (map.about.frame, map.options.start(&map.frame, place));
         let [across, up] = place.map(|place| format::number(map.options.offset_degrees(place), 0));
         let what = format!("Start from the map at {across}°, {up}°");
-        requests.request(Request::Frame(frame));
+        requests.request(SessionRequest::Frame(frame));
         requests.status(format!("{what}. Space steps from here; undo brings the pose back."));
         requests.edit(Edit::SetPose { frame, pose, what });
     }
@@ -182,14 +226,15 @@ impl Basin {
     /// Asks where what the pane shows is to be written.
     pub(super) fn ask_for_file(&self, kind: FileKind, context: &Context<'_>, requests: &mut Requests) {
         let name = format!("{} basin.{}", context.take_name(), kind.extension());
-        let wanted = Wanted::NewFile(name, kind.endings());
+        let wanted = DialogKind::NewFile(name, kind.endings());
         if let Err(why) = self.dialogs.ask(context.egui, kind, "Export basin", wanted) {
             requests.complain(why.to_string());
         }
     }
 
     /// Writes what the pane shows to a file.
-    pub(crate) fn write(&self, kind: FileKind, path: &Path, theme: Theme, requests: &mut Requests) {
+    pub fn write(&self, kind: FileKind, path: &Path, context: &Context<'_>, requests: &mut Requests) {
+        let theme = context.preferences.theme;
         match (self.preferences.view, self.results.angles.clone(), self.results.map.clone()) {
             (BasinView::Angles, Some(angles), _) => requests.write(path, move || match kind {
                 FileKind::Csv => angles.csv(),

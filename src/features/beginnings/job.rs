@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use backlit_jobs::{Job, Outbox, Step as Turn};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::begin::{Beginning, Options, begin_watched};
 use backlit_take::footage::Footage;

@@ -32,7 +32,7 @@ enum Wish {
 
 impl Beginnings {
     /// The pane, in all of the space that is left.
-    pub(crate) fn pane(
+    pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,

@@ -4,12 +4,12 @@ use backlit_document::edit::Edit;
 use backlit_take::demonstration::Demonstration;
 use egui_painter::Headless;
 
+use super::At;
 use super::record::MOST_BODIES;
 use super::way::Way;
-use super::{At, Beginnings};
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
-use crate::context::Request;
+use crate::context::SessionRequest;
 use crate::context::command::{BeginningCommand, Command, HistoryCommand};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
@@ -20,23 +20,23 @@ fn tried() -> (Headless, App) {
 }
 
 fn run(window: &mut Headless, app: &mut App, command: BeginningCommand) {
-    app.run(Command::Beginning(command), &window.ctx.clone());
+    app.run(Command::Beginning(command));
     settle(window, app);
 }
 
 fn outcome(app: &App, way: Way) -> &super::Outcome {
-    app.features.beginnings.ended[&way].as_ref().unwrap()
+    app.inspector.features.beginnings.ended[&way].as_ref().unwrap()
 }
 
 fn look_at(window: &mut Headless, app: &mut App, way: Way, step: usize) {
-    app.features.beginnings.look_at(At { way, step });
+    app.inspector.features.beginnings.look_at(At { way, step });
     settle(window, app);
 }
 
 #[test]
 fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
     let (_window, app) = tried();
-    assert!(app.is_open(Pane::Beginnings) && errors(&app).is_empty());
+    assert!(app.inspector.is_open(Pane::Beginnings) && errors(&app).is_empty());
     let error = |way| outcome(&app, way).error_mm.unwrap();
     for way in [Way::Particles, Way::Search] {
         assert!(error(way) < 20.0, "{way:?}: {} mm", error(way));
@@ -48,8 +48,8 @@ fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
     assert!(outcome(&app, Way::Particles).evaluations > outcome(&app, Way::Search).evaluations);
     assert!(outcome(&app, Way::Search).iou.unwrap() > 0.95);
     // The first that was tried is looked at, in views and scene too.
-    assert_eq!(app.features.beginnings.at, Some(At { way: Way::Particles, step: 0 }));
-    let ghosts = app.context().ghosts.unwrap();
+    assert_eq!(app.inspector.features.beginnings.at, Some(At { way: Way::Particles, step: 0 }));
+    let ghosts = app.inspector.context().ghosts.unwrap();
     assert!(ghosts.placed.contains(&false), "only the trunk has a place");
 }
 
@@ -80,7 +80,7 @@ fn templates_have_their_limbs_one_after_the_other() {
     assert!(steps[0].words.starts_with("Head"), "{}", steps[0].words);
     let turning = steps.iter().position(|step| step.words.starts_with("Left upper arm turns")).unwrap();
     look_at(&mut window, &mut app, Way::Templates, turning);
-    let ghosts = app.context().ghosts.unwrap();
+    let ghosts = app.inspector.context().ghosts.unwrap();
     let name = |limb: usize| ghosts.model.limbs()[limb].name.as_str();
     let marked: Vec<&str> = (0..12).filter(|&limb| ghosts.marked[limb]).map(name).collect();
     assert_eq!(marked, ["left upper arm"]);
@@ -91,13 +91,13 @@ fn templates_have_their_limbs_one_after_the_other() {
 fn steps_are_played_in_order_to_the_last() {
     let (mut window, mut app) = tried();
     look_at(&mut window, &mut app, Way::Search, 0);
-    let last = app.features.beginnings.last_step().unwrap();
-    let now = app.state.now;
-    app.features.beginnings.toggle_play(now);
+    let last = app.inspector.features.beginnings.last_step().unwrap();
+    let now = app.inspector.state.now;
+    app.inspector.features.beginnings.toggle_play(now);
     let mut seen = vec![0];
-    while app.features.beginnings.plays.is_some() {
+    while app.inspector.features.beginnings.plays.is_some() {
         window.run(1, Vec::new(), |ui| app.frame(ui));
-        let step = app.features.beginnings.at.unwrap().step;
+        let step = app.inspector.features.beginnings.at.unwrap().step;
         if seen.last() != Some(&step) {
             seen.push(step);
         }
@@ -105,39 +105,36 @@ fn steps_are_played_in_order_to_the_last() {
     }
     assert_eq!(seen, (0..=last).collect::<Vec<_>>());
     // Again from the first.
-    let now = app.state.now;
-    app.features.beginnings.toggle_play(now);
-    assert_eq!(app.features.beginnings.at.unwrap().step, 0);
+    let now = app.inspector.state.now;
+    app.inspector.features.beginnings.toggle_play(now);
+    assert_eq!(app.inspector.features.beginnings.at.unwrap().step, 0);
 }
 
 #[test]
 fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
     let (mut window, mut app) = tried();
-    let before = app.document().clone();
+    let before = app.inspector.document().clone();
     let last = outcome(&app, Way::Search).steps.len() - 1;
     look_at(&mut window, &mut app, Way::Search, last);
     let pose = outcome(&app, Way::Search).steps[last].pose().clone();
-    app.with(
-        |all| &mut all.beginnings,
-        |beginnings: &mut Beginnings, context, requests| beginnings.take(context, requests),
-    );
+    app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
     settle(&mut window, &mut app);
-    assert!(app.context().ghosts.is_none(), "the pose is seen");
-    assert!(app.shown_pose().local(&pose).iter().all(|step| step.abs() < 1e-12));
+    assert!(app.inspector.context().ghosts.is_none(), "the pose is seen");
+    assert!(app.inspector.shown_pose().local(&pose).iter().all(|step| step.abs() < 1e-12));
     let mut expected = before.clone();
     expected.apply(Edit::SetPose { frame: 0, pose, what: String::new() }).unwrap();
-    assert_eq!(*app.document(), expected, "nothing but the frame's pose");
-    app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
-    assert_eq!(*app.document(), before);
-    assert_eq!(app.features.beginnings.ended.len(), Way::COMPARED.len(), "the table stays");
+    assert_eq!(*app.inspector.document(), expected, "nothing but the frame's pose");
+    app.run(Command::History(HistoryCommand::Undo));
+    assert_eq!(*app.inspector.document(), before);
+    assert_eq!(app.inspector.features.beginnings.ended.len(), Way::COMPARED.len(), "the table stays");
 }
 
 #[test]
 fn a_body_is_acquired_and_taken_as_one() {
     let (mut window, mut app) = tried();
-    let before = app.document().clone();
+    let before = app.inspector.document().clone();
     run(&mut window, &mut app, BeginningCommand::AcquireBody);
-    assert_eq!(app.features.beginnings.ended.len(), 1 + Way::COMPARED.len(), "the others stay");
+    assert_eq!(app.inspector.features.beginnings.ended.len(), 1 + Way::COMPARED.len(), "the others stay");
     let found = outcome(&app, Way::Body);
     assert!(found.iou.unwrap() > 0.9 && found.steps.len() > 10, "{:?}", found.iou);
     let forearm =
@@ -152,72 +149,68 @@ fn a_body_is_acquired_and_taken_as_one() {
     let last = found.steps.len() - 1;
     let body = found.steps[last].model.clone();
     look_at(&mut window, &mut app, Way::Body, last);
-    app.with(
-        |all| &mut all.beginnings,
-        |beginnings: &mut Beginnings, context, requests| beginnings.take(context, requests),
-    );
+    app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
     settle(&mut window, &mut app);
-    assert_eq!(app.document().model.limbs(), body.limbs());
-    assert!(app.features.beginnings.ended.is_empty(), "they were of another body");
-    app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
-    assert_eq!(*app.document(), before);
+    assert_eq!(app.inspector.document().model.limbs(), body.limbs());
+    assert!(app.inspector.features.beginnings.ended.is_empty(), "they were of another body");
+    app.run(Command::History(HistoryCommand::Undo));
+    assert_eq!(*app.inspector.document(), before);
 }
 
 #[test]
 fn without_a_start_the_start_plays_no_part_and_other_runs_are_gone() {
     let (mut window, mut app) = tried();
-    app.features.beginnings.no_start = true;
+    app.inspector.features.beginnings.no_start = true;
     let begin = |window: &mut Headless, app: &mut App| {
-        app.with(
-            |all| &mut all.beginnings,
-            |beginnings: &mut Beginnings, context, requests| {
-                beginnings.begin(&[Way::Search], context, requests);
-            },
-        );
+        app.inspector.ask(|features, context, requests| {
+            features.beginnings.begin(&[Way::Search], context, requests);
+        });
         settle(window, app);
         let steps = &outcome(app, Way::Search).steps;
         (steps.len(), steps.last().unwrap().pose().clone())
     };
     let first = begin(&mut window, &mut app);
-    assert_eq!(app.features.beginnings.ended.len(), 1, "those from the start are gone");
+    assert_eq!(app.inspector.features.beginnings.ended.len(), 1, "those from the start are gone");
     assert_eq!(first.0, 4, "the rounds");
-    let mut pose = app.shown_pose().clone();
+    let mut pose = app.inspector.shown_pose().clone();
     pose.root.x += 1.0;
-    app.edit(Edit::SetPose { frame: 0, pose, what: String::new() }, None);
+    app.inspector.state.edit(Edit::SetPose { frame: 0, pose, what: String::new() }, None);
     assert_eq!(begin(&mut window, &mut app), first);
 }
 
 #[test]
 fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
     let (mut window, mut app) = tried();
-    assert!(app.context().ghosts.is_some());
-    let ctx = window.ctx.clone();
-    app.run(Command::Fit(crate::context::command::FitCommand::Stop), &ctx);
+    assert!(app.inspector.context().ghosts.is_some());
+    app.run(Command::Fit(crate::context::command::FitCommand::Stop));
     settle(&mut window, &mut app);
-    assert!(app.context().ghosts.is_none() && !app.features.beginnings.ended.is_empty());
-    app.edit(Edit::UseCamera { camera: 1, used: false }, None);
+    assert!(app.inspector.context().ghosts.is_none() && !app.inspector.features.beginnings.ended.is_empty());
+    app.inspector.state.edit(Edit::UseCamera { camera: 1, used: false }, None);
     settle(&mut window, &mut app);
-    assert!(app.features.beginnings.ended.is_empty() && app.features.beginnings.about.is_none());
+    assert!(
+        app.inspector.features.beginnings.ended.is_empty()
+            && app.inspector.features.beginnings.about.is_none()
+    );
 
     let (mut window, mut app) = open_take(Demonstration::Sequence, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    assert_eq!(app.features.beginnings.ended.len(), Way::COMPARED.len());
-    app.request(Request::Frame(3));
+    assert_eq!(app.inspector.features.beginnings.ended.len(), Way::COMPARED.len());
+    app.inspector.request(SessionRequest::Frame(3));
     settle(&mut window, &mut app);
-    assert!(app.features.beginnings.ended.is_empty() && app.context().ghosts.is_none());
+    assert!(app.inspector.features.beginnings.ended.is_empty() && app.inspector.context().ghosts.is_none());
 }
 
 #[test]
 fn a_body_without_a_head_is_said_to_lead_nowhere() {
     let (mut window, mut app) = open_take(Demonstration::SingleLimb, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    let nowhere = app.features.beginnings.ended[&Way::Templates].as_ref().unwrap_err();
+    let nowhere = app.inspector.features.beginnings.ended[&Way::Templates].as_ref().unwrap_err();
     assert!(nowhere.contains("trunk with a head"), "{nowhere}");
     assert!(errors(&app).is_empty(), "it stands in its row");
 
-    let pool = app.state.pool.clone();
-    app.features.beginnings.task.begin(&pool, (), |()| Breaks);
+    let pool = app.inspector.state.pool.clone();
+    app.inspector.features.beginnings.task.begin(&pool, (), |()| Breaks);
     settle(&mut window, &mut app);
-    assert!(!app.features.beginnings.is_running());
+    assert!(!app.inspector.features.beginnings.is_running());
     assert_eq!(errors(&app), ["A way to begin broke down: thirteen. Your work is unharmed."]);
 }

@@ -1,5 +1,7 @@
 //! Begun, stopped, played step by step, taken.
 
+use backlit_take::footage::Footage;
+use egui::Ui;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -9,78 +11,19 @@ use backlit_jobs::News;
 use super::job::{BeginJob, Found};
 use super::way::Way;
 use super::{About, At, Beginnings};
+use crate::context::Published;
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::next_gesture;
+use crate::context::feature::Feature;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit, no_take};
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, PaneEvent, Requests, ShellRequest};
 
 /// Seconds between two steps that are played.
 const SECONDS: f64 = 0.35;
 
-impl Beginnings {
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: BeginningCommand, context: &Context<'_>, requests: &mut Requests) {
-        match command {
-            BeginningCommand::RunAll if is_read(context) => self.begin(&Way::COMPARED, context, requests),
-            BeginningCommand::RunAll => self.waits = true,
-            BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
-            BeginningCommand::Stop => self.stop(),
-        }
-    }
-
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(&self, command: BeginningCommand, context: &Context<'_>) -> Why {
-        match command {
-            // It begins when the frame is read.
-            BeginningCommand::RunAll if !is_read(context) => no_take(context),
-            BeginningCommand::RunAll | BeginningCommand::AcquireBody => no_fit(context)
-                .or(because(self.is_running(), "A way to begin is being tried: wait, or stop it with Esc")),
-            BeginningCommand::Stop => because(!self.is_running(), "No way to begin is being tried"),
-        }
-    }
-
-    /// Stops what is being tried; what is done stays.
-    pub(crate) fn stop(&self) {
-        self.task.stop();
-    }
-
-    /// Shows the pose again in the place of a step. Whether a step was shown.
-    pub(crate) fn leave(&mut self) -> bool {
-        self.plays = None;
-        std::mem::take(&mut self.is_shown)
-    }
-
-    /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin again.
-    pub(super) fn begin(&mut self, ways: &[Way], context: &Context<'_>, requests: &mut Requests) {
-        requests.request(Request::Pane(Pane::Beginnings, PaneEvent::Open));
-        let Some((footage, inputs)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
-        let has_start = |about: &About| about.start.is_none() == self.no_start;
-        let fits = self.about.as_ref().is_some_and(|about| ways == [Way::Body] || has_start(about));
-        if ways.len() > 1 || !fits {
-            self.forget();
-            let start = (!self.no_start).then(|| context.shown_pose().clone());
-            self.about = Some(About { frame: context.selection.frame, inputs, start });
-        }
-        let Some(about) = self.about.clone() else { return };
-        for way in ways {
-            self.ended.remove(way);
-        }
-        self.at = None;
-        self.drawn = None;
-        self.running = ways.first().copied();
-        let ways = ways.iter().copied().collect();
-        self.task.begin(context.pool, (), |()| BeginJob { about, footage, ways });
-    }
-
-    /// Forgets all runs.
-    fn forget(&mut self) {
-        let no_start = self.no_start;
-        *self = Self { no_start, ..Self::default() };
-    }
-
-    /// Takes in what was found, plays on, and forgets what is of another frame, body or set of cameras.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Beginnings {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         if self.about.as_ref().is_some_and(|about| !is_about(about, context)) {
             self.forget();
         }
@@ -116,6 +59,106 @@ impl Beginnings {
         }
         self.play(context);
         self.draw();
+    }
+
+    fn publish(&self, published: &mut Published) {
+        published.ghosts =
+            self.drawn.as_ref().filter(|_| self.is_shown).map(|(_, ghosts)| Arc::clone(ghosts));
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Beginning(command) = command else { return false };
+        match command {
+            BeginningCommand::RunAll if is_read(context) => self.begin(&Way::COMPARED, context, requests),
+            BeginningCommand::RunAll => self.waits = true,
+            BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
+            BeginningCommand::Stop => self.stop(),
+        }
+        true
+    }
+
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Beginning(command) = command else { return None };
+        match command {
+            // It begins when the frame is read.
+            BeginningCommand::RunAll if !is_read(context) => no_take(context),
+            BeginningCommand::RunAll | BeginningCommand::AcquireBody => no_fit(context)
+                .or(because(self.is_running(), "A way to begin is being tried: wait, or stop it with Esc")),
+            BeginningCommand::Stop => because(!self.is_running(), "No way to begin is being tried"),
+        }
+    }
+
+    fn fills(&self) -> Option<Pane> {
+        Some(Pane::Beginnings)
+    }
+
+    fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        self.show(ui, context, siblings, requests);
+    }
+
+    fn sentence(&self, _: &Context<'_>) -> Option<String> {
+        if let Some(way) = self.running.filter(|_| self.is_running()) {
+            return Some(format!("Trying {}. Esc stops it; what is done stays.", way.lower_case()));
+        }
+        let (At { way, step }, _) = self.drawn.as_ref().filter(|_| self.is_shown)?;
+        Some(format!("Step {} of {}. Esc shows the pose again.", step + 1, way.lower_case()))
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self { no_start: self.no_start, ..Self::default() };
+    }
+
+    fn freeze_times(&mut self) {
+        for outcome in self.ended.values_mut().flatten() {
+            Arc::make_mut(outcome).seconds = f64::NAN;
+        }
+    }
+
+    fn at_rest(&self) -> Self {
+        let (about, ended, drawn) = (self.about.clone(), self.ended.clone(), self.drawn.clone());
+        let Self { no_start, at, is_shown, .. } = *self;
+        Self { about, ended, drawn, no_start, at, is_shown, ..Self::default() }
+    }
+}
+
+impl Beginnings {
+    /// Stops what is being tried; what is done stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
+    }
+
+    /// Shows the pose again in the place of a step. Whether a step was shown.
+    pub(crate) fn leave(&mut self) -> bool {
+        self.plays = None;
+        std::mem::take(&mut self.is_shown)
+    }
+
+    /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin again.
+    pub(super) fn begin(&mut self, ways: &[Way], context: &Context<'_>, requests: &mut Requests) {
+        requests.request(ShellRequest::Pane(Pane::Beginnings, PaneEvent::Open));
+        let Some((footage, inputs)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+        let has_start = |about: &About| about.start.is_none() == self.no_start;
+        let fits = self.about.as_ref().is_some_and(|about| ways == [Way::Body] || has_start(about));
+        if ways.len() > 1 || !fits {
+            self.forget();
+            let start = (!self.no_start).then(|| context.shown_pose().clone());
+            self.about = Some(About { frame: context.selection.frame, inputs, start });
+        }
+        let Some(about) = self.about.clone() else { return };
+        for way in ways {
+            self.ended.remove(way);
+        }
+        self.at = None;
+        self.drawn = None;
+        self.running = ways.first().copied();
+        let ways = ways.iter().copied().collect();
+        self.task.begin(context.pool, (), |()| BeginJob { about, footage, ways });
+    }
+
+    /// Forgets all runs.
+    fn forget(&mut self) {
+        let no_start = self.no_start;
+        *self = Self { no_start, ..Self::default() };
     }
 
     /// Looks at a step, in views and scene too.

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use backlit_jobs::{Job, News, Outbox, Priority, Step, Task};
+use backlit_jobs::{Job, News, Outbox, Task, Turn};
 use backlit_take::footage::Footage;
 use egui::ColorImage;
 
 use crate::context::Context;
+use crate::context::priority;
 
 /// The pictures of the frame on the screen.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ impl PartialEq for Wanted {
 
 impl Default for FullPictures {
     fn default() -> Self {
-        Self { task: Task::new(Priority::FRAME), of: None, pictures: Vec::new() }
+        Self { task: Task::new(priority::FRAME), of: None, pictures: Vec::new() }
     }
 }
 
@@ -84,16 +85,16 @@ struct ReadJob {
 }
 
 impl Job<(usize, Arc<ColorImage>)> for ReadJob {
-    fn step(&mut self, out: &Outbox<(usize, Arc<ColorImage>)>) -> Step {
+    fn step(&mut self, out: &Outbox<(usize, Arc<ColorImage>)>) -> Turn {
         let Wanted { take, frame } = &self.wanted;
         if self.camera >= take.cameras.len() || out.cancel().is_cancelled() {
-            return Step::Done;
+            return Turn::Done;
         }
         if let Some(picture) = take.full_picture(self.camera, *frame) {
             let size = [picture.width() as usize, picture.height() as usize];
             out.send((self.camera, Arc::new(ColorImage::from_rgb(size, picture.as_raw()))));
         }
         self.camera += 1;
-        Step::Again
+        Turn::Again
     }
 }

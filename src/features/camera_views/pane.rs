@@ -333,7 +333,8 @@ fn limits(context: &Context<'_>, pose: &Pose) -> Vec<BoundedAngle> {
     }
     let twist =
         context.drag.twisted.and_then(|limb| BoundedAngle::new(model, pose, limb, LimitedAngle::Twist));
-    let met = context.drag.from.map_or_else(Vec::new, |before| BoundedAngle::met(model, before, pose));
+    let met =
+        context.drag.from.as_deref().map_or_else(Vec::new, |before| BoundedAngle::met(model, before, pose));
     let others = met.into_iter().filter(|met| twist.is_none_or(|twist| *met != twist));
     twist.into_iter().chain(others).collect()
 }

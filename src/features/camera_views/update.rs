@@ -1,25 +1,34 @@
 //! The views' commands, and what the user did in a tile.
 
 use backlit_document::edit::Edit;
+use backlit_take::footage::Footage;
 use backlit_ui::drawing::ViewMode;
 use backlit_ui::widgets::{Framing, ViewTransform};
 use glam::DVec2;
 
+use super::Tiles;
 use super::linked::follow;
 use super::pane::{CameraPane, subject};
 use super::{CameraViews, TileEvent, TileView};
+use crate::context::command::Command;
 use crate::context::command::ViewCommand;
+use crate::context::feature::Feature;
 use crate::context::pane::Pane;
+use crate::context::unavailable::Why;
 use crate::context::unavailable::{because, no_take};
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, FeatureRequest, PaneEvent, Requests, SessionRequest, ShellRequest};
 use crate::session::selection::Selection;
 
 /// What one press of a zoom's key magnifies by.
 const ZOOM_STEP: f32 = 1.25;
 
-impl CameraViews {
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: ViewCommand, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for CameraViews {
+    fn update(&mut self, context: &Context<'_>, _: &mut Requests) {
+        self.full.update(context);
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::View(command) = command else { return false };
         let layout = context.preferences.layout;
         let settings = &mut self.preferences.settings;
         match command {
@@ -42,20 +51,21 @@ impl CameraViews {
                 settings.size_handles ^= true;
                 let what =
                     "Drag the diamonds: at its end for the limb’s length, at its outline for its radius.";
-                requests.request(Request::Status(settings.size_handles.then(|| what.to_owned())));
+                requests.request(ShellRequest::Status(settings.size_handles.then(|| what.to_owned())));
             }
             ViewCommand::Mode(mode) => self.choose_mode(mode, context, requests),
             ViewCommand::Compare(comparison) => {
                 self.change(context, context.selection.camera, |tile| tile.toggle(comparison));
             }
             ViewCommand::CameraAlone(camera) => {
-                requests.request(Request::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone));
+                requests.request(ShellRequest::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone));
             }
         }
+        true
     }
 
-    /// Why a command cannot be used now, in a sentence without its full stop.
-    pub(crate) fn unavailable(command: ViewCommand, context: &Context<'_>) -> Option<&'static str> {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::View(command) = command else { return None };
         match command {
             ViewCommand::Compare(_) => no_take(context),
             ViewCommand::CameraAlone(camera) => {
@@ -75,6 +85,25 @@ impl CameraViews {
         }
     }
 
+    fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, _: &mut Requests) {
+        match request {
+            FeatureRequest::Views(settings) => self.preferences.settings = *settings,
+            FeatureRequest::ShowMode(layout, mode) => self.show_mode(*layout, *mode),
+            _ => {}
+        }
+    }
+
+    fn reset(&mut self, footage: &Footage) {
+        let tiles = Tiles::new(footage.cameras.len());
+        *self = Self { preferences: self.preferences, tiles, ..Self::default() };
+    }
+
+    fn at_rest(&self) -> Self {
+        self.clone()
+    }
+}
+
+impl CameraViews {
     /// Shows a mode in all views. The Jacobian's, chosen again, goes on to its next axis.
     fn choose_mode(&mut self, mode: ViewMode, context: &Context<'_>, requests: &mut Requests) {
         let layout = context.preferences.layout;
@@ -118,15 +147,14 @@ impl CameraViews {
         requests: &mut Requests,
     ) {
         let (context, camera) = (pane.context, pane.index);
-        let mut request = |request| requests.request(request);
         match event {
-            TileEvent::Activate => request(Request::Camera(camera)),
-            TileEvent::SelectJoint(joint) => request(Request::Joint(joint)),
+            TileEvent::Activate => requests.request(ShellRequest::Camera(camera)),
+            TileEvent::SelectJoint(joint) => requests.request(SessionRequest::Joint(joint)),
             TileEvent::SelectLimb(limb) => {
-                request(Request::Joint(Selection::joint_of(&context.document().model, limb)));
-                request(Request::Part(limb));
+                requests.request(SessionRequest::Joint(Selection::joint_of(&context.document().model, limb)));
+                requests.request(SessionRequest::Part(limb));
             }
-            TileEvent::Drag(event) => request(Request::Drag(camera, event)),
+            TileEvent::Drag(event) => requests.request(FeatureRequest::Drag(camera, event)),
             TileEvent::SetMode(mode) => self.change(context, camera, |tile| tile.set_mode(mode)),
             TileEvent::CompareWith(mode) => self.change(context, camera, |tile| tile.compare_with(mode)),
             TileEvent::SetComparison(comparison) => self.change(context, camera, |tile| match comparison {
@@ -142,12 +170,14 @@ impl CameraViews {
             }
             TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.frame(pane, framing, before),
-            TileEvent::ToggleExpanded => request(Request::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone)),
-            TileEvent::Switch(Pane::Camera(other)) => {
-                request(Request::SwitchCamera { from: camera, to: other });
+            TileEvent::ToggleExpanded => {
+                requests.request(ShellRequest::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone))
             }
-            TileEvent::Switch(other) => request(Request::Pane(other, PaneEvent::Open)),
-            TileEvent::Close => request(Request::Pane(Pane::Camera(camera), PaneEvent::Close)),
+            TileEvent::Switch(Pane::Camera(other)) => {
+                requests.request(ShellRequest::SwitchCamera { from: camera, to: other });
+            }
+            TileEvent::Switch(other) => requests.request(ShellRequest::Pane(other, PaneEvent::Open)),
+            TileEvent::Close => requests.request(ShellRequest::Pane(Pane::Camera(camera), PaneEvent::Close)),
             // That is its caller's.
             TileEvent::DragTile => {}
         }

@@ -16,7 +16,7 @@ use crate::context::command::{Command, ConvergenceCommand, FitCommand, Variants}
 use crate::context::command_button::{button, menu_row};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
@@ -33,7 +33,7 @@ const FOLDED_BELOW: f32 = 680.0;
 
 impl Convergence {
     /// The panel, in all of the space that is left.
-    pub(crate) fn pane(
+    pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,
@@ -108,7 +108,7 @@ fn curves(
     let Some(pointer) = pointer.filter(|pointer| transform.frame().contains(*pointer)) else { return };
     let Some((step, at)) = plot.nearest(&transform, pointer) else { return };
     if response.clicked() {
-        requests.request(Request::Step(step));
+        requests.request(SessionRequest::Step(step));
     }
     if at.distance(pointer) <= REACH {
         let ring = egui::Stroke::new(1.5, theme::palette(ui).text);

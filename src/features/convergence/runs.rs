@@ -13,7 +13,7 @@ use egui::{
 
 use super::Convergence;
 use super::update::remove;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 
 /// Height of a run's card.
 const CARD: f32 = 64.0;
@@ -43,7 +43,7 @@ impl Convergence {
         let name = format!("Run {}: {}", run.number, run.name);
         response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_current, &name));
         if response.clicked() {
-            requests.request(Request::Step(StepRef { run: run.number, step: run.last_step() }));
+            requests.request(SessionRequest::Step(StepRef { run: run.number, step: run.last_step() }));
         }
         if response.has_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Delete))
         {
@@ -95,7 +95,7 @@ impl Convergence {
             let is_alone = ui.input(|input| input.modifiers.shift);
             let alone = RunChange::ShowOnly(number);
             let change = if is_alone { alone } else { RunChange::Show(number, !run.is_shown) };
-            requests.request(Request::Runs(change));
+            requests.request(SessionRequest::Runs(change));
         }
         if button(ui, Icon::Pencil, "Rename", "Rename; an empty name says again what differs") {
             self.typing = Some((number, run.name.clone()));
@@ -128,7 +128,7 @@ impl Convergence {
         let cancelled = ui.input(|input| input.key_pressed(Key::Escape));
         if response.lost_focus() {
             if !cancelled && *text != run.name {
-                requests.request(Request::Runs(RunChange::Rename(run.number, text.clone())));
+                requests.request(SessionRequest::Runs(RunChange::Rename(run.number, text.clone())));
             }
             self.typing = None;
         } else if !response.has_focus() {

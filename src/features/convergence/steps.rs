@@ -12,7 +12,7 @@ use egui::{
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::features::convergence::Quantity;
 
 /// Room for the words about the step.
@@ -58,11 +58,11 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, wi
         let share = ((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         let step = (share * last as f32).round() as usize;
         if Some(step) != at && step < run.steps.len() {
-            requests.request(Request::Step(StepRef { run: run.number, step }));
+            requests.request(SessionRequest::Step(StepRef { run: run.number, step }));
         }
     }
     if let Some(step) = step_by_key(ui, &response, at.unwrap_or(last), run.last_step()) {
-        requests.request(Request::Step(StepRef { run: run.number, step }));
+        requests.request(SessionRequest::Step(StepRef { run: run.number, step }));
     }
     let palette = theme::palette(ui);
     let painter = ui.painter();

@@ -1,5 +1,7 @@
 //! Runs removed and brought back, and the files of their curves.
 
+use backlit_take::footage::Footage;
+use egui::Ui;
 use std::path::Path;
 
 use backlit_document::run::Run;
@@ -10,26 +12,35 @@ use super::{Convergence, CurvesFile, table};
 use backlit_ui::style::theme::Theme;
 
 use crate::context::command::{Command, ConvergenceCommand};
-use crate::context::file_dialog::Wanted;
+use crate::context::feature::Feature;
+use crate::context::file_dialog::DialogKind;
+use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 
-impl Convergence {
-    /// Does a command.
-    pub(crate) fn run(&self, command: ConvergenceCommand, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Convergence {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for (file, path) in self.dialogs.answers() {
+            self.write(file, &path, context, requests);
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Convergence(command) = command else { return false };
         match command {
             ConvergenceCommand::ClearRuns => clear(context, requests),
             ConvergenceCommand::RestoreRuns => {
-                requests.request(Request::Runs(RunChange::Restore));
+                requests.request(SessionRequest::Runs(RunChange::Restore));
                 requests.status(BROUGHT_BACK);
             }
             ConvergenceCommand::ExportCurves => self.ask_for_file(CurvesFile::Table, context, requests),
             ConvergenceCommand::ExportPlot => self.ask_for_file(CurvesFile::Plot, context, requests),
         }
+        true
     }
 
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(command: ConvergenceCommand, context: &Context<'_>) -> Why {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Convergence(command) = command else { return None };
         match command {
             ConvergenceCommand::RestoreRuns => {
                 because(!context.history.has_removed_runs(), "No run was removed")
@@ -40,32 +51,37 @@ impl Convergence {
         }
     }
 
-    /// Takes in the files that were chosen.
-    pub(crate) fn update(&self, context: &Context<'_>, requests: &mut Requests) {
-        for (file, path) in self.dialogs.answers() {
-            self.write(file, &path, context, requests);
-        }
+    fn fills(&self) -> Option<Pane> {
+        Some(Pane::Convergence)
     }
 
+    fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        self.show(ui, context, siblings, requests);
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self { preferences: self.preferences, ..Self::default() };
+    }
+
+    fn at_rest(&self) -> Self {
+        Self { preferences: self.preferences, typing: self.typing.clone(), ..Self::default() }
+    }
+}
+
+impl Convergence {
     fn ask_for_file(&self, file: CurvesFile, context: &Context<'_>, requests: &mut Requests) {
         let (title, name, endings): (_, _, &[&str]) = match file {
             CurvesFile::Table => ("Export curves", "curves.csv", &["csv"]),
             CurvesFile::Plot => ("Export plot", "plot.png", &["png", "svg"]),
         };
-        let wanted = Wanted::NewFile(format!("{} {name}", context.take_name()), endings);
+        let wanted = DialogKind::NewFile(format!("{} {name}", context.take_name()), endings);
         if let Err(why) = self.dialogs.ask(context.egui, file, title, wanted) {
             requests.complain(why.to_string());
         }
     }
 
     /// Writes curves to a file.
-    pub(crate) fn write(
-        &self,
-        file: CurvesFile,
-        path: &Path,
-        context: &Context<'_>,
-        requests: &mut Requests,
-    ) {
+    pub fn write(&self, file: CurvesFile, path: &Path, context: &Context<'_>, requests: &mut Requests) {
         let runs = context.runs().all();
         match file {
             CurvesFile::Table => {
@@ -89,16 +105,16 @@ impl Convergence {
 /// Removes a run. One that is going on is stopped.
 pub(super) fn remove(run: &Run, context: &Context<'_>, requests: &mut Requests) {
     if context.busy.fitted_run == Some(run.number) {
-        requests.request(Request::InterruptFit);
+        requests.request(FeatureRequest::InterruptFit);
     }
-    requests.request(Request::Runs(RunChange::Remove(run.number)));
+    requests.request(SessionRequest::Runs(RunChange::Remove(run.number)));
     inform(format!("Removed the run {}.", run.name), requests);
 }
 
 fn clear(context: &Context<'_>, requests: &mut Requests) {
     let count = context.runs().all().len();
-    requests.request(Request::InterruptFit);
-    requests.request(Request::Runs(RunChange::Clear));
+    requests.request(FeatureRequest::InterruptFit);
+    requests.request(SessionRequest::Runs(RunChange::Clear));
     inform(
         if count == 1 { "Removed the run.".to_owned() } else { format!("Removed {count} runs.") },
         requests,

@@ -13,7 +13,7 @@ use crate::context::command::{
     WindowCommand,
 };
 use crate::context::preferences::Layout;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 
 /// One thing to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -155,8 +155,8 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
 impl Try {
     pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
         let mut compare = |over| {
-            requests.request(Request::Layout(Layout::Demonstrate));
-            requests.request(Request::RunLaboratory { over, camera: None });
+            requests.request(ShellRequest::Layout(Layout::Demonstrate));
+            requests.request(FeatureRequest::RunLaboratory { over, camera: None });
         };
         match self.act {
             Act::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use backlit_formats::images;
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::cancel::CancelToken;
 use image::DynamicImage;
 
@@ -91,12 +91,12 @@ impl ExportJob {
 }
 
 impl Job<Exported> for ExportJob {
-    fn step(&mut self, out: &Outbox<Exported>) -> Step {
+    fn step(&mut self, out: &Outbox<Exported>) -> Turn {
         let (said, step) = match self.next(out.cancel()) {
-            Ok(true) => (Exported::Pictures(self.done), Step::Again),
-            Ok(false) => (Exported::Whole, Step::Done),
-            Err(_) if out.cancel().is_cancelled() => (Exported::Stopped, Step::Done),
-            Err(error) => (Exported::Failed(error), Step::Done),
+            Ok(true) => (Exported::Pictures(self.done), Turn::Again),
+            Ok(false) => (Exported::Whole, Turn::Done),
+            Err(_) if out.cancel().is_cancelled() => (Exported::Stopped, Turn::Done),
+            Err(error) => (Exported::Failed(error), Turn::Done),
         };
         out.send(said);
         step

@@ -10,124 +10,15 @@ use super::job::{ExportJob, Exported};
 use super::motion_card::{self, MotionAnswer, MotionCard};
 use super::{Card, Export, ExportOrder, Running, Subject};
 use crate::context::command::{Command, ExportCommand};
-use crate::context::file_dialog::Wanted;
+use crate::context::feature::Feature;
+use crate::context::file_dialog::DialogKind;
+use crate::context::unavailable::Why;
 use crate::context::unavailable::{because, no_take};
 use crate::context::write_advice::write_advice;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
 
-impl Export {
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: ExportCommand, context: &Context<'_>, requests: &mut Requests) {
-        match command {
-            ExportCommand::View => self.open_card(Subject::View, context, requests),
-            ExportCommand::Window => self.open_card(Subject::Window, context, requests),
-            ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
-            ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
-            ExportCommand::Motion => self.open_motion_card(context, requests),
-            ExportCommand::Stop => self.stop(),
-            ExportCommand::ShowExported => {
-                if let Some(folder) = &self.folder {
-                    requests.request(Request::OpenOutside(folder.display().to_string()));
-                }
-            }
-        }
-    }
-
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(&self, command: ExportCommand, context: &Context<'_>) -> Option<&'static str> {
-        let is_exporting = because(self.running.is_some(), "An export is under way");
-        match command {
-            ExportCommand::ShowExported => {
-                because(self.folder.is_none(), "Nothing was exported since the start")
-            }
-            ExportCommand::Motion => {
-                let document = context.document();
-                let is_still = document.estimates.is_empty() && document.keys.is_empty();
-                no_take(context).or(because(is_still, "No frame has a pose yet: track, or pose by hand"))
-            }
-            ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
-            ExportCommand::Window => is_exporting,
-            ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
-            ExportCommand::Steps => {
-                let has_run = context.run().is_some();
-                let no_run = because(!has_run, "This frame has no run yet: press Space to step");
-                is_exporting.or(no_take(context)).or(no_run)
-            }
-        }
-    }
-
-    /// Asks what is to be exported, and where to.
-    fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
-        let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
-        self.card = Some(Card::Pictures(Box::new(dialog)));
-        requests.request(Request::ExportCard);
-    }
-
-    fn open_motion_card(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.card = Some(Card::Motion(Box::new(MotionCard::new(&self.preferences, context))));
-        requests.request(Request::ExportCard);
-    }
-
-    /// Shows the card, and says whether it stays.
-    pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let (closes, asked) = match &mut self.card {
-            Some(Card::Pictures(dialog)) => {
-                let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
-                if let Some(order) = order {
-                    self.preferences = order.choices.clone();
-                    self.order = Some(order);
-                    requests.request(Request::Export);
-                }
-                let (is_folder, name) = dialog.wanted_name();
-                let wanted = match is_folder {
-                    true => ("Export to folder", Wanted::Folder),
-                    false => ("Export", Wanted::NewFile(name, &[])),
-                };
-                (closes, asks_for_path.then_some(wanted))
-            }
-            Some(Card::Motion(card)) => {
-                let MotionAnswer { closes, asks_for_path, written } = card.ui(ui, context, requests);
-                if let Some((choices, path)) = written {
-                    self.folder = path.parent().map(Path::to_owned);
-                    self.preferences.motion = choices;
-                    self.preferences.folder.clone_from(&self.folder);
-                }
-                let wanted = asks_for_path.map(|path| {
-                    ("Export motion", Wanted::NewFile(name_of(Path::new(&path)), &motion_card::ENDINGS))
-                });
-                (closes, wanted)
-            }
-            None => return false,
-        };
-        if let Some((title, wanted)) = asked
-            && let Err(why) = self.dialogs.ask(context.egui, (), title, wanted)
-        {
-            requests.complain(why.to_string());
-        }
-        if closes {
-            self.card = None;
-        }
-        !closes
-    }
-
-    /// What was put together on the card and is to be begun.
-    pub(crate) const fn take_order(&mut self) -> Option<ExportOrder> {
-        self.order.take()
-    }
-
-    pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
-        self.running =
-            Some(Running { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
-        self.task.begin(pool, (), |()| job);
-    }
-
-    /// Ends the export; what is written of a folder of pictures stays.
-    pub(crate) fn stop(&self) {
-        self.task.stop();
-    }
-
-    /// Takes in what was painted, and the file that was chosen.
-    pub(crate) fn update(&mut self, requests: &mut Requests) {
+impl Feature for Export {
+    fn update(&mut self, _: &Context<'_>, requests: &mut Requests) {
         for ((), path) in self.dialogs.answers() {
             match &mut self.card {
                 Some(Card::Pictures(dialog)) => dialog.set_path(&path),
@@ -151,6 +42,118 @@ impl Export {
                 }
             }
         }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Export(command) = command else { return false };
+        match command {
+            ExportCommand::View => self.open_card(Subject::View, context, requests),
+            ExportCommand::Window => self.open_card(Subject::Window, context, requests),
+            ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
+            ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
+            ExportCommand::Motion => self.open_motion_card(context, requests),
+            ExportCommand::Stop => self.stop(),
+            ExportCommand::ShowExported => {
+                if let Some(folder) = &self.folder {
+                    requests.request(DesktopRequest::OpenOutside(folder.display().to_string()));
+                }
+            }
+        }
+        true
+    }
+
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Export(command) = command else { return None };
+        let is_exporting = because(self.running.is_some(), "An export is under way");
+        match command {
+            ExportCommand::ShowExported => {
+                because(self.folder.is_none(), "Nothing was exported since the start")
+            }
+            ExportCommand::Motion => {
+                let document = context.document();
+                let is_still = document.estimates.is_empty() && document.keys.is_empty();
+                no_take(context).or(because(is_still, "No frame has a pose yet: track, or pose by hand"))
+            }
+            ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
+            ExportCommand::Window => is_exporting,
+            ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
+            ExportCommand::Steps => {
+                let has_run = context.run().is_some();
+                let no_run = because(!has_run, "This frame has no run yet: press Space to step");
+                is_exporting.or(no_take(context)).or(no_run)
+            }
+        }
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let (closes, asked) = match &mut self.card {
+            Some(Card::Pictures(dialog)) => {
+                let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
+                if let Some(order) = order {
+                    self.preferences = order.choices.clone();
+                    self.order = Some(order);
+                    requests.request(DesktopRequest::Export);
+                }
+                let (is_folder, name) = dialog.wanted_name();
+                let wanted = match is_folder {
+                    true => ("Export to folder", DialogKind::Folder),
+                    false => ("Export", DialogKind::NewFile(name, &[])),
+                };
+                (closes, asks_for_path.then_some(wanted))
+            }
+            Some(Card::Motion(card)) => {
+                let MotionAnswer { closes, asks_for_path, written } = card.ui(ui, context, requests);
+                if let Some((choices, path)) = written {
+                    self.folder = path.parent().map(Path::to_owned);
+                    self.preferences.motion = choices;
+                    self.preferences.folder.clone_from(&self.folder);
+                }
+                let wanted = asks_for_path.map(|path| {
+                    ("Export motion", DialogKind::NewFile(name_of(Path::new(&path)), &motion_card::ENDINGS))
+                });
+                (closes, wanted)
+            }
+            None => return false,
+        };
+        if let Some((title, wanted)) = asked
+            && let Err(why) = self.dialogs.ask(context.egui, (), title, wanted)
+        {
+            requests.complain(why.to_string());
+        }
+        if closes {
+            self.card = None;
+        }
+        !closes
+    }
+}
+
+impl Export {
+    /// Asks what is to be exported, and where to.
+    fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
+        let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
+        self.card = Some(Card::Pictures(Box::new(dialog)));
+        requests.request(ShellRequest::OpenCard(FeatureCard::Export));
+    }
+
+    fn open_motion_card(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.card = Some(Card::Motion(Box::new(MotionCard::new(&self.preferences, context))));
+        requests.request(ShellRequest::OpenCard(FeatureCard::Export));
+    }
+
+    /// What was put together on the card and is to be begun.
+    pub(crate) const fn take_order(&mut self) -> Option<ExportOrder> {
+        self.order.take()
+    }
+
+    pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
+        self.running =
+            Some(Running { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
+        self.task.begin(pool, (), |()| job);
+    }
+
+    /// Ends the export; what is written of a folder of pictures stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
     }
 
     fn ended(&mut self, requests: &mut Requests) {

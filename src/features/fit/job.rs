@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_document::run::{RunEnding, RunStep};
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{Fit, FitError, FitOptions, Stage};
 
@@ -67,10 +67,10 @@ impl FitJob {
         Self { start: None, running, left: steps }
     }
 
-    fn pause(&mut self, out: &Outbox<Fitted>, ending: Option<RunEnding>) -> Step {
+    fn pause(&mut self, out: &Outbox<Fitted>, ending: Option<RunEnding>) -> Turn {
         let running = self.running.take().filter(|running| running.fit.termination().is_none());
         out.send(Fitted::Paused(ending, running));
-        Step::Done
+        Turn::Done
     }
 }
 
@@ -102,13 +102,13 @@ impl Running {
 }
 
 impl Job<Fitted> for FitJob {
-    fn step(&mut self, out: &Outbox<Fitted>) -> Step {
+    fn step(&mut self, out: &Outbox<Fitted>) -> Turn {
         if let Some(start) = self.start.take() {
             match start.begin(out) {
                 Ok(running) => self.running = Some(Box::new(running)),
                 Err(error) => {
                     out.send(Fitted::Refused(error));
-                    return Step::Done;
+                    return Turn::Done;
                 }
             }
         }
@@ -132,6 +132,6 @@ impl Job<Fitted> for FitJob {
         let step = running.last.step_of(record, seconds);
         running.send(step, out);
         self.left = self.left.map(|left| left.saturating_sub(1));
-        Step::Again
+        Turn::Again
     }
 }

@@ -8,7 +8,7 @@ use egui::Ui;
 
 use crate::context::command_button::gesture;
 use crate::context::preferences::FRAMES_MB_CHOICES;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, ShellRequest};
 
 /// Width of the name and of the field of the memory's row.
 const MEMORY_NAME: f32 = 78.0;
@@ -118,7 +118,7 @@ fn memory(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
                    back to them is quick";
         if field.on_hover_text(tip).changed() {
             let [least, most] = [*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end()];
-            requests.request(Request::FramesMb((megabytes.max(0.0) as usize).clamp(least, most)));
+            requests.request(ShellRequest::FramesMb((megabytes.max(0.0) as usize).clamp(least, most)));
         }
         hint(ui, "for frames that were read");
     });

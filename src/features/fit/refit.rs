@@ -6,7 +6,7 @@ use backlit_ui::widgets::section;
 use egui::{RichText, Ui};
 
 use super::Fit;
-use crate::context::command::{Command, FitCommand, Part};
+use crate::context::command::{BodyPart, Command, FitCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
 
@@ -25,8 +25,11 @@ impl Fit {
         section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 6.0;
-                let parts =
-                    [(Part::Limb, "Refit limb"), (Part::Chain, "Refit chain"), (Part::Body, "Refit body")];
+                let parts = [
+                    (BodyPart::Limb, "Refit limb"),
+                    (BodyPart::Chain, "Refit chain"),
+                    (BodyPart::Body, "Refit body"),
+                ];
                 for (part, text) in parts {
                     named_button(ui, context, requests, Command::Fit(FitCommand::Refit(part)), text);
                 }

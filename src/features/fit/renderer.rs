@@ -11,7 +11,7 @@ use egui::{RichText, Ui};
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests};
 
 /// The renderers that are offered.
 const KINDS: [RendererKind; 3] =
@@ -102,7 +102,7 @@ fn sphere_levels(ui: &mut Ui, context: &Context<'_>, levels: &[usize], requests:
     checkbox(ui, &mut settings.spheres, "Outline spheres in views")
         .on_hover_text("A circle for each sphere, in the colour of its limb");
     if settings != context.views {
-        requests.request(Request::Views(settings));
+        requests.request(FeatureRequest::Views(settings));
     }
 }
 

@@ -1,5 +1,6 @@
 //! The fit, begun and gone on with, its steps taken in, stopped.
 
+use backlit_take::footage::Footage;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
@@ -16,9 +17,14 @@ use super::job::{FitJob, FitStart, Fitted};
 use super::part::free_rotations;
 use super::refitted::Refitted;
 use super::{Fit, LiveRun};
-use crate::context::command::{FitCommand, Part, Variants};
+use crate::context::command::Command;
+use crate::context::command::{BodyPart, FitCommand, Variants};
 use crate::context::command_button::next_gesture;
-use crate::context::{Context, Request, Requests};
+use crate::context::feature::Feature;
+use crate::context::unavailable::Why;
+use crate::context::unavailable::{because, no_body_fit, no_fit};
+use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
+use crate::session::playback::PlaybackChange;
 use crate::session::prediction::{FitInputs, Predicted};
 
 #[derive(Debug, Default)]
@@ -31,19 +37,69 @@ struct NewRun {
     again: Option<Again>,
 }
 
-impl Fit {
-    /// Does a command; the tracker does those of several frames.
-    pub(crate) fn run(&mut self, command: FitCommand, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Fit {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        // A run that was removed does not go on, even if it comes back.
+        self.live.take_if(|live| context.runs().get(live.number).is_none());
+        for news in self.task.poll() {
+            match news {
+                News::Output(Fitted::Step(step, predicted)) => {
+                    self.take_in(*step, predicted, context, requests);
+                }
+                News::Output(Fitted::Refused(error)) => {
+                    requests.complain(format!("The fit cannot begin: {error}"));
+                    self.end(Some(RunEnding::Solver(error.to_string())), requests);
+                }
+                News::Output(Fitted::Paused(ending, running)) => {
+                    self.running = running;
+                    self.end(ending, requests);
+                }
+                News::Ended if self.pending_steps > 0 => {
+                    let steps = std::mem::take(&mut self.pending_steps);
+                    self.gesture = Some(next_gesture(context.egui));
+                    self.go_on(Some(steps), context);
+                }
+                News::Ended => {
+                    let was_comparison = self.live.as_ref().is_some_and(|live| live.is_comparison);
+                    if was_comparison && !self.begin_next(context, requests) {
+                        // The views show the body again.
+                        self.live = None;
+                    }
+                }
+                News::Failed(failure) => {
+                    requests.failed("The fit", &failure);
+                    // Nothing else begins by itself after it.
+                    requests.request(FeatureRequest::InterruptFit);
+                    self.pending_steps = 0;
+                    self.end(Some(RunEnding::Solver("a step broke down".to_owned())), requests);
+                    self.live = None;
+                }
+            }
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Fit(command) = command else { return false };
+        if matches!(
+            command,
+            FitCommand::Step | FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_)
+        ) {
+            requests.request(SessionRequest::Playback(PlaybackChange::Pause));
+        }
         match command {
             FitCommand::Step => self.step(Some(1), context, requests),
             FitCommand::Run => self.step(None, context, requests),
-            FitCommand::Stop => self.stop(),
+            FitCommand::Stop => {
+                self.stop();
+                // The tracker stops too.
+                return false;
+            }
             FitCommand::StepBack | FitCommand::EarlierStep => look_at_neighbour(false, context, requests),
             FitCommand::LaterStep => look_at_neighbour(true, context, requests),
             FitCommand::Branch => branch(context, requests),
             FitCommand::Refit(part) => self.refit(part, context, requests),
             FitCommand::RunAgain(over) => self.run_again(over, context, requests),
-            FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => {}
+            FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => return false,
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
                 let what = format!("Switch to {}", words::renderer_name(renderer).to_lowercase());
@@ -51,8 +107,65 @@ impl Fit {
             }
             FitCommand::Preset(preset) => set_preset(preset, context, requests),
         }
+        true
     }
 
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Fit(command) = command else { return None };
+        let busy = context.busy;
+        match command {
+            FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
+            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
+                no_fit(context).or(because(busy.fitting, "The fit is running"))
+            }
+            FitCommand::FitBody | FitCommand::MakeSpheres => {
+                no_body_fit(context).or(because(busy.fitting, "The fit is running"))
+            }
+            FitCommand::Stop => {
+                let is_behind = busy.exporting.is_some() || context.busy.basin;
+                because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
+            }
+            FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.shown_step()) {
+                (None, _) => Some("This frame has no run yet: press Space to step"),
+                (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+                (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
+            },
+            FitCommand::LaterStep => {
+                let is_last = |at: StepRef| context.run().is_none_or(|run| run.last_step() == at.step);
+                because(context.shown_step().is_none_or(is_last), "This is the newest step of the run")
+            }
+            FitCommand::Branch => because(
+                context.selection.step.is_none(),
+                "The frame’s pose is on the screen: go to a step of a run first",
+            ),
+            FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
+        }
+    }
+
+    fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, requests: &mut Requests) {
+        if matches!(request, FeatureRequest::InterruptFit) {
+            self.interrupt(requests);
+        }
+    }
+
+    fn sentence(&self, _: &Context<'_>) -> Option<String> {
+        self.is_running().then(|| "The fit is running. Esc stops it; all steps stay.".to_owned())
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self::default();
+    }
+
+    fn freeze_times(&mut self) {
+        self.step_seconds = None;
+    }
+
+    fn at_rest(&self) -> Self {
+        Self { refits: self.refits.clone(), step_seconds: self.step_seconds, ..Self::default() }
+    }
+}
+
+impl Fit {
     /// Stops it after its step; what is done stays, and may go on.
     pub(crate) fn stop(&mut self) {
         self.again.clear();
@@ -85,8 +198,8 @@ impl Fit {
                     .status("This run has ended. Move the body or choose otherwise, and a new one begins.");
             }
             Some(live) => {
-                requests.request(Request::LeaveStep);
-                requests.request(Request::Runs(RunChange::End(live.number, None)));
+                requests.request(SessionRequest::LeaveStep);
+                requests.request(SessionRequest::Runs(RunChange::End(live.number, None)));
                 self.go_on(steps, context);
             }
             None => self.begin(NewRun { steps, ..NewRun::default() }, context, requests),
@@ -99,13 +212,13 @@ impl Fit {
     }
 
     /// Fits a part of the body from the pose on the screen, to the end.
-    fn refit(&mut self, part: Part, context: &Context<'_>, requests: &mut Requests) {
+    fn refit(&mut self, part: BodyPart, context: &Context<'_>, requests: &mut Requests) {
         let model = &context.document().model;
         let limb = context.selection.limb(model);
         let name = match part {
-            Part::Limb => Some(model.limbs()[limb].name.clone()),
-            Part::Chain => Some(format!("chain of {}", model.limbs()[limb].name)),
-            Part::Body => None,
+            BodyPart::Limb => Some(model.limbs()[limb].name.clone()),
+            BodyPart::Chain => Some(format!("chain of {}", model.limbs()[limb].name)),
+            BodyPart::Body => None,
         };
         self.gesture = Some(next_gesture(context.egui));
         let what = format!("Refit {}", name.as_deref().unwrap_or("body"));
@@ -157,52 +270,11 @@ impl Fit {
             is_shown: true,
             ..Run::default()
         };
-        requests.request(Request::Runs(RunChange::Begin(Box::new(run))));
-        requests.request(Request::LeaveStep);
+        requests.request(SessionRequest::Runs(RunChange::Begin(Box::new(run))));
+        requests.request(SessionRequest::LeaveStep);
         self.live = Some(LiveRun { is_comparison, ..LiveRun::new(number, frame, inputs.clone()) });
         let start = FitStart { inputs, pose, options, free, measured_by };
         self.task.begin(context.pool, (), |()| FitJob::begin(start, new.steps));
-    }
-
-    /// Takes in the steps that were made.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        // A run that was removed does not go on, even if it comes back.
-        self.live.take_if(|live| context.runs().get(live.number).is_none());
-        for news in self.task.poll() {
-            match news {
-                News::Output(Fitted::Step(step, predicted)) => {
-                    self.take_in(*step, predicted, context, requests);
-                }
-                News::Output(Fitted::Refused(error)) => {
-                    requests.complain(format!("The fit cannot begin: {error}"));
-                    self.end(Some(RunEnding::Solver(error.to_string())), requests);
-                }
-                News::Output(Fitted::Paused(ending, running)) => {
-                    self.running = running;
-                    self.end(ending, requests);
-                }
-                News::Ended if self.pending_steps > 0 => {
-                    let steps = std::mem::take(&mut self.pending_steps);
-                    self.gesture = Some(next_gesture(context.egui));
-                    self.go_on(Some(steps), context);
-                }
-                News::Ended => {
-                    let was_comparison = self.live.as_ref().is_some_and(|live| live.is_comparison);
-                    if was_comparison && !self.begin_next(context, requests) {
-                        // The views show the body again.
-                        self.live = None;
-                    }
-                }
-                News::Failed(failure) => {
-                    requests.failed("The fit", &failure);
-                    // Nothing else begins by itself after it.
-                    requests.request(Request::InterruptFit);
-                    self.pending_steps = 0;
-                    self.end(Some(RunEnding::Solver("a step broke down".to_owned())), requests);
-                    self.live = None;
-                }
-            }
-        }
     }
 
     fn take_in(
@@ -224,13 +296,13 @@ impl Fit {
             live.before = step.mismatch;
         }
         live.last = Some((step.clone(), predicted));
-        requests.request(Request::Runs(RunChange::Step(live.number, Box::new(step))));
+        requests.request(SessionRequest::Runs(RunChange::Step(live.number, Box::new(step))));
     }
 
     /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
     fn end(&mut self, ending: Option<RunEnding>, requests: &mut Requests) {
         let Some(live) = &self.live else { return };
-        requests.request(Request::Runs(RunChange::End(live.number, ending.clone())));
+        requests.request(SessionRequest::Runs(RunChange::End(live.number, ending.clone())));
         let Some((last, predicted)) = &live.last else {
             // It could not begin.
             self.live = None;
@@ -308,7 +380,7 @@ fn look_at_neighbour(later: bool, context: &Context<'_>, requests: &mut Requests
     let is_newest = step == last
         && run.steps[last].iteration.point == *context.document().pose_at(context.selection.frame);
     let at = StepRef { run: run.number, step };
-    requests.request(if is_newest { Request::LeaveStep } else { Request::Step(at) });
+    requests.request(if is_newest { SessionRequest::LeaveStep } else { SessionRequest::Step(at) });
 }
 
 /// Makes the step on the screen the frame's pose.

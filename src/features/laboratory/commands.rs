@@ -10,13 +10,6 @@ use crate::context::unavailable::{because, no_take};
 const MANY_STEPS: usize = 10;
 
 impl Laboratory {
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: LaboratoryCommand) {
-        match command {
-            LaboratoryCommand::Restart => self.comparison = None,
-        }
-    }
-
     /// Does what a command of another feature means in the laboratory's layout. `false` for those that mean there
     /// what they mean everywhere.
     pub(crate) fn takes(&mut self, command: Command, context: &Context<'_>) -> bool {
@@ -53,11 +46,7 @@ impl Laboratory {
 
     /// Why a command cannot be used that means something of its own here; the outer `None` is for commands that the
     /// laboratory leaves to others.
-    pub(crate) fn unavailable(
-        &self,
-        command: Command,
-        context: &Context<'_>,
-    ) -> Option<Option<&'static str>> {
+    pub(crate) fn overrides(&self, command: Command, context: &Context<'_>) -> Option<Option<&'static str>> {
         if context.preferences.layout == Layout::Demonstrate {
             return self.unavailable_in_layout(command).map(|answer| no_take(context).or(answer));
         }

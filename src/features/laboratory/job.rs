@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_document::run::{RunEnding, RunStep};
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::Fit;
 use rayon::prelude::*;
@@ -119,9 +119,9 @@ impl StepJob {
         self.target.is_none_or(|target| racing.done < target).then_some(index)
     }
 
-    fn end(&mut self, out: &Outbox<Stepped>) -> Step {
+    fn end(&mut self, out: &Outbox<Stepped>) -> Turn {
         out.send(Stepped::Waiting(std::mem::take(&mut self.fits)));
-        Step::Done
+        Turn::Done
     }
 }
 
@@ -141,10 +141,10 @@ fn extent(camera: &CameraPrediction) -> Option<Extent> {
 }
 
 impl Job<Stepped> for StepJob {
-    fn step(&mut self, out: &Outbox<Stepped>) -> Step {
+    fn step(&mut self, out: &Outbox<Stepped>) -> Turn {
         if let Some((scene, pose)) = self.starts.pop() {
             self.begin_next(scene, &pose, out);
-            return if self.starts.is_empty() { self.end(out) } else { Step::Again };
+            return if self.starts.is_empty() { self.end(out) } else { Turn::Again };
         }
         if out.cancel().is_cancelled() {
             return self.end(out);
@@ -162,7 +162,7 @@ impl Job<Stepped> for StepJob {
             let ending = fit.termination().map(|why| RunEnding::of(why, is_annealed));
             racing.fit = None;
             out.send(Stepped::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
-            return Step::Again;
+            return Turn::Again;
         };
         let seconds = began.elapsed().as_secs_f64();
         racing.done += 1;
@@ -171,7 +171,7 @@ impl Job<Stepped> for StepJob {
         }
         let step = racing.last.step_of(record, seconds);
         out.send(Stepped::Step(index, Box::new(step), racing.last.clone()));
-        Step::Again
+        Turn::Again
     }
 }
 
@@ -201,7 +201,7 @@ impl LookJob {
 }
 
 impl Job<Look> for LookJob {
-    fn step(&mut self, out: &Outbox<Look>) -> Step {
+    fn step(&mut self, out: &Outbox<Look>) -> Turn {
         if let Some((index, scene, pose, earlier)) = self.steps.pop() {
             let predicted = Predicted::new(&scene, &pose, earlier.as_deref());
             out.send(Look::Step(index, Arc::new(predicted)));
@@ -215,7 +215,7 @@ impl Job<Look> for LookJob {
             let pushes: Vec<Push> = starts.iter().filter_map(look).collect();
             out.send(Look::Pushes(key, Pushed::all(pushes)));
         }
-        if self.steps.is_empty() && self.push.is_none() { Step::Done } else { Step::Again }
+        if self.steps.is_empty() && self.push.is_none() { Turn::Done } else { Turn::Again }
     }
 }
 
@@ -271,13 +271,13 @@ impl CheckJob {
 }
 
 impl Job<Found> for CheckJob {
-    fn step(&mut self, out: &Outbox<Found>) -> Step {
+    fn step(&mut self, out: &Outbox<Found>) -> Turn {
         let going = self.fits.iter_mut().filter(|fit| !fit.progress.is_whole());
         let next = going.min_by_key(|fit| (fit.progress.done, fit.index));
-        let Some(fit) = next else { return Step::Done };
-        let Some(pose) = fit.go_on() else { return Step::Done };
+        let Some(fit) = next else { return Turn::Done };
+        let Some(pose) = fit.go_on() else { return Turn::Done };
         let checked = Checked { pose, progress: fit.progress.clone() };
         out.send(Found { index: fit.index, checked });
-        Step::Again
+        Turn::Again
     }
 }

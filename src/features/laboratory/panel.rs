@@ -22,8 +22,8 @@ use egui::{
 
 use super::comparison::PushKey;
 use super::{Comparison, Laboratory, Lineup, PushAxis, StartChoice, table};
-use crate::context::file_dialog::Wanted;
-use crate::context::{Context, Request, Requests};
+use crate::context::file_dialog::DialogKind;
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::selection::Selection;
 
 /// Below this height of the centre, type and distances are those of the other layouts.
@@ -116,7 +116,7 @@ impl Laboratory {
             (Wish::Camera(camera), _) => self.camera = camera,
             (Wish::Axis(axis), _) => self.axis = Some(axis),
             (Wish::Limb(limb), _) => {
-                requests.request(Request::Joint(Selection::joint_of(&context.document().model, limb)));
+                requests.request(SessionRequest::Joint(Selection::joint_of(&context.document().model, limb)));
             }
             (Wish::Log(is_log), _) => self.is_log = is_log,
             (Wish::Mark(fit), _) => self.mark_worst(fit),
@@ -127,7 +127,7 @@ impl Laboratory {
             }
             (Wish::Step(_) | Wish::CopyTable, None) => {}
             (Wish::SavePlot, _) => {
-                let wanted = Wanted::NewFile("laboratory.png".to_owned(), &[]);
+                let wanted = DialogKind::NewFile("laboratory.png".to_owned(), &[]);
                 if let Err(why) = self.dialogs.ask(context.egui, (), "Save plot", wanted) {
                     requests.complain(why.to_string());
                 }

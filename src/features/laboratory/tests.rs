@@ -7,16 +7,16 @@ use crate::context::preferences::Layout;
 #[test]
 fn a_laboratory_that_breaks_down_says_so_and_begins_again() {
     let (mut window, mut app) = open(Layout::Demonstrate);
-    let (pool, egui) = (app.state.pool.clone(), window.ctx.clone());
-    app.features.laboratory.comparison = None;
-    app.update_features();
-    app.features.laboratory.steps.begin(&pool, (), |()| Breaks);
+    let pool = app.inspector.state.pool.clone();
+    app.inspector.features.laboratory.comparison = None;
+    app.inspector.update_features();
+    app.inspector.features.laboratory.steps.begin(&pool, (), |()| Breaks);
     settle(&mut window, &mut app);
-    let comparison = app.features.laboratory.comparison.as_ref().unwrap();
+    let comparison = app.inspector.features.laboratory.comparison.as_ref().unwrap();
     assert!(comparison.has_begun() && comparison.problem().unwrap().contains("broke down"));
-    app.run(Command::Laboratory(LaboratoryCommand::Restart), &egui);
+    app.run(Command::Laboratory(LaboratoryCommand::Restart));
     settle(&mut window, &mut app);
-    let comparison = app.features.laboratory.comparison.as_ref().unwrap();
+    let comparison = app.inspector.features.laboratory.comparison.as_ref().unwrap();
     assert!(comparison.problem().is_none() && comparison.contestants.iter().all(|fit| !fit.steps.is_empty()));
     assert_eq!(errors(&app), ["The laboratory broke down: thirteen. Your work is unharmed."]);
 }
@@ -24,8 +24,8 @@ fn a_laboratory_that_breaks_down_says_so_and_begins_again() {
 #[test]
 fn pictures_and_checks_that_break_down_are_said_once_and_not_tried_again_for_the_same_step() {
     let (mut window, mut app) = open(Layout::Demonstrate);
-    let pool = app.state.pool.clone();
-    let laboratory = &mut app.features.laboratory;
+    let pool = app.inspector.state.pool.clone();
+    let laboratory = &mut app.inspector.features.laboratory;
     let comparison = laboratory.comparison.as_mut().unwrap();
     for fit in &mut comparison.contestants {
         (fit.shown, fit.checked) = (None, None);
@@ -36,7 +36,7 @@ fn pictures_and_checks_that_break_down_are_said_once_and_not_tried_again_for_the
     laboratory.looks.begin(&pool, lacking, |_| Breaks);
     laboratory.checks.begin(&pool, wanted, |_| Breaks);
     settle(&mut window, &mut app);
-    let laboratory = &app.features.laboratory;
+    let laboratory = &app.inspector.features.laboratory;
     assert!(laboratory.check_broke_down() && laboratory.looks.failure().is_some());
     assert_eq!(
         errors(&app),

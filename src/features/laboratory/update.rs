@@ -1,6 +1,7 @@
 //! The laboratory in every frame of the window: it begins again when what it compares changes, steps its fits, and asks
 //! for what its pictures lack.
 
+use backlit_take::footage::Footage;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,13 +14,15 @@ use image::{DynamicImage, ImageFormat};
 use super::comparison::PushKey;
 use super::job::{CheckJob, FitCheck, Lacking, Look, LookJob, StepJob, Stepped};
 use super::start::StartParts;
-use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, table};
+use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, StartChoice, table};
+use crate::context::FeatureRequest;
+use crate::context::command::{Command, LaboratoryCommand};
+use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 
-impl Laboratory {
-    /// Takes in what was made, and keeps the comparison going while its layout is on the screen.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Laboratory {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         self.take_in_steps(context, requests);
         self.take_in_looks(requests);
         self.take_in_checks(requests);
@@ -34,6 +37,72 @@ impl Laboratory {
         }
     }
 
+    fn run(&mut self, command: Command, _: &Context<'_>, _: &mut Requests) -> bool {
+        let Command::Laboratory(command) = command else { return false };
+        match command {
+            LaboratoryCommand::Restart => self.comparison = None,
+        }
+        true
+    }
+
+    fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, _: &mut Requests) {
+        if let FeatureRequest::RunLaboratory { over, camera } = *request {
+            self.lineup = over.into();
+            self.camera = camera.unwrap_or(self.camera);
+            self.wants_run = true;
+        }
+    }
+
+    fn sentence(&self, context: &Context<'_>) -> Option<String> {
+        if context.preferences.layout != Layout::Demonstrate {
+            return None;
+        }
+        let all = self.lineup.all_text();
+        let Some(comparison) = self.begun() else { return Some("Preparing the laboratory…".to_owned()) };
+        let step = comparison.cursor;
+        if self.is_running() {
+            return Some(format!("Step {step} in {all}. They are running; Esc stops them."));
+        }
+        let last = comparison.last();
+        if comparison.is_over() && step == last {
+            return Some(format!(
+                "Step {step} in {all}: they have ended. The arrow keys go through their steps."
+            ));
+        }
+        if step < last {
+            return Some(format!("Step {step} of {last} in {all}. The arrow keys go through them."));
+        }
+        Some(format!(
+            "Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step."
+        ))
+    }
+
+    fn reset(&mut self, footage: &Footage) {
+        let start = StartChoice::of(footage.demonstration());
+        *self = Self { is_log: self.is_log, comparisons: self.comparisons, start, ..Self::default() };
+    }
+
+    fn freeze_times(&mut self) {
+        self.step_seconds = None;
+    }
+
+    fn at_rest(&self) -> Self {
+        Self {
+            lineup: self.lineup,
+            start: self.start,
+            axis: self.axis,
+            camera: self.camera,
+            is_log: self.is_log,
+            marked: self.marked,
+            comparison: self.comparison.clone(),
+            step_seconds: self.step_seconds,
+            comparisons: self.comparisons,
+            ..Self::default()
+        }
+    }
+}
+
+impl Laboratory {
     fn take_in_steps(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.steps.poll() {
             match (news, &mut self.comparison) {
@@ -243,7 +312,7 @@ impl Laboratory {
     }
 
     /// Writes the plot as a PNG.
-    pub(crate) fn save_plot(&self, path: &Path, context: &Context<'_>, requests: &mut Requests) {
+    pub fn save_plot(&self, path: &Path, context: &Context<'_>, requests: &mut Requests) {
         let Some(comparison) = &self.comparison else { return };
         let take = context.session.take.as_ref().map_or("", |take| take.name.as_str());
         let subtitle = format!("{take}. {}", self.lineup.sentence());

@@ -35,7 +35,7 @@ enum Wish {
 
 impl Motions {
     /// The pane, in all of the space that is left.
-    pub(crate) fn pane(
+    pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,
@@ -140,7 +140,7 @@ impl Motions {
         if let Some(frame) = plane::ui(ui, plane, found, self.preferences.plane, context, is_stale)
             && frame != context.selection.frame
         {
-            requests.request(crate::context::Request::Frame(frame));
+            requests.request(crate::context::SessionRequest::Frame(frame));
         }
         shares::ui(ui, Rect::from_x_y_ranges(area.x_range(), below), found, context.selection.frame);
         ui.advance_cursor_after_rect(area);

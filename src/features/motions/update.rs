@@ -1,5 +1,7 @@
 //! Names are asked for when the track has changed, and at rest.
 
+use backlit_take::footage::Footage;
+use egui::Ui;
 use std::sync::Arc;
 
 use backlit_jobs::{News, once};
@@ -8,13 +10,15 @@ use glam::DVec3;
 
 use super::Motions;
 use super::job::{Inputs, Missing};
-use crate::context::file_dialog::Wanted;
+use crate::context::Published;
+use crate::context::feature::Feature;
+use crate::context::file_dialog::DialogKind;
 use crate::context::motions::MotionMarks;
+use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 
-impl Motions {
-    /// Takes names in, and asks for newer ones where the track has changed and nobody is changing it.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Motions {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for ((), path) in self.dialogs.answers() {
             self.model = Some(path);
         }
@@ -46,6 +50,35 @@ impl Motions {
         self.marks.is_stale = self.task.is_busy() || self.task.inputs() != Some(&inputs);
     }
 
+    fn publish(&self, published: &mut Published) {
+        published.motions = self.marks.clone();
+    }
+
+    fn fills(&self) -> Option<Pane> {
+        Some(Pane::Motions)
+    }
+
+    fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        self.show(ui, context, siblings, requests);
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        *self = Self { preferences: self.preferences, model: self.model.take(), ..Self::default() };
+    }
+
+    fn at_rest(&self) -> Self {
+        Self {
+            preferences: self.preferences,
+            model: self.model.clone(),
+            found: self.found.clone(),
+            missing: self.missing.clone(),
+            marks: self.marks.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Motions {
     /// There are no names, and why.
     fn forget(&mut self, missing: Missing) {
         (self.found, self.missing) = (None, Some(missing));
@@ -66,7 +99,7 @@ impl Motions {
 
     /// Asks for a file that was learnt elsewhere.
     pub(super) fn ask_for_model(&self, context: &Context<'_>, requests: &mut Requests) {
-        let wanted = Wanted::File(&["json"]);
+        let wanted = DialogKind::File(&["json"]);
         if let Err(why) = self.dialogs.ask(context.egui, (), "Model of motions", wanted) {
             requests.complain(why.to_string());
         }

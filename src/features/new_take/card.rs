@@ -38,7 +38,7 @@ enum Wish {
 
 impl NewTake {
     /// Shows the card, and says whether it stays.
-    pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+    pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let modal = card(ui.ctx(), "new take").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             ui.spacing_mut().item_spacing.y = 6.0;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_formats::images;
 use backlit_formats::import::{self, Found, ImportOptions, ImportStep, WriteOptions};
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use egui::ColorImage;
 
 /// Height of the pictures on the card, pixels.
@@ -57,7 +57,7 @@ pub(super) struct WriteJob {
 }
 
 impl Job<Written> for WriteJob {
-    fn step(&mut self, out: &Outbox<Written>) -> Step {
+    fn step(&mut self, out: &Outbox<Written>) -> Turn {
         let mut say = |step: ImportStep| match step {
             ImportStep::Learning { camera } => {
                 out.send(Written::Step(format!("Learning the background of {camera}")));
@@ -73,6 +73,6 @@ impl Job<Written> for WriteJob {
             Ok(file) => Written::Done(file),
             Err(error) => Written::Failed(error.to_string()),
         });
-        Step::Done
+        Turn::Done
     }
 }

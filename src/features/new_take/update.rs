@@ -1,66 +1,21 @@
 //! Asked for, found, written, opened.
 
+use egui::Ui;
 use std::path::{Path, PathBuf};
 
 use backlit_jobs::{News, once};
 
 use super::job::{self, WriteJob, Written};
 use super::{Asked, NewTake, State};
-use crate::context::file_dialog::Wanted;
-use crate::context::{Context, Request, Requests};
+use crate::context::feature::Feature;
+use crate::context::file_dialog::DialogKind;
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
 
 /// Endings of calibrations, for the dialog.
 const CALIBRATIONS: &[&str] = &["toml", "json", "yml", "yaml", "xml", "xcp", "txt", "pickle"];
 
-impl NewTake {
-    /// Lays the card over the window; folders or files that are named are looked at at once.
-    pub(crate) fn open(&mut self, paths: Vec<PathBuf>, context: &Context<'_>, requests: &mut Requests) {
-        requests.request(Request::NewTakeCard);
-        if !paths.is_empty() {
-            *self = Self::default();
-            self.look_at(paths, context);
-        }
-    }
-
-    /// Looks at what was chosen, again if it was changed.
-    pub(super) fn look_at(&mut self, paths: Vec<PathBuf>, context: &Context<'_>) {
-        if paths != self.paths {
-            self.out.clear();
-        }
-        self.paths = paths;
-        self.state = State::Looking;
-        let inputs = (self.paths.clone(), self.options.clone());
-        self.look.begin(context.pool, inputs, |(paths, options)| {
-            let (paths, options) = (paths.clone(), options.clone());
-            once(move |_| job::look(&paths, &options))
-        });
-    }
-
-    pub(super) fn ask(&self, asked: Asked, context: &Context<'_>, requests: &mut Requests) {
-        let (title, wanted) = match asked {
-            Asked::Footage => ("Folder with the footage", Wanted::Folder),
-            Asked::Calibration => ("Calibration", Wanted::File(CALIBRATIONS)),
-            Asked::Out => ("Folder of the take", Wanted::Folder),
-        };
-        if let Err(why) = self.dialogs.ask(context.egui, asked, title, wanted) {
-            requests.complain(why.to_string());
-        }
-    }
-
-    /// Writes the take that was put together.
-    pub(super) fn create(&mut self, context: &Context<'_>) {
-        let State::Found(looked) = std::mem::take(&mut self.state) else { return };
-        let job = WriteJob { found: looked.found.clone(), out: PathBuf::from(self.out.trim()) };
-        self.state = State::Writing(looked, "Writing the take".to_owned());
-        self.write.begin(context.pool, (), |()| job);
-    }
-
-    pub(super) fn stop(&self) {
-        self.write.stop();
-    }
-
-    /// Takes in what was found, written and chosen.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for NewTake {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for (asked, path) in self.dialogs.answers() {
             match asked {
                 Asked::Footage => self.look_at(vec![path], context),
@@ -98,8 +53,8 @@ impl NewTake {
                 News::Output(Written::Said(text)) => requests.inform(text, None),
                 News::Output(Written::Done(file)) => {
                     *self = Self::default();
-                    requests.request(Request::CloseCard);
-                    requests.request(Request::OpenPath(file.parent().unwrap_or(&file).to_owned()));
+                    requests.request(ShellRequest::CloseCard);
+                    requests.request(DesktopRequest::OpenPath(file.parent().unwrap_or(&file).to_owned()));
                     return;
                 }
                 News::Output(Written::Failed(why)) => {
@@ -113,6 +68,58 @@ impl NewTake {
                 }
             }
         }
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        self.show(ui, context, requests)
+    }
+}
+
+impl NewTake {
+    /// Lays the card over the window; folders or files that are named are looked at at once.
+    pub(crate) fn open(&mut self, paths: Vec<PathBuf>, context: &Context<'_>, requests: &mut Requests) {
+        requests.request(ShellRequest::OpenCard(FeatureCard::NewTake));
+        if !paths.is_empty() {
+            *self = Self::default();
+            self.look_at(paths, context);
+        }
+    }
+
+    /// Looks at what was chosen, again if it was changed.
+    pub(super) fn look_at(&mut self, paths: Vec<PathBuf>, context: &Context<'_>) {
+        if paths != self.paths {
+            self.out.clear();
+        }
+        self.paths = paths;
+        self.state = State::Looking;
+        let inputs = (self.paths.clone(), self.options.clone());
+        self.look.begin(context.pool, inputs, |(paths, options)| {
+            let (paths, options) = (paths.clone(), options.clone());
+            once(move |_| job::look(&paths, &options))
+        });
+    }
+
+    pub(super) fn ask(&self, asked: Asked, context: &Context<'_>, requests: &mut Requests) {
+        let (title, wanted) = match asked {
+            Asked::Footage => ("Folder with the footage", DialogKind::Folder),
+            Asked::Calibration => ("Calibration", DialogKind::File(CALIBRATIONS)),
+            Asked::Out => ("Folder of the take", DialogKind::Folder),
+        };
+        if let Err(why) = self.dialogs.ask(context.egui, asked, title, wanted) {
+            requests.complain(why.to_string());
+        }
+    }
+
+    /// Writes the take that was put together.
+    pub(super) fn create(&mut self, context: &Context<'_>) {
+        let State::Found(looked) = std::mem::take(&mut self.state) else { return };
+        let job = WriteJob { found: looked.found.clone(), out: PathBuf::from(self.out.trim()) };
+        self.state = State::Writing(looked, "Writing the take".to_owned());
+        self.write.begin(context.pool, (), |()| job);
+    }
+
+    pub(super) fn stop(&self) {
+        self.write.stop();
     }
 
     fn back_to_found(&mut self) {

@@ -18,7 +18,7 @@ use egui::{
 use glam::DVec2;
 
 use super::Offsets;
-use crate::context::{Context, Requests};
+use crate::context::Context;
 
 /// Width of the card, of the names in it, and height of the pictures at most.
 const WIDTH: f32 = 760.0;
@@ -41,7 +41,7 @@ enum Wish {
 
 impl Offsets {
     /// Shows the card, and says whether it stays.
-    pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, _: &mut Requests) -> bool {
+    pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>) -> bool {
         let Some(take) = context.session.take.clone() else { return false };
         self.read_pictures(context);
         let modal = card(ui.ctx(), "offsets").show(ui.ctx(), |ui| {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_formats::synchronise::{TakeClocks, TakeClocksError};
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_take::footage::Footage;
 use egui::ColorImage;
 
@@ -51,13 +51,13 @@ pub(super) enum Said {
 pub(super) struct FindJob(pub(super) Arc<Footage>);
 
 impl Job<Said> for FindJob {
-    fn step(&mut self, out: &Outbox<Said>) -> Step {
+    fn step(&mut self, out: &Outbox<Said>) -> Turn {
         let found = self.0.clocks(out.cancel(), |done, all| out.send(Said::At([done, all])));
         match found {
             Ok(found) => out.send(Said::Found(Box::new(found))),
             Err(TakeClocksError::Cancelled) => {}
             Err(error) => out.send(Said::Refused(error.to_string())),
         }
-        Step::Done
+        Turn::Done
     }
 }

@@ -6,12 +6,77 @@ use backlit_formats::video::Video;
 use backlit_jobs::{News, once};
 use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
+use egui::Ui;
 
 use super::job::{self, FindJob, Said, Wanted};
 use super::{Offsets, Side};
+use crate::context::command::Command;
+use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::write_advice::write_advice;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
+
+impl Feature for Offsets {
+    fn update(&mut self, _: &Context<'_>, requests: &mut Requests) {
+        for side in &mut self.sides {
+            side.update(requests);
+        }
+        for news in self.find.poll() {
+            match news {
+                News::Output(Said::At(progress)) => self.progress = Some(progress),
+                News::Output(Said::Found(found)) => {
+                    for (shift, found) in self.shifts.iter_mut().zip(&found.shifts) {
+                        *shift = found.as_ref().map_or(*shift, |found| found.frames);
+                    }
+                    self.found = Some(Ok(found));
+                }
+                News::Output(Said::Refused(why)) => self.found = Some(Err(why)),
+                News::Ended => self.progress = None,
+                News::Failed(failure) => requests.failed("The search for the offsets", &failure),
+            }
+        }
+        for news in self.write.poll() {
+            match news {
+                News::Output(Ok(())) => {
+                    requests.request(ShellRequest::CloseCard);
+                    requests
+                        .inform("The offsets are in the take; its frames were read again.".to_owned(), None);
+                    requests.request(DesktopRequest::OpenPath(std::mem::take(&mut self.path)));
+                }
+                News::Output(Err(why)) => requests.complain(why),
+                News::Ended => {}
+                News::Failed(failure) => requests.failed("Writing the offsets", &failure),
+            }
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let is_own = command == Command::Offsets;
+        if is_own {
+            self.open(context, requests);
+        }
+        is_own
+    }
+
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        if command != Command::Offsets {
+            return None;
+        }
+        let take = context.session.take.as_ref();
+        let is_file = take.is_some_and(|take| matches!(take.source, Some(TakeSource::Path(_))));
+        let is_one = take.is_some_and(|take| take.full_cameras().len() < 2);
+        no_take(context)
+            .or(because(
+                !is_file,
+                "This take comes with the program and cannot be changed: open one of your own",
+            ))
+            .or(because(is_one, "The take has one camera only"))
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, _: &mut Requests) -> bool {
+        self.show(ui, context)
+    }
+}
 
 impl Offsets {
     /// Lays the card over the window.
@@ -27,20 +92,7 @@ impl Offsets {
             path: path.clone(),
             ..Self::default()
         };
-        requests.request(Request::OffsetsCard);
-    }
-
-    /// Why it cannot be used now.
-    pub(crate) fn unavailable(context: &Context<'_>) -> Why {
-        let take = context.session.take.as_ref();
-        let is_file = take.is_some_and(|take| matches!(take.source, Some(TakeSource::Path(_))));
-        let is_one = take.is_some_and(|take| take.full_cameras().len() < 2);
-        no_take(context)
-            .or(because(
-                !is_file,
-                "This take comes with the program and cannot be changed: open one of your own",
-            ))
-            .or(because(is_one, "The take has one camera only"))
+        requests.request(ShellRequest::OpenCard(FeatureCard::Offsets));
     }
 
     /// What a side is to show.
@@ -91,40 +143,6 @@ impl Offsets {
                     .map_err(|error| format!("Not written: {error}. {}", write_advice(&error)))
             })
         });
-    }
-
-    /// Takes in what was read, found and written.
-    pub(crate) fn update(&mut self, requests: &mut Requests) {
-        for side in &mut self.sides {
-            side.update(requests);
-        }
-        for news in self.find.poll() {
-            match news {
-                News::Output(Said::At(progress)) => self.progress = Some(progress),
-                News::Output(Said::Found(found)) => {
-                    for (shift, found) in self.shifts.iter_mut().zip(&found.shifts) {
-                        *shift = found.as_ref().map_or(*shift, |found| found.frames);
-                    }
-                    self.found = Some(Ok(found));
-                }
-                News::Output(Said::Refused(why)) => self.found = Some(Err(why)),
-                News::Ended => self.progress = None,
-                News::Failed(failure) => requests.failed("The search for the offsets", &failure),
-            }
-        }
-        for news in self.write.poll() {
-            match news {
-                News::Output(Ok(())) => {
-                    requests.request(Request::CloseCard);
-                    requests
-                        .inform("The offsets are in the take; its frames were read again.".to_owned(), None);
-                    requests.request(Request::OpenPath(std::mem::take(&mut self.path)));
-                }
-                News::Output(Err(why)) => requests.complain(why),
-                News::Ended => {}
-                News::Failed(failure) => requests.failed("Writing the offsets", &failure),
-            }
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What menus, buttons, keys and the palette ask of the pose.
 
 use backlit_document::edit::Edit;
+use backlit_take::footage::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::posing;
 use backlit_ui::drawing::JointId;
@@ -8,14 +9,16 @@ use backlit_ui::drawing::JointId;
 use super::Posing;
 use super::panel::rotation_tree;
 use crate::context::command::{Command, HistoryCommand, PoseCommand};
+use crate::context::feature::Feature;
+use crate::context::unavailable::Why;
 use crate::context::unavailable::no_take;
 use crate::context::view_settings::ViewSettings;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 use crate::session::selection::Selection;
 
-impl Posing {
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: PoseCommand, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Posing {
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Pose(command) = command else { return false };
         let (document, frame) = (context.document(), context.selection.frame);
         let (model, pose) = (&document.model, context.shown_pose());
         let limb = &model.limbs()[context.selection.limb(model)];
@@ -35,7 +38,7 @@ impl Posing {
             }
             PoseCommand::HoldTrunk => {
                 let hold_trunk = !context.views.hold_trunk;
-                requests.request(Request::Views(ViewSettings { hold_trunk, ..context.views }));
+                requests.request(FeatureRequest::Views(ViewSettings { hold_trunk, ..context.views }));
                 requests.status(if hold_trunk {
                     "The trunk is held: a dragged joint moves its own arm, leg or neck alone."
                 } else {
@@ -66,14 +69,15 @@ impl Posing {
                 let here = rows.iter().position(|(row, _)| *row == rotation).unwrap_or(0);
                 let by = if command == PoseCommand::NextJoint { 1 } else { rows.len() - 1 };
                 let owner = model.rotation_owners()[rows[(here + by) % rows.len()].0];
-                requests.request(Request::Joint(Selection::joint_of(model, owner)));
+                requests.request(SessionRequest::Joint(Selection::joint_of(model, owner)));
             }
             PoseCommand::Nudge(nudge) => self.nudge(nudge.by_px(), context, requests),
         }
+        true
     }
 
-    /// Why a command cannot be used now, in a sentence without its full stop.
-    pub(crate) fn unavailable(command: PoseCommand, context: &Context<'_>) -> Option<&'static str> {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Pose(command) = command else { return None };
         match command {
             PoseCommand::Copy
             | PoseCommand::Paste
@@ -87,6 +91,17 @@ impl Posing {
             | PoseCommand::Nudge(_) => no_take(context),
             PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
         }
+    }
+
+    fn answer(&mut self, request: &FeatureRequest, context: &Context<'_>, requests: &mut Requests) {
+        if let FeatureRequest::Drag(camera, event) = *request {
+            self.drag(camera, event, context, requests);
+        }
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        self.dragging = None;
+        self.nudging = None;
     }
 }
 

@@ -15,7 +15,7 @@ use super::Posing;
 use super::dragged::{Dragged, dragged, joint_position, limit_sentence, words};
 use crate::context::command_button::next_gesture;
 use crate::context::drag_marks::DragMarks;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 
 /// Nudges that follow each other within so many seconds are one.
 pub(super) const NUDGE_SECONDS: f64 = 2.0;
@@ -26,7 +26,7 @@ pub(super) struct Nudging {
     joint: JointId,
     camera: usize,
     /// The pose in which the first of the nudges began, and how far they go from there.
-    pub(super) base: Pose,
+    pub(super) base: Arc<Pose>,
     total_px: DVec2,
     /// The pose that they have led to.
     reached: Pose,
@@ -40,7 +40,7 @@ pub(super) struct Dragging {
     /// In which camera's view.
     camera: usize,
     /// The pose in which it began: dragging back undoes itself.
-    base: Pose,
+    base: Arc<Pose>,
     /// The body in which it began.
     body: Arc<Model>,
     gesture: Gesture,
@@ -50,7 +50,7 @@ pub(super) struct Dragging {
 
 impl Dragging {
     /// What others must know of it.
-    pub(super) fn marks(&self) -> DragMarks<'_> {
+    pub(super) fn marks(&self) -> DragMarks {
         let (joint, twisted) = match self.drag {
             Drag::Joint { joint, .. } | Drag::Depth { joint, .. } => (Some(joint), None),
             Drag::Twist { limb, .. } => (None, Some(limb)),
@@ -58,7 +58,7 @@ impl Dragging {
             Drag::Body { .. } => (Some(JointId::Root), None),
             Drag::Length { .. } | Drag::Radius { .. } => (None, None),
         };
-        DragMarks { camera: Some(self.camera), joint, twisted, from: Some(&self.base) }
+        DragMarks { camera: Some(self.camera), joint, twisted, from: Some(self.base.clone()) }
     }
 
     /// Asks for what the drag has led to.
@@ -101,7 +101,7 @@ impl Posing {
             DragEvent::Begin(drag) => {
                 let before = self.dragging.take();
                 let gesture = before.map_or_else(|| next_gesture(context.egui), |before| before.gesture);
-                let (base, body) = (context.shown_pose().clone(), context.document().model.clone());
+                let (base, body) = (Arc::new(context.shown_pose().clone()), context.document().model.clone());
                 let dragging = Dragging { camera, base, body, gesture, drag };
                 dragging.request(context, requests);
                 self.dragging = Some(dragging);
@@ -120,7 +120,7 @@ impl Posing {
             }
             DragEvent::Cancel => {
                 if let Some(dragging) = self.dragging.take() {
-                    requests.request(Request::CancelGesture(dragging.gesture));
+                    requests.request(SessionRequest::CancelGesture(dragging.gesture));
                     requests.status("Put back.");
                 }
             }
@@ -142,7 +142,7 @@ impl Posing {
         let mut nudging = goes_on.unwrap_or_else(|| Nudging {
             joint,
             camera,
-            base: pose.clone(),
+            base: Arc::new(pose.clone()),
             total_px: DVec2::ZERO,
             reached: pose.clone(),
             gesture: next_gesture(context.egui),

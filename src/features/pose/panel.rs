@@ -10,7 +10,7 @@ use backlit_ui::widgets::{checkbox, section};
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::command::{Command, PoseCommand};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 use crate::session::selection::Selection;
 
 /// Indent of a level of the tree.
@@ -37,7 +37,7 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         let mut settings = context.views;
         let hold = checkbox(ui, &mut settings.hold_trunk, "Hold the trunk");
         if hold.on_hover_text(Command::Pose(PoseCommand::HoldTrunk).tooltip()).changed() {
-            requests.request(Request::Views(settings));
+            requests.request(FeatureRequest::Views(settings));
         }
     });
 }
@@ -86,7 +86,7 @@ fn row(
         ui.allocate_exact_size(vec2(ui.available_width() - PIN, size::ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_held, &name));
     if response.clicked() {
-        requests.request(Request::Joint(joint));
+        requests.request(SessionRequest::Joint(joint));
     }
     let palette = theme::palette(ui);
     let whole = Rect::from_x_y_ranges(ui.max_rect().expand(space::PANEL_MARGIN).x_range(), rect.y_range());

@@ -9,7 +9,7 @@ use egui::Ui;
 
 use super::dragged::{LENGTHS_M, RADII_M};
 use crate::context::command_button::gesture;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 
 /// Ends of the slider of the whole body, in percent of the take's own body.
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
@@ -60,7 +60,7 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 "Drag the diamonds in a view: length at the limb’s end, radius at its outline   E",
             );
             if both.changed() || handles.changed() {
-                requests.request(Request::Views(settings));
+                requests.request(FeatureRequest::Views(settings));
             }
         });
     });
@@ -81,7 +81,7 @@ fn parts(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: usiz
             let name = format::capitalised(&model.limbs()[part].name);
             let label = ui.selectable_label(part == limb, name);
             if label.on_hover_text("These limbs turn together; each has its own size").clicked() {
-                requests.request(Request::Part(part));
+                requests.request(SessionRequest::Part(part));
             }
         }
     });

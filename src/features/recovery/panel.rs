@@ -13,7 +13,7 @@ use egui::{
 
 use super::{Left, Recovery};
 use crate::context::clock::Clock;
-use crate::context::{Context, Decision, Request, Requests};
+use crate::context::{Context, Decision, FeatureRequest, Requests};
 
 /// Width of a card.
 const WIDTH: f32 = 560.0;
@@ -36,13 +36,13 @@ impl Recovery {
     pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> Option<Decision> {
         let decision = cards(ui, &Offer { left: &self.offered, clock: context.clock });
         if let Some(decision) = decision {
-            requests.request(Request::Recover(decision));
+            requests.request(FeatureRequest::Recover(decision));
         }
         decision
     }
 
     /// The same over the window; whether it stays open.
-    pub(crate) fn card(&self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+    pub(super) fn show(&self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let modal = over(ui.ctx(), "unsaved work").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             self.ui(ui, context, requests)

@@ -8,8 +8,8 @@ use crate::context::preferences::Layout;
 #[test]
 fn a_copy_that_breaks_down_is_said_once() {
     let (mut window, mut app) = open(Layout::Pose);
-    let pool = app.state.pool.clone();
-    app.features.recovery.task.begin(&pool, Version::NONE, |_| Breaks);
+    let pool = app.inspector.state.pool.clone();
+    app.inspector.features.recovery.task.begin(&pool, Version::NONE, |_| Breaks);
     settle(&mut window, &mut app);
     assert_eq!(errors(&app), ["Writing a file broke down: thirteen. Your work is unharmed."]);
 }

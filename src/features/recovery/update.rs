@@ -6,6 +6,7 @@ use backlit_document::history::Version;
 use backlit_document::project::{ProjectError, write_project};
 use backlit_document::run::Run;
 use backlit_take::source::TakeSource;
+use egui::Ui;
 use std::path::Path;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
@@ -13,10 +14,13 @@ use std::time::{Duration, Instant};
 use backlit_jobs::{News, once};
 
 use super::{About, Left, Picture, Recovery};
+use crate::context::FeatureRequest;
 use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
+use crate::context::feature::Feature;
+use crate::context::unavailable::Why;
 use crate::context::unavailable::because;
-use crate::context::{Context, Decision, Request, Requests};
+use crate::context::{Context, Decision, DesktopRequest, FeatureCard, Requests, ShellRequest};
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
 /// can be lost.
@@ -69,6 +73,52 @@ fn is_worth_keeping(context: &Context<'_>) -> bool {
     context.history.is_dirty() && source.is_some_and(|source| !matches!(source, TakeSource::Demonstration(_)))
 }
 
+impl Feature for Recovery {
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Recovery(command) = command else { return false };
+        match command {
+            RecoveryCommand::Show => requests.request(ShellRequest::OpenCard(FeatureCard::UnsavedWork)),
+            RecoveryCommand::UndoDiscard => self.undo_discard(context, requests),
+        }
+        true
+    }
+
+    fn unavailable(&self, command: Command, _: &Context<'_>) -> Why {
+        let Command::Recovery(command) = command else { return None };
+        match command {
+            RecoveryCommand::Show => because(self.offered.is_empty(), "No window has left unsaved work"),
+            RecoveryCommand::UndoDiscard => because(self.discarded.is_empty(), "Nothing was discarded"),
+        }
+    }
+
+    fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, requests: &mut Requests) {
+        let FeatureRequest::Recover(decision) = request else { return };
+        match *decision {
+            Decision::Restore(index) => {
+                // It stays on offer until it is open: its take may not be there.
+                if let Some(left) = self.offered.get(index).cloned() {
+                    requests.request(DesktopRequest::OpenPath(left.path.clone()));
+                    self.adopted = Some(left);
+                }
+            }
+            Decision::Discard(index) if index < self.offered.len() => {
+                let left = self.offered.remove(index);
+                self.discard(vec![left], requests);
+            }
+            Decision::Discard(_) => {}
+            Decision::DiscardAll => {
+                let all = std::mem::take(&mut self.offered);
+                self.discard(all, requests);
+            }
+            Decision::Later => self.is_put_off = true,
+        }
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        self.show(ui, context, requests)
+    }
+}
+
 impl Recovery {
     /// Looks for what earlier windows have left.
     pub(crate) fn look(&mut self, requests: &mut Requests) {
@@ -82,24 +132,8 @@ impl Recovery {
         }
     }
 
-    /// Does a command.
-    pub(crate) fn run(&mut self, command: RecoveryCommand, context: &Context<'_>, requests: &mut Requests) {
-        match command {
-            RecoveryCommand::Show => requests.request(Request::RecoveryCard),
-            RecoveryCommand::UndoDiscard => self.undo_discard(context, requests),
-        }
-    }
-
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(&self, command: RecoveryCommand) -> Option<&'static str> {
-        match command {
-            RecoveryCommand::Show => because(self.offered.is_empty(), "No window has left unsaved work"),
-            RecoveryCommand::UndoDiscard => because(self.discarded.is_empty(), "Nothing was discarded"),
-        }
-    }
-
     /// Writes the copy of unsaved work soon after every change; removes it when there is nothing unsaved.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+    pub(crate) fn keep_copy(&mut self, context: &Context<'_>, requests: &mut Requests) {
         self.take_in_written(requests);
         if self.task.is_busy() || context.busy.opening {
             return;
@@ -163,7 +197,7 @@ impl Recovery {
         self.written = Some(version);
         self.has_stayed_open = false;
         if std::mem::take(&mut self.failed) {
-            requests.request(Request::CloseNoticesAbout(COPY));
+            requests.request(ShellRequest::CloseNoticesAbout(COPY));
             requests.inform("The copy of unsaved work is written again.", None);
         }
     }
@@ -175,7 +209,7 @@ impl Recovery {
                 "{COPY}: {why}. It is tried again every {} seconds; save the project to be sure.",
                 AGAIN.as_secs()
             );
-            requests.request(Request::Complain(text, Some(Command::File(FileCommand::SaveAs))));
+            requests.request(ShellRequest::Complain(text, Some(Command::File(FileCommand::SaveAs))));
         }
         // Should its folder be gone, the next try makes another.
         if let Some(copies) = &mut self.copies {
@@ -231,31 +265,8 @@ impl Recovery {
             "{not_done}: your work is not saved, and cannot be kept for the next start: {why}. Save it to another \
              place, or {verb} once more and lose it."
         );
-        requests.request(Request::Complain(text, Some(Command::File(FileCommand::SaveAs))));
+        requests.request(ShellRequest::Complain(text, Some(Command::File(FileCommand::SaveAs))));
         false
-    }
-
-    /// What the user has decided about work that was left.
-    pub(crate) fn decide(&mut self, decision: Decision, requests: &mut Requests) {
-        match decision {
-            Decision::Restore(index) => {
-                // It stays on offer until it is open: its take may not be there.
-                if let Some(left) = self.offered.get(index).cloned() {
-                    requests.request(Request::OpenPath(left.path.clone()));
-                    self.adopted = Some(left);
-                }
-            }
-            Decision::Discard(index) if index < self.offered.len() => {
-                let left = self.offered.remove(index);
-                self.discard(vec![left], requests);
-            }
-            Decision::Discard(_) => {}
-            Decision::DiscardAll => {
-                let all = std::mem::take(&mut self.offered);
-                self.discard(all, requests);
-            }
-            Decision::Later => self.is_put_off = true,
-        }
     }
 
     /// Puts copies aside, so that they are offered no more.

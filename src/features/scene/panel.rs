@@ -29,7 +29,7 @@ use crate::features::scene::{
 
 impl Scene {
     /// The tile, in all of the space that is left.
-    pub(crate) fn pane(
+    pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,

@@ -1,5 +1,7 @@
 //! Where the 3-D scene is seen from, its picture, and its visual hull.
 
+use backlit_take::footage::Footage;
+use egui::Ui;
 use std::sync::Arc;
 
 use backlit_jobs::{News, Pool, once};
@@ -7,42 +9,23 @@ use backlit_tracking::body::Kinematics;
 use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};
 use glam::DVec3;
 
+use super::ScenePreferences;
 use super::hulls::HullInputs;
 use super::{Orbit, Scene, SceneDrawing, SceneOrder, ShownHull, Upright, Viewpoint};
+use crate::context::command::Command;
 use crate::context::command::SceneCommand;
+use crate::context::feature::Feature;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
+use crate::context::unavailable::Why;
 use crate::context::unavailable::{because, no_take};
-use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::context::{Context, PaneEvent, Requests, ShellRequest};
 
 /// Views of a side of the body are from so far away, metres.
 const BODY_FROM: f64 = 4.5;
 
-impl Scene {
-    /// Turns the scene to a side of the body. Opens it where it is closed.
-    pub(crate) fn run(&mut self, command: SceneCommand, context: &Context<'_>, requests: &mut Requests) {
-        self.preferences.viewpoint = match command {
-            SceneCommand::Reset => None,
-            SceneCommand::FromCamera => Some(Viewpoint::Camera(context.selection.camera)),
-            SceneCommand::Front => self.side_of_body(context, |facing, _| facing),
-            SceneCommand::Side => self.side_of_body(context, DVec3::cross),
-            // Nearly: the front stays below.
-            SceneCommand::Top => self.side_of_body(context, |facing, up| up * 1e3 + facing),
-        };
-        if !context.shows(Pane::Scene) {
-            requests.request(Request::Pane(Pane::Scene, PaneEvent::Open));
-        }
-    }
-
-    /// Why its commands cannot be used now.
-    pub(crate) fn unavailable(context: &Context<'_>) -> Option<&'static str> {
-        let has_no_tiles = context.preferences.layout == Layout::Demonstrate;
-        no_take(context).or(because(has_no_tiles, "This layout has no tiles"))
-    }
-
-    /// Takes in what was drawn and carved, and asks for the hull of the frame on the screen, where it is to be seen and
-    /// not carved yet.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Scene {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.draw.poll() {
             match news {
                 News::Output(drawing) => self.drawing = Some(drawing),
@@ -79,6 +62,50 @@ impl Scene {
         }
     }
 
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Command::Scene(command) = command else { return false };
+        self.preferences.viewpoint = match command {
+            SceneCommand::Reset => None,
+            SceneCommand::FromCamera => Some(Viewpoint::Camera(context.selection.camera)),
+            SceneCommand::Front => self.side_of_body(context, |facing, _| facing),
+            SceneCommand::Side => self.side_of_body(context, DVec3::cross),
+            // Nearly: the front stays below.
+            SceneCommand::Top => self.side_of_body(context, |facing, up| up * 1e3 + facing),
+        };
+        if !context.shows(Pane::Scene) {
+            requests.request(ShellRequest::Pane(Pane::Scene, PaneEvent::Open));
+        }
+        true
+    }
+
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        if !matches!(command, Command::Scene(_)) {
+            return None;
+        }
+        let has_no_tiles = context.preferences.layout == Layout::Demonstrate;
+        no_take(context).or(because(has_no_tiles, "This layout has no tiles"))
+    }
+
+    fn fills(&self) -> Option<Pane> {
+        Some(Pane::Scene)
+    }
+
+    fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        self.show(ui, context, siblings, requests);
+    }
+
+    fn reset(&mut self, _: &Footage) {
+        let preferences = ScenePreferences { viewpoint: None, ..self.preferences };
+        *self = Self { preferences, ..Self::default() };
+    }
+
+    fn at_rest(&self) -> Self {
+        let (hulls, drawing) = (self.hulls.clone(), self.drawing.clone());
+        Self { preferences: self.preferences, hulls, drawing, ..Self::default() }
+    }
+}
+
+impl Scene {
     /// Has the scene drawn, unless its picture shows just that or another one is being drawn. What changes meanwhile is
     /// ordered when that picture is there: the newest order follows, and a scene that never rests gets its pictures too.
     pub(super) fn order(&mut self, pool: &Pool, order: SceneOrder) {

@@ -5,7 +5,7 @@ use egui::{Id, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec
 
 use super::marks;
 use super::span::Scale;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 
 /// Half a diamond.
 const HALF: f32 = 5.0;
@@ -38,7 +38,7 @@ pub(crate) fn ui(
         let name = || WidgetInfo::labeled(Role::Button, true, format!("Key pose of frame {frame}"));
         response.widget_info(name);
         if response.clicked() {
-            requests.request(Request::Frame(frame));
+            requests.request(SessionRequest::Frame(frame));
         }
         let is_hovered = response.hovered();
         if is_hovered {

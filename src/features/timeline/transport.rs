@@ -10,7 +10,7 @@ use egui::{Align, Layout as Direction, RichText, Sense, TextStyle, Ui, vec2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::{icon, named_button, sized_button};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::{PlaybackChange, SPEEDS};
 
 /// Height of the row.
@@ -70,7 +70,7 @@ fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bo
     let unit = format!(" / {last}");
     let field = number_field(ui, "Frame", &mut frame, 0, &unit, 0.1, FRAME);
     if field.on_hover_text("The frame on the screen, counted from 0").changed() {
-        requests.request(Request::Frame(frame.round().max(0.0) as usize));
+        requests.request(SessionRequest::Frame(frame.round().max(0.0) as usize));
     }
     if !folded {
         let text = RichText::new(format!("{} s", seconds(context, context.selection.frame))).monospace();
@@ -104,7 +104,7 @@ fn playing(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         .map(|(speed, text)| (*speed, text.as_str(), tooltip(*speed).to_owned()))
         .collect();
     if let Some(speed) = choice(ui, "Speed", SPEED, &speed_text(playback.speed), &choices) {
-        requests.request(Request::Playback(PlaybackChange::Speed(speed)));
+        requests.request(SessionRequest::Playback(PlaybackChange::Speed(speed)));
     }
     let mut loops = playback.loops;
     let command = Command::Timeline(TimelineCommand::ToggleLoop);

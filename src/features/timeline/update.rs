@@ -4,9 +4,12 @@ use backlit_document::Document;
 use backlit_document::edit::Edit;
 
 use super::Timeline;
+use crate::context::command::Command;
 use crate::context::command::TimelineCommand;
+use crate::context::command::WindowCommand;
+use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_take, not_tracked};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::PlaybackChange;
 
 /// How long a frame takes to be read, before one was: seconds.
@@ -14,12 +17,27 @@ const FIRST_GUESS: f64 = 0.05;
 /// Share of the newest time of reading in the one that is expected.
 const NEW_SHARE: f64 = 0.3;
 
-impl Timeline {
-    /// Does a command about frames, key poses or the time axis.
-    pub(crate) fn run(&mut self, command: TimelineCommand, context: &Context<'_>, requests: &mut Requests) {
+impl Feature for Timeline {
+    fn update(&mut self, context: &Context<'_>, _: &mut Requests) {
+        if let Some((frame, since)) = self.ahead
+            && context.session.frames.get(frame).is_some()
+        {
+            let taken = context.now - since;
+            let known = self.reading.unwrap_or(taken);
+            self.reading = Some(known + NEW_SHARE * (taken - known));
+            self.ahead = None;
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        if command == Command::Window(WindowCommand::ToggleTimeline) {
+            self.shows_lanes ^= true;
+            return true;
+        }
+        let Command::Timeline(command) = command else { return false };
         let (here, document) = (context.selection.frame, context.document());
         let last = context.session.frame_count().saturating_sub(1);
-        let mut go_to = |frame: usize| requests.request(Request::Frame(frame.min(last)));
+        let mut go_to = |frame: usize| requests.request(SessionRequest::Frame(frame.min(last)));
         match command {
             TimelineCommand::PreviousFrame => go_to(here.saturating_sub(1)),
             TimelineCommand::NextFrame => go_to(here + 1),
@@ -33,11 +51,13 @@ impl Timeline {
                 key.into_iter().for_each(go_to);
             }
             TimelineCommand::WorstFrame => {
-                requests.others.extend(next_in_rank(&by_fit(document), here).map(Request::Visit));
+                requests.others.extend(
+                    next_in_rank(&by_fit(document), here).map(|frame| SessionRequest::Visit(frame).into()),
+                );
             }
             TimelineCommand::NextPoor | TimelineCommand::PreviousPoor => {
                 let poor = neighbour(&poor(document), here, command == TimelineCommand::NextPoor);
-                requests.others.extend(poor.map(Request::Visit));
+                requests.others.extend(poor.map(|frame| SessionRequest::Visit(frame).into()));
             }
             TimelineCommand::SetKeyPose => {
                 let is_key = document.keys.contains_key(&here);
@@ -52,18 +72,21 @@ impl Timeline {
                     requests.edit(Edit::ClearRange { first: range.first, last: range.last });
                 }
             }
-            TimelineCommand::Play => requests.request(Request::Playback(PlaybackChange::PlayOrPause)),
-            TimelineCommand::ToggleLoop => requests.request(Request::Playback(PlaybackChange::ToggleLoop)),
+            TimelineCommand::Play => requests.request(SessionRequest::Playback(PlaybackChange::PlayOrPause)),
+            TimelineCommand::ToggleLoop => {
+                requests.request(SessionRequest::Playback(PlaybackChange::ToggleLoop))
+            }
             TimelineCommand::Slower | TimelineCommand::Faster => {
                 let speed = context.playback.next_speed(command == TimelineCommand::Faster);
-                requests.request(Request::Playback(PlaybackChange::Speed(speed)));
+                requests.request(SessionRequest::Playback(PlaybackChange::Speed(speed)));
             }
             TimelineCommand::WholeTake => self.span = None,
         }
+        true
     }
 
-    /// Why a command cannot be used now.
-    pub(crate) fn unavailable(&self, command: TimelineCommand, context: &Context<'_>) -> Why {
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        let Command::Timeline(command) = command else { return None };
         let (session, document, frame) = (context.session, context.document(), context.selection.frame);
         match command {
             TimelineCommand::SetKeyPose => no_take(context),
@@ -100,19 +123,9 @@ impl Timeline {
             }
         }
     }
+}
 
-    /// Sees how long the frame took that was read ahead.
-    pub(crate) fn update(&mut self, context: &Context<'_>) {
-        if let Some((frame, since)) = self.ahead
-            && context.session.frames.get(frame).is_some()
-        {
-            let taken = context.now - since;
-            let known = self.reading.unwrap_or(taken);
-            self.reading = Some(known + NEW_SHARE * (taken - known));
-            self.ahead = None;
-        }
-    }
-
+impl Timeline {
     /// The frame that a film will need next, if it is not there.
     pub(crate) fn frame_to_read_ahead(&mut self, context: &Context<'_>) -> Option<usize> {
         let take = context.session.take.as_ref()?;

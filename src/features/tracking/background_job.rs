@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use backlit_document::edit::Edit;
 use backlit_formats::plate::{self, PlateError, plate_without_body};
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
@@ -83,18 +83,18 @@ impl BackgroundJob {
 }
 
 impl Job<Applied> for BackgroundJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         let Some(camera) = self.waiting.pop_front() else {
             let plates = std::mem::take(&mut self.plates);
             out.send(applied(move |_, _, requests| take_in(plates, requests)));
-            return Step::Done;
+            return Turn::Done;
         };
         match self.learn(camera, out) {
-            Ok(()) => Step::Again,
-            Err(PlateError::Cancelled) => Step::Done,
+            Ok(()) => Turn::Again,
+            Err(PlateError::Cancelled) => Turn::Done,
             Err(error) => {
                 out.send(refused(format!("The background cannot be learnt: {error}.")));
-                Step::Done
+                Turn::Done
             }
         }
     }

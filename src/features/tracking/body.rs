@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::person::{PersonSearch, PersonSearchError};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Model, Pose, SizeKind};
@@ -24,7 +24,7 @@ use super::{Applied, applied, refused, told};
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, FeatureRequest, Requests};
 
 /// Frames that a body is fitted to: more of one movement say little more.
 pub(super) const SIZE_FRAMES: usize = 8;
@@ -49,22 +49,22 @@ pub(super) struct BodyJob {
 }
 
 impl Job<Applied> for BodyJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         if out.cancel().is_cancelled() {
-            return Step::Done;
+            return Turn::Done;
         }
         if let Some((frame, pose)) = self.waiting.pop_front() {
             match self.reader.read(frame) {
                 Ok(read) => self.read.push(PosedViews { frame, views: read.views(), pose }),
                 Err(error) => {
                     out.send(refused(format!("The body cannot be made: {error}.")));
-                    return Step::Done;
+                    return Turn::Done;
                 }
             }
-            return Step::Again;
+            return Turn::Again;
         }
         (self.make)(&self.reader.fit.model, std::mem::take(&mut self.read), out);
-        Step::Done
+        Turn::Done
     }
 }
 
@@ -160,7 +160,7 @@ fn take_in_spheres(body: &SphereBody, context: &Context<'_>, requests: &mut Requ
     requests.edits.push((Edit::SetBody(model), gesture));
     requests.edits.push((Edit::SetFit { options, what: "Make body of spheres".to_owned() }, gesture));
     let views = ViewSettings { spheres: true, sphere_level: None, ..context.views };
-    requests.request(Request::Views(views));
+    requests.request(FeatureRequest::Views(views));
     let count = body.spheres.last().copied().unwrap_or(0);
     let mut said = format!("The body is {count} spheres in {} levels now", body.spheres.len());
     if let Some([capsules, _, spheres]) = body.iou {
@@ -179,8 +179,8 @@ pub(super) struct PersonJob {
 }
 
 impl Job<Applied> for PersonJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Step {
-        let Some(search) = self.search.take() else { return Step::Done };
+    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
+        let Some(search) = self.search.take() else { return Turn::Done };
         let (frame, reader) = (search.frames[0], &self.reader);
         match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
             _ if out.cancel().is_cancelled() => {}
@@ -193,7 +193,7 @@ impl Job<Applied> for PersonJob {
             }
             Err(error) => out.send(refused(format!("Nobody was found: {error}."))),
         }
-        Step::Done
+        Turn::Done
     }
 }
 

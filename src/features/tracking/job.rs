@@ -6,7 +6,7 @@ use std::sync::Arc;
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
 use backlit_document::{Estimate, Origin};
 use backlit_formats::FootageError;
-use backlit_jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
@@ -135,15 +135,15 @@ impl TrackJob {
 }
 
 impl Job<Applied> for TrackJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         if let Some(frames) = self.unseen.take()
             && !out.cancel().is_cancelled()
             && let Some(why) = self.refusal(&frames, out.cancel())
         {
             out.send(refused(why));
-            return Step::Done;
+            return Turn::Done;
         }
-        let (mut step, taken, model) = (Step::Again, &mut self.taken, &self.reader.fit.model);
+        let (mut step, taken, model) = (Turn::Again, &mut self.taken, &self.reader.fit.model);
         self.run.step(out.cancel(), &mut |message| match message {
             TrackMessage::Taken(_, inputs) => {
                 let data = inputs.frame.clone();
@@ -176,7 +176,7 @@ impl Job<Applied> for TrackJob {
                 if let TrackEnding::Failed { frame, error } = ending {
                     out.send(refused(format!("The tracker stopped at frame {frame}: {error}.")));
                 }
-                step = Step::Done;
+                step = Turn::Done;
             }
         });
         step

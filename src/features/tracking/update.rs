@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
 use backlit_document::{Document, Estimate};
-use backlit_jobs::{Job, News, Outbox, Step};
+use backlit_jobs::{Job, News, Outbox, Turn};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::Leg;
 use backlit_tracking::body::Pose;
@@ -22,7 +22,7 @@ use super::{Applied, OtherPose, OtherPoses, Tracking, TrackingWork, applied, ref
 use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::{FrameRange, PlaybackChange};
 use crate::session::prediction::FitInputs;
 
@@ -32,7 +32,12 @@ const FOLLOW_EVERY: Duration = Duration::from_millis(100);
 
 impl Tracking {
     /// Does a command. A fit that was going on has ended.
-    pub(crate) fn run(&mut self, command: TrackingCommand, context: &Context<'_>, requests: &mut Requests) {
+    pub(super) fn do_command(
+        &mut self,
+        command: TrackingCommand,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
         match command {
             TrackingCommand::FindStart => self.find_start(context, requests),
             TrackingCommand::Forward => self.track_forward(context, requests),
@@ -82,7 +87,7 @@ impl Tracking {
             let leg = Leg { start: start.clone(), continues: None, frames: keys.keys().copied().collect() };
             let order = TrackOrder { legs: vec![leg], keys, turns_round: true };
             self.begin_tracking(order, false, None, context, requests);
-            requests.request(Request::Follow(first));
+            requests.request(SessionRequest::Follow(first));
         } else {
             self.gesture = Some(next_gesture(context.egui));
         }
@@ -110,8 +115,8 @@ impl Tracking {
         self.begin(TrackingWork::Track(progress), context, job);
         self.gesture = Some(next_gesture(context.egui));
         (self.follows, self.newest, self.shown) = (true, None, None);
-        requests.request(Request::Playback(PlaybackChange::Pause));
-        requests.request(Request::LeaveStep);
+        requests.request(SessionRequest::Playback(PlaybackChange::Pause));
+        requests.request(SessionRequest::LeaveStep);
     }
 
     /// Begins work; what was under way is superseded.
@@ -136,7 +141,7 @@ impl Tracking {
         };
         let job = BodyJob { reader, waiting: body::frames(context, most), read: Vec::new(), make };
         self.begin(TrackingWork::Make(what.to_owned()), context, job);
-        requests.request(Request::LeaveStep);
+        requests.request(SessionRequest::LeaveStep);
     }
 
     /// Learns the plates again without the body where it was tracked.
@@ -177,11 +182,11 @@ impl Tracking {
         let (model, fit) = (reader.fit.model.clone(), (*reader.fit.fit).clone());
         let search = Some(PersonSearch { model, fit, start, frames, sizes });
         self.begin(TrackingWork::Make(what.to_owned()), context, PersonJob { reader, search });
-        requests.request(Request::LeaveStep);
+        requests.request(SessionRequest::LeaveStep);
     }
 
     /// Takes in what was found since the last frame of the window; all of a track is one undoable act.
-    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+    pub(super) fn take_in(&mut self, context: &Context<'_>, requests: &mut Requests) {
         if std::mem::take(&mut self.tracks_next) {
             self.track(false, context, requests);
             return;
@@ -229,7 +234,7 @@ impl Tracking {
         if !self.is_busy() || (since >= FOLLOW_EVERY && is_drawn) {
             self.newest = None;
             self.shown = Some(Instant::now());
-            requests.request(Request::Follow(newest));
+            requests.request(SessionRequest::Follow(newest));
         } else {
             context.egui.request_repaint_after(FOLLOW_EVERY.saturating_sub(since));
         }
@@ -266,9 +271,9 @@ struct SearchJob {
 }
 
 impl Job<Applied> for SearchJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Step {
+    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         let fit = &self.fit;
-        let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Step::Done };
+        let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Turn::Done };
         let (effort, views) = (SearchOptions::default(), fit.views());
         match search::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
             // Half a search has looked at half of the body.
@@ -281,7 +286,7 @@ impl Job<Applied> for SearchJob {
             }
             Err(error) => out.send(refused(format!("Other poses cannot be looked for: {error}."))),
         }
-        Step::Done
+        Turn::Done
     }
 }
 

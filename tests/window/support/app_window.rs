@@ -1,8 +1,10 @@
 //! The whole window, driven by label and role.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions};
+use backlit::features::convergence::CurvesFile;
 use backlit_tracking::processor::use_narrow_vectors;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
@@ -33,7 +35,7 @@ pub(crate) fn settle(harness: &mut Harness<'_, App>) {
     harness.run_steps(2);
     // Sizes settle over two frames, and may ask for more.
     for _ in 0..ROUNDS {
-        while !harness.state().is_idle() {
+        while !harness.state().inspector.is_idle() {
             assert!(start.elapsed() < PATIENCE, "the worker hangs");
             harness.step();
         }
@@ -80,4 +82,10 @@ pub(crate) fn drag(harness: &mut Harness<'_, App>, handle: &str, by: Vec2) {
     }
     harness.event(pointer(from + by, false));
     settle(harness);
+}
+
+/// Writes the runs to a file, as the dialog of the desktop would ask for.
+pub(crate) fn write_curves(app: &mut App, file: CurvesFile, path: &Path) {
+    app.inspector
+        .ask(|features, context, requests| features.convergence.write(file, path, context, requests));
 }

@@ -4,7 +4,7 @@ use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Role, Sense, Ui, Vec2,
 
 use super::marks::badge_rect;
 use super::{Seen, Stage, keys};
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests, ShellRequest};
 use crate::features::scene::{Frustum, Orbit, Viewpoint};
 
 /// Points of wheel travel that magnify e-fold.
@@ -91,7 +91,7 @@ pub(crate) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, reque
         let number = frustum.camera + 1;
         let tooltip = format!("Camera {number}, {name}: click for its view");
         if response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(tooltip).clicked() {
-            requests.request(Request::Camera(frustum.camera));
+            requests.request(ShellRequest::Camera(frustum.camera));
         }
     }
     let response = ui.interact(seen.picture, canvas_id(ui).with("over"), Sense::hover());
@@ -102,7 +102,7 @@ pub(crate) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, reque
         ui.set_cursor_icon(CursorIcon::PointingHand);
     }
     if ui.read_response(canvas_id(ui)).is_some_and(|response| response.clicked()) {
-        requests.request(Request::Camera(camera));
+        requests.request(ShellRequest::Camera(camera));
     }
 }
 
