@@ -26,7 +26,7 @@ pub fn fit_name(options: &FitOptions) -> String {
 
 /// What else distinguishes a fit: renderer, ramps, priors.
 pub fn fit_detail(options: &FitOptions) -> String {
-    let renderer = renderer_name(options.renderer).to_lowercase();
+    let renderer = options.renderer.label().to_lowercase();
     let prior = if options.proximal_weight > 0.0 { ", proximal prior" } else { "" };
     let likely = if options.prior.is_some() { ", likely poses" } else { "" };
     format!("{renderer}, {}{prior}{likely}", ramps(options))
@@ -56,15 +56,6 @@ pub fn short_ramp(ramp: Ramp) -> String {
         Ramp::Width { px } | Ramp::Distance { outer_px: px, .. } => {
             format::number(px, usize::from(px.fract() != 0.0))
         }
-    }
-}
-
-/// The name of a renderer.
-pub fn renderer_name(renderer: RendererKind) -> &'static str {
-    match renderer {
-        RendererKind::Capsule => "Capsule",
-        RendererKind::Cylinder => "Cylinder",
-        RendererKind::SphereTree { .. } => "Sphere tree",
     }
 }
 

@@ -152,7 +152,7 @@ impl Facets {
 }
 
 fn renderer_text(renderer: RendererKind) -> String {
-    let name = words::renderer_name(renderer).to_lowercase();
+    let name = renderer.label().to_lowercase();
     match renderer {
         RendererKind::SphereTree { spheres: Some(count) } => format!("{name}, {count} spheres"),
         _ => name,

@@ -36,13 +36,7 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
-//! use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-//! use backlit_tracking::cancel::CancelToken;
-//! use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView, Preset};
-//! use backlit_tracking::render::{Ramp, RendererKind, predict};
-//! use backlit_tracking::silhouette::{Label, Mask};
-//! use glam::DVec3;
+//! use backlit_tracking::prelude::*;
 //!
 //! let model = Arc::new(builtin::upper_body());
 //! let columns = Parameters::Tangent.columns(model.rotation_count());
@@ -56,10 +50,7 @@
 //!     let pinhole = Intrinsics { fx: 130.0, fy: 130.0, cx: 47.5, cy: 35.5 };
 //!     let camera = Camera::new(name, [96, 72], pinhole, Distortion::None, place)?;
 //!     let drawn = predict(&model, &joints, &camera, RendererKind::Capsule, Ramp::Half);
-//!     let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-//!     let mask = Mask::new(96, 72, drawn.lambda.iter().map(label).collect())?;
-//!     let evidence = Evidence::Mask(Arc::new(mask));
-//!     views.push(FitView { camera: Arc::new(camera), evidence, weight: 1.0 });
+//!     views.push(FitView::of_mask(camera, drawn.to_mask()?));
 //! }
 //!
 //! // Start a few degrees off and fit.
@@ -109,14 +100,20 @@
 //!
 //! # Examples to run
 //!
-//! `cargo run -p backlit-tracking --example NAME`; each takes a second and needs neither files nor a window.
+//! `cargo run -p backlit-tracking --example NAME`; each takes a second or two and needs no window.
 //!
 //! | name | shows |
 //! |---|---|
-//! | `fit_masks` | a body fitted to the masks of two cameras, before and after |
-//! | `track_frames` | a swinging arm followed through twelve frames |
-//! | `prediction_and_jacobian` | Λ and a column of ∂Λ/∂X as pictures, checked against differences |
-//! | `own_cameras_and_body` | a body from a model file's text, cameras from a calibration's numbers |
+//! | `frame_without_start` | one frame from PNG masks of four cameras, without a start |
+//! | `track` | a swinging arm followed through twelve frames |
+//! | `own_residual` | a [`Residual`](residual::Residual) of one's own in a fit |
+//!
+//! # What is stable
+//!
+//! The [`prelude`], what a fit or a track takes and returns, the equations, and the bits of results: a change of any of these
+//! is listed in the change log. [`glam`] and [`image`] are re-exported in the version that signatures use. Options have public
+//! fields and a `Default`; write `..Default::default()`, since fields are added. Below that, what [`render`] and [`residual`]
+//! show of kernels and sums may change in any version.
 //!
 //! # Rules
 //!
@@ -160,3 +157,22 @@ pub mod synchronise;
 pub mod templates;
 pub mod track;
 pub mod visual_hull;
+
+pub use {glam, image};
+
+/// What most programs need.
+pub mod prelude {
+    pub use glam::DVec3;
+
+    pub use crate::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
+    pub use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    pub use crate::cancel::CancelToken;
+    pub use crate::fit::{Evidence, Fit, FitOptions, FitView, Preset};
+    pub use crate::metrics::mean_joint_error_mm;
+    pub use crate::optimize::{NormalEquations, Termination};
+    pub use crate::render::{Ramp, RendererKind, predict};
+    pub use crate::residual::{Residual, ResidualPoint};
+    pub use crate::search::{WithoutStart, without_start};
+    pub use crate::silhouette::{Label, Mask};
+    pub use crate::track::{Track, Tracker};
+}

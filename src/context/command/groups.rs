@@ -127,11 +127,7 @@ group! {
         SearchPoses,
         FitBody,
         MakeSpheres,
-        Renderer(RendererKind) of [
-            RendererKind::Capsule,
-            RendererKind::Cylinder,
-            RendererKind::SphereTree { spheres: None },
-        ],
+        Renderer(RendererKind) of RendererKind::ALL,
         Preset(Preset) of Preset::ALL,
     }
 }

@@ -43,9 +43,7 @@ impl Again {
 fn variants(over: Variants, base: &FitOptions) -> Vec<FitOptions> {
     match over {
         Variants::Renderers => {
-            let kinds =
-                [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
-            kinds.map(|renderer| FitOptions { renderer, ..base.clone() }).to_vec()
+            RendererKind::ALL.map(|renderer| FitOptions { renderer, ..base.clone() }).to_vec()
         }
         Variants::Presets => {
             let of = |preset| FitOptions { renderer: base.renderer, ..FitOptions::preset(preset) };

@@ -13,23 +13,16 @@ use crate::context::command::{Command, FitCommand};
 use crate::context::command_button;
 use crate::context::{Context, FeatureRequest, Requests};
 
-/// The renderers that are offered.
-const KINDS: [RendererKind; 3] =
-    [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
-
 /// The command that switches to a renderer. The count of spheres is chosen by itself.
 fn command_of(kind: RendererKind) -> Command {
-    let offered = match kind {
-        RendererKind::SphereTree { .. } => RendererKind::SphereTree { spheres: None },
-        RendererKind::Capsule | RendererKind::Cylinder => kind,
-    };
-    Command::Fit(FitCommand::Renderer(offered))
+    Command::Fit(FitCommand::Renderer(kind.plain()))
 }
 
 /// A box of the three renderers.
 pub(crate) fn kind_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     let chosen = command_of(context.document().fit.renderer).text();
-    let choices = KINDS.map(command_of).map(|command| (command, command.text(), command.tooltip()));
+    let choices =
+        RendererKind::ALL.map(command_of).map(|command| (command, command.text(), command.tooltip()));
     if let Some(command) = choice(ui, "Renderer", width, chosen, &choices) {
         requests.run(command);
     }

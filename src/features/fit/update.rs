@@ -102,7 +102,7 @@ impl Feature for Fit {
             FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => return false,
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
-                let what = format!("Switch to {}", words::renderer_name(renderer).to_lowercase());
+                let what = format!("Switch to {}", renderer.label().to_lowercase());
                 requests.edit(Edit::SetFit { options: Box::new(options), what });
             }
             FitCommand::Preset(preset) => set_preset(preset, context, requests),

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::options::{DataView, FitOptions, OptionsError, Stage};
 use crate::body::{Model, Pose, PoseError};
-use crate::camera::Camera;
+use crate::camera::{Camera, Rectification};
 use crate::render::Ramp;
 use crate::residual::cue::CueError;
 use crate::residual::silhouette::SampledData;
@@ -26,7 +26,7 @@ pub enum Evidence {
 /// One camera's part in a fit.
 #[derive(Debug, Clone)]
 pub struct FitView {
-    /// An ideal pinhole: pictures are rectified first.
+    /// An ideal pinhole, or with a lens: [`Fit`](super::Fit) takes it out first.
     pub camera: Arc<Camera>,
     /// Its data.
     pub evidence: Evidence,
@@ -59,6 +59,40 @@ pub enum FitError {
 }
 
 impl FitView {
+    /// A camera's silhouette, with a weight of 1.
+    pub fn of_mask(camera: impl Into<Arc<Camera>>, mask: impl Into<Arc<Mask>>) -> Self {
+        Self { camera: camera.into(), evidence: Evidence::Mask(mask.into()), weight: 1.0 }
+    }
+
+    /// The same through an ideal pinhole: what the lens bends is resampled, pixels that it never saw count as unknown. A
+    /// camera without a lens, or data of another size, stays as it is.
+    ///
+    /// Many frames of one camera are quicker with one [`Rectification`] for all.
+    #[must_use]
+    pub fn rectified(self) -> Self {
+        if self.camera.distortion().is_none() {
+            return self;
+        }
+        let rectification = Rectification::new(&self.camera);
+        let evidence = match &self.evidence {
+            Evidence::Mask(mask) => rectification
+                .nearest(mask.labels(), Label::Unknown)
+                .and_then(|labels| Mask::new(mask.width(), mask.height(), labels).ok())
+                .map(|mask| Evidence::Mask(Arc::new(mask))),
+            Evidence::Measurement(data) => rectification
+                .nearest(data.values(), 0.0)
+                .zip(rectification.nearest(data.weights(), 0.0))
+                .and_then(|(values, weights)| {
+                    Measurement::new(data.width(), data.height(), values, weights).ok()
+                })
+                .map(|data| Evidence::Measurement(Arc::new(data))),
+        };
+        match evidence {
+            Some(evidence) => Self { camera: Arc::new(self.camera.without_distortion()), evidence, ..self },
+            None => self,
+        }
+    }
+
     /// Checks that data and camera belong together.
     ///
     /// # Errors
@@ -191,6 +225,7 @@ impl PreparedFit {
     ) -> Result<Self, FitError> {
         start.check(model)?;
         options.check()?;
+        let views: Vec<FitView> = views.into_iter().map(FitView::rectified).collect();
         for view in &views {
             view.check()?;
         }
@@ -217,9 +252,28 @@ mod tests {
 
     use super::*;
     use crate::body::{Kinematics, builtin};
+    use crate::camera::Distortion;
     use crate::fixtures;
     use crate::render::{RendererKind, View};
     use crate::residual::silhouette::KernelMemory;
+
+    /// Through a lens a fit sees what it sees of a silhouette that was rectified before.
+    #[test]
+    fn lenses_are_taken_out() {
+        let model = Arc::new(builtin::upper_body());
+        let lens = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 0.0, p2: 0.0, k3: 0.0 };
+        let from = DVec3::new(0.1, 0.2, 3.0);
+        let intrinsics = [90.0, 90.0, 39.5, 29.5];
+        let bent = fixtures::lens_camera(lens, [80, 60], intrinsics, from, DVec3::Y * 0.3, DVec3::Y);
+        let start = Pose::rest(&model);
+        let view = fixtures::fit_view(&model, &start, bent);
+        let fit = |view: FitView| {
+            crate::fit::Fit::new(model.clone(), vec![view], start.clone(), FitOptions::default()).unwrap()
+        };
+        let plain = view.clone().rectified();
+        assert!(plain.camera.distortion().is_none() && plain.check().is_ok());
+        assert_eq!(fit(view).cost().to_bits(), fit(plain).cost().to_bits());
+    }
 
     /// The shortcut and the whole measurement are the same data to the bit.
     #[test]

@@ -8,9 +8,9 @@ use super::options::FitOptions;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{Iteration, NormalEquations, Solver, Termination};
-use crate::residual::Loss;
 use crate::residual::cue::CueSet;
 use crate::residual::motion_prior::MotionPrior;
+use crate::residual::{Loss, Residual};
 use crate::silhouette::SignedDistance;
 
 /// The last stages, in which pixels may be doubted.
@@ -118,8 +118,8 @@ impl Fit {
     /// pull to the start: the iterated Kalman update, begun at the frame's own fit.
     pub(crate) fn go_on_with(&mut self, motion: MotionPrior) {
         self.options.proximal_weight = 0.0;
-        let cues = self.constraints.cues.take();
-        self.constraints = Constraints { motion: Some(Arc::new(motion)), cues, ..Constraints::default() };
+        self.constraints.motion = Some(Arc::new(motion));
+        self.constraints.free = None;
         self.stage = self.options.stages.len() - 1;
         let pose = self.solver.point().clone();
         self.begin_anew(&pose);
@@ -135,13 +135,24 @@ impl Fit {
         cues.check(&self.model)?;
         if !cues.pulls.is_empty() {
             self.constraints.cues = Some(cues);
-            let pose = self.solver.point().clone();
-            self.begin_anew(&pose);
-            if self.iterations.is_empty() {
-                (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms());
-            }
+            self.begin_constrained();
         }
         Ok(self)
+    }
+
+    /// The same fit with a residual of the caller's own, from here on. The stage that it is in begins again where it stands.
+    pub fn with_residual(mut self, residual: Arc<dyn Residual>) -> Self {
+        self.constraints.residuals.push(residual);
+        self.begin_constrained();
+        self
+    }
+
+    fn begin_constrained(&mut self) {
+        let pose = self.solver.point().clone();
+        self.begin_anew(&pose);
+        if self.iterations.is_empty() {
+            (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms());
+        }
     }
 
     fn begin(

@@ -11,13 +11,12 @@ use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::wrench::WrenchBlock;
 use crate::render::{BACKGROUND, Footprint, View};
-use crate::residual::Loss;
 use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::learnt_prior::BoundPrior;
 use crate::residual::motion_prior::{self, MotionPrior};
-use crate::residual::pose_prior;
 use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
+use crate::residual::{Loss, Residual, ResidualPoint, pose_prior};
 use crate::silhouette::SignedDistance;
 
 /// Sharing cameras among threads pays above some 200 µs of work: about this many pixels in the solids' boxes.
@@ -53,6 +52,8 @@ pub(super) struct Constraints {
     pub(super) motion: Option<Arc<MotionPrior>>,
     /// What the pictures say beside their silhouettes.
     pub(super) cues: Option<Arc<CueSet>>,
+    /// Residuals of the caller's own.
+    pub(super) residuals: Vec<Arc<dyn Residual>>,
 }
 
 #[derive(Debug)]
@@ -175,6 +176,12 @@ impl Objective {
         interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
     }
 
+    fn add_own(&self, pose: &Pose, equations: &mut NormalEquations) {
+        let (model, kinematics, unit) = (&*self.model, &self.kinematics, self.prior_unit());
+        let at = ResidualPoint { model, pose, kinematics, parameters: self.options.parameters, unit };
+        self.constraints.residuals.iter().for_each(|residual| residual.add(&at, equations));
+    }
+
     fn add_learnt(&self, equations: &mut NormalEquations) {
         if let Some(prior) = &self.prior {
             let (parameters, unit) = (self.options.parameters, self.prior_unit());
@@ -262,6 +269,7 @@ impl LeastSquares for Objective {
         self.add_priors(pose, equations);
         self.add_interpenetration(equations);
         self.add_learnt(equations);
+        self.add_own(pose, equations);
         self.hold(equations);
     }
 

@@ -20,6 +20,7 @@ use super::wrench::Wrench;
 use super::{Ramp, RendererKind, View};
 use crate::body::{Kinematics, Model};
 use crate::camera::Camera;
+use crate::silhouette::{Label, Mask, MaskError};
 
 /// λ/255 of a drawing is at most this far from the oracle's.
 pub const MOST_ERROR: f32 = 1e-4;
@@ -59,6 +60,15 @@ pub fn predict(
 }
 
 impl Prediction {
+    /// The silhouette: subject where λ is below a half.
+    ///
+    /// # Errors
+    /// If the picture is empty.
+    pub fn to_mask(&self) -> Result<Mask, MaskError> {
+        let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
+        Mask::new(self.width, self.height, self.lambda.iter().map(label).collect())
+    }
+
     /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`] does the
     /// same many times faster.
     pub fn of(view: &View) -> Self {

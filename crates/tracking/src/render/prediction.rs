@@ -3,7 +3,6 @@
 use super::View;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
-use super::primitive::Solid;
 use super::ramp::BACKGROUND;
 
 /// The owner of a pixel that no limb is near.
@@ -38,8 +37,7 @@ const DOUBT: f32 = 2e-3;
 pub fn covered(view: &View) -> Vec<bool> {
     let width = view.width();
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
-    let has_caps =
-        view.primitives().iter().any(|primitive| matches!(primitive.solid, Solid::Cylinder { .. }));
+    let has_caps = view.primitives().iter().any(|primitive| primitive.solid.has_flat_caps());
     if has_caps || !view.suits_lanes() {
         return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
     }

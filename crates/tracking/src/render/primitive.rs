@@ -3,7 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::ramp::{RampSample, SolidRamp};
+use super::renderer::RendererKind;
 use super::wrench::Wrench;
+use crate::body::Limb;
 use crate::camera::Intrinsics;
 use crate::geometry::ray_distance::{Candidate, Cap, ray_axis, ray_cap, ray_point};
 
@@ -42,6 +44,47 @@ pub(crate) enum Solid {
         /// Centre.
         centre: DVec3,
     },
+}
+
+impl Solid {
+    /// What stands for a whole limb between its joints; `None` where a sphere tree of its own does.
+    pub(crate) fn of_limb(renderer: RendererKind, limb: &Limb, p0: DVec3, p1: DVec3) -> Option<Self> {
+        match renderer {
+            RendererKind::Capsule => Some(Self::Capsule { p0, p1 }),
+            RendererKind::Cylinder => Some(Self::Cylinder { p0, p1 }),
+            RendererKind::SphereTree { spheres } => {
+                RendererKind::equal_spheres(limb, spheres).map(|count| Self::Spheres { p0, p1, count })
+            }
+        }
+    }
+
+    /// The limb's two joints.
+    pub(crate) fn joints(&self) -> [DVec3; 2] {
+        let (Self::Capsule { p0, p1 }
+        | Self::Cylinder { p0, p1 }
+        | Self::Spheres { p0, p1, .. }
+        | Self::Sphere { p0, p1, .. }) = *self;
+        [p0, p1]
+    }
+
+    /// The ends of its own axis: of a sphere its centre twice, else the joints.
+    pub(crate) fn axis(&self) -> [DVec3; 2] {
+        match *self {
+            Self::Sphere { centre, .. } => [centre; 2],
+            _ => self.joints(),
+        }
+    }
+
+    /// Whether λ jumps on a rim.
+    pub(crate) fn has_flat_caps(&self) -> bool {
+        matches!(self, Self::Cylinder { .. })
+    }
+
+    /// Whether the kernel in f32 lanes can take it where its axis keeps this distance from the camera's plane, metres.
+    pub(crate) fn suits_lanes(&self, nearest: f64) -> bool {
+        let [p0, p1] = self.axis();
+        !matches!(self, Self::Spheres { count: 1, .. }) && p0.z.min(p1.z) > nearest
+    }
 }
 
 /// A solid with its limb, its ramp and the pixels that it may touch.

@@ -28,7 +28,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::primitive::{Primitive, Solid};
+use super::primitive::Primitive;
 
 /// The background's grey level.
 pub const BACKGROUND: f64 = 255.0;
@@ -292,10 +292,7 @@ impl Ramp {
 impl Primitive {
     /// ∂λ/∂r of this solid, grey levels per metre, where a ray's squared distance is given (m²).
     pub(crate) fn radius_rate(&self, ramp: Ramp, focal_px: f64, squared: f64) -> f64 {
-        let (Solid::Capsule { p0, p1 }
-        | Solid::Cylinder { p0, p1 }
-        | Solid::Spheres { p0, p1, .. }
-        | Solid::Sphere { p0, p1, .. }) = self.solid;
+        let [p0, p1] = self.solid.joints();
         ramp.radius_rate(self.radius, 0.5 * (p0.z + p1.z), focal_px, squared)
     }
 }

@@ -29,6 +29,9 @@ pub enum RendererKind {
 }
 
 impl RendererKind {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 3] = [Self::Capsule, Self::Cylinder, Self::SphereTree { spheres: None }];
+
     /// How many equal spheres stand for a limb; `None` where it has a sphere tree of its own and no count is
     /// asked for.
     pub fn equal_spheres(limb: &Limb, count: Option<usize>) -> Option<usize> {
@@ -41,10 +44,28 @@ impl RendererKind {
 
     /// Its word in files and on the command line.
     pub fn name(self) -> &'static str {
+        self.words()[0]
+    }
+
+    /// Its name for people.
+    pub fn label(self) -> &'static str {
+        self.words()[1]
+    }
+
+    /// Name and label: all that a new solid must say of itself in words.
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Cylinder => "cylinder",
-            Self::Capsule => "capsule",
-            Self::SphereTree { .. } => "sphere-tree",
+            Self::Capsule => ["capsule", "Capsule"],
+            Self::Cylinder => ["cylinder", "Cylinder"],
+            Self::SphereTree { .. } => ["sphere-tree", "Sphere tree"],
+        }
+    }
+
+    /// The same with the number of spheres chosen by itself: one of [`ALL`](Self::ALL).
+    pub fn plain(self) -> Self {
+        match self {
+            Self::SphereTree { .. } => Self::SphereTree { spheres: None },
+            other => other,
         }
     }
 }
@@ -64,11 +85,7 @@ impl FromStr for RendererKind {
     type Err = ParseRendererError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "cylinder" => Ok(Self::Cylinder),
-            "capsule" => Ok(Self::Capsule),
-            "sphere-tree" => Ok(Self::SphereTree { spheres: None }),
-            _ => Err(ParseRendererError(text.to_owned())),
-        }
+        let known = Self::ALL.into_iter().find(|kind| kind.name() == text);
+        known.ok_or_else(|| ParseRendererError(text.to_owned()))
     }
 }

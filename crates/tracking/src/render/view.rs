@@ -108,13 +108,7 @@ impl View {
             let p0 = place.transform(kinematics.starts()[index]);
             let p1 = place.transform(kinematics.ends()[index]);
             let mid_depth = 0.5 * (p0.z + p1.z);
-            let solid = match renderer {
-                RendererKind::Capsule => Some(Solid::Capsule { p0, p1 }),
-                RendererKind::Cylinder => Some(Solid::Cylinder { p0, p1 }),
-                RendererKind::SphereTree { spheres } => {
-                    RendererKind::equal_spheres(limb, spheres).map(|count| Solid::Spheres { p0, p1, count })
-                }
-            };
+            let solid = Solid::of_limb(renderer, limb, p0, p1);
             if let Some(solid) = solid {
                 let ramp = ramp.for_solid(limb.radius, mid_depth, focal);
                 let bounds = self.bounds(p0, p1, ramp.reach());
@@ -302,14 +296,10 @@ impl View {
     /// left to the reference kernel.
     pub fn suits_lanes(&self) -> bool {
         self.is_pinhole()
-            && self.primitives.iter().all(|primitive| {
-                let near = NEAREST_REACHES * primitive.ramp.reach();
-                match primitive.solid {
-                    Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > near,
-                    Solid::Spheres { p0, p1, count } => count > 1 && p0.z.min(p1.z) > near,
-                    Solid::Sphere { centre, .. } => centre.z > near,
-                }
-            })
+            && self
+                .primitives
+                .iter()
+                .all(|primitive| primitive.solid.suits_lanes(NEAREST_REACHES * primitive.ramp.reach()))
     }
 
     /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.

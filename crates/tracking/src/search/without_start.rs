@@ -246,13 +246,14 @@ fn with_subject(
     views: &[FitView],
     options: &FitOptions,
 ) -> Result<Vec<FitView>, WithoutStartError> {
-    for view in views {
+    let views: Vec<FitView> = views.iter().cloned().map(FitView::rectified).collect();
+    for view in &views {
         view.check()?;
     }
     let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
     if seen.is_empty() {
         // Says who sees nothing.
-        PreparedFit::new(model, views.to_vec(), &Pose::rest(model), options, |_, _, _| 0.0)?;
+        PreparedFit::new(model, views, &Pose::rest(model), options, |_, _, _| 0.0)?;
     }
     Ok(seen)
 }

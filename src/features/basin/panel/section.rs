@@ -164,7 +164,7 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
     row(ui, "Fits", |ui| {
         swatch(ui, 0);
         let fit = &context.document().fit;
-        let renderer = words::renderer_name(fit.renderer).to_lowercase();
+        let renderer = fit.renderer.label().to_lowercase();
         let text = format!("{}, {renderer}", words::fit_name(fit));
         ui.add(egui::Label::new(RichText::new(text).color(palette.text)).truncate())
             .on_hover_text("The current choices of renderer and solver");
@@ -188,9 +188,9 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         row(ui, "", |ui| {
             ui.add_space(SWATCH + ui.spacing().item_spacing.x);
             let width = ui.available_width() - size::BUTTON - 2.0 * space::ROW;
-            let renderers = RENDERERS.map(|kind| (kind, words::renderer_name(kind), String::new()));
+            let renderers = RendererKind::ALL.map(|kind| (kind, kind.label(), String::new()));
             let name = format!("Renderer of compared fit {}", index + 1);
-            if let Some(kind) = choice(ui, &name, width, words::renderer_name(other.renderer), &renderers) {
+            if let Some(kind) = choice(ui, &name, width, other.renderer.label(), &renderers) {
                 other.renderer = kind;
             }
         });
@@ -207,10 +207,6 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         });
     }
 }
-
-/// The renderers that are offered.
-const RENDERERS: [RendererKind; 3] =
-    [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
 
 fn swatch(ui: &mut Ui, index: usize) {
     let (rect, _) = ui.allocate_exact_size(vec2(SWATCH, size::ROW), egui::Sense::hover());

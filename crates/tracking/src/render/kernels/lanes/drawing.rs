@@ -91,12 +91,8 @@ struct SolidRate {
 impl SolidRate {
     fn new(solid: &LaneSolid, shape: &Solid, motion: &BodyMotion) -> Self {
         let limb = motion.in_camera(solid.limb);
-        let (start, axis, limb_axis) = match *shape {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
-                (DVec3::ZERO, p1 - p0, p1 - p0)
-            }
-            Solid::Sphere { p0, p1, centre } => (centre - p0, DVec3::ZERO, p1 - p0),
-        };
+        let ([p0, p1], [from, to]) = (shape.joints(), shape.axis());
+        let (start, axis, limb_axis) = (from - p0, to - from, p1 - p0);
         let factor = solid.ramp.factor;
         let numbers = |rate: DVec3| (rate * factor).as_vec3().to_array();
         Self {

@@ -147,12 +147,7 @@ impl LaneSolid {
         grid: &PixelGrid,
         lattice: &Lattice,
     ) -> Option<Self> {
-        let (p0, p1) = match primitive.solid {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
-                (p0, p1)
-            }
-            Solid::Sphere { centre, .. } => (centre, centre),
-        };
+        let [p0, p1] = primitive.solid.axis();
         let bounds = GridBox::new(&primitive.bounds, grid);
         if bounds.is_empty() {
             return None;
