@@ -2,7 +2,7 @@
 
 use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::optimize::Method;
-use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::render::Ramp;
 use backlit_words::format;
 
 /// The preset whose choices these are, apart from the renderer, which is chosen by itself.
