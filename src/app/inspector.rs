@@ -19,7 +19,7 @@ use crate::context::command::Command;
 use crate::context::pane::Pane;
 use crate::context::{Context, DesktopRequest, Requests, Unavailable};
 use crate::features::Features;
-use crate::features::scene::panel::keys as scene_keys;
+use crate::features::scene::panel::input as scene_keys;
 use crate::shell::Shell;
 
 /// While frames are played, the window looks at its clock at least this often: seconds.

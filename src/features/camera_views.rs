@@ -2,69 +2,52 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `preferences` | `CameraViewPreferences`: what all views share, kept from start to start |
-//! | `tile_view` | [`TileView`]: which view mode or modes a tile shows, and which part of the picture |
-//! | `update` | commands, and what the user did in a tile |
+//! | this | the state: [`TileView`], which mode a tile shows and which part of the picture; [`TileEvent`], what the user did |
+//! | `update` | commands, and what the user did in a tile; linked zoom and pan |
 //! | `pane` | what a tile is given of the document and the session |
-//! | `alone` | the picture without header and gutter, for exports |
-//! | `linked` | how linked views go along with a zoom or pan |
 //! | `tile` | a tile: header, picture, gutter |
-//! | `event` | [`TileEvent`]: what the user did in a tile |
-//! | `pointer` | press, travel, modifiers, Esc: the pointer's way to those events |
-//! | `header`, `tile_menu` | badge, name, view mode, link, expand, more |
+//! | `pointer` | press, travel, modifiers, Esc: the pointer's way to events |
+//! | `header` | badge, name, view mode, link, expand, more, and the menus |
 //! | `full_pictures` | footage at its full size, where it is worked on at a part of it |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
-//! | `held` | what held limbs that silhouettes did not |
-//! | `keypoints` | where another tool saw joints |
-//! | `observed` | a body that sways, ellipses of joints |
-//! | `ghosts` | bodies in the place of the posed one |
+//! | `overlays` | swaying bodies, ghosts, ellipses, what held limbs, keypoints |
 //! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |
 
-mod alone;
+use std::collections::BTreeMap;
+
+use backlit_document::history::Gesture;
+use backlit_tracking::body::Model;
+use backlit_ui::drawing::{Comparison, DragEvent, JointId, ViewMode};
+use backlit_ui::widgets::{Framing, ViewTransform};
+pub use overlays::ObservedMarks;
+pub(crate) use pane::Place;
+pub use tile::{CameraTileInput, TileResponse, camera_tile};
+
+use crate::context::pane::Pane;
+use crate::context::picture_alone::PictureAlone;
+use crate::context::preferences::Layout;
+use crate::context::view_settings::ViewSettings;
+use crate::session::prediction::Derivatives;
+use crate::session::selection::Selection;
+
 mod comparison;
-pub(crate) mod event;
 mod full_pictures;
-mod ghosts;
 mod gutter;
 mod header;
-pub(crate) mod held;
 mod hover_card;
-mod keypoints;
 mod legend;
 mod legend_block;
-mod linked;
-pub(crate) mod observed;
+mod overlays;
 mod pane;
 mod picture_view;
 mod pointer;
-pub(crate) mod preferences;
 #[cfg(test)]
 mod tests;
 pub(crate) mod tile;
-mod tile_menu;
-pub(crate) mod tile_view;
 mod update;
-
-use std::collections::BTreeMap;
-
-pub use event::TileEvent;
-pub use observed::ObservedMarks;
-pub(crate) use pane::Place;
-pub(crate) use preferences::CameraViewPreferences;
-pub use tile::{CameraTileInput, TileResponse, camera_tile};
-pub use tile_view::TileView;
-
-use backlit_tracking::body::Model;
-use backlit_ui::drawing::{Comparison, ViewMode};
-use backlit_ui::widgets::{Framing, ViewTransform};
-
-use crate::context::picture_alone::PictureAlone;
-use crate::context::preferences::Layout;
-use crate::session::prediction::Derivatives;
-use crate::session::selection::Selection;
 
 /// The feature.
 #[derive(Debug, Clone, Default)]
@@ -159,4 +142,117 @@ impl CameraViews {
             column: shows(ViewMode::JacobianColumn).then(|| self.preferences.settings.axis.column(rotation)),
         }
     }
+}
+
+/// What is chosen for all views.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct CameraViewPreferences {
+    /// Whether zoom and pan go together in all views.
+    pub(crate) linked_zoom: bool,
+    /// What is drawn in them, and what is dragged.
+    pub(crate) settings: ViewSettings,
+}
+
+/// What a tile shows and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileView {
+    /// What the picture shows.
+    pub mode: ViewMode,
+    /// What it is compared with.
+    pub other: ViewMode,
+    /// How the two are compared; `None` shows [`mode`](Self::mode) alone.
+    pub comparison: Option<Comparison>,
+    /// Where the wipe's handle is: 0 at the left edge of the picture, 1 at the right.
+    pub wipe_at: f32,
+    /// Which part of the picture.
+    pub framing: Framing,
+}
+
+impl Default for TileView {
+    fn default() -> Self {
+        Self {
+            mode: ViewMode::Tinted,
+            other: ViewMode::Footage,
+            comparison: None,
+            wipe_at: 0.5,
+            framing: Framing::default(),
+        }
+    }
+}
+
+impl TileView {
+    /// Whether a mode is seen, alone or in a comparison.
+    pub(crate) fn shows(&self, mode: ViewMode) -> bool {
+        self.mode == mode || (self.comparison.is_some() && self.other == mode)
+    }
+
+    /// Shows a mode. In a comparison the modes trade places rather than be the same.
+    pub(crate) fn set_mode(&mut self, mode: ViewMode) {
+        if self.comparison.is_some() && mode == self.other {
+            self.other = self.mode;
+        }
+        self.mode = mode;
+    }
+
+    /// Compares with a mode, in the way of now or else by a wipe.
+    pub(crate) fn compare_with(&mut self, other: ViewMode) {
+        if other == self.mode {
+            self.mode = self.other;
+        }
+        self.other = other;
+        self.comparison = self.comparison.or(Some(Comparison::Wipe));
+        self.keep_apart();
+    }
+
+    /// Begins or ends a comparison.
+    pub(crate) fn toggle(&mut self, comparison: Comparison) {
+        self.comparison = (self.comparison != Some(comparison)).then_some(comparison);
+        self.keep_apart();
+    }
+
+    /// Two modes that are the same compare nothing.
+    fn keep_apart(&mut self) {
+        if self.other == self.mode {
+            self.other = if self.mode == ViewMode::Footage { ViewMode::Tinted } else { ViewMode::Footage };
+        }
+    }
+}
+
+/// What the user did in a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TileEvent {
+    /// Pressed somewhere: the tile becomes the active one.
+    Activate,
+    /// Pressed a joint.
+    SelectJoint(JointId),
+    /// Pressed a limb's body.
+    SelectLimb(usize),
+    /// Dragged what was pressed.
+    Drag(DragEvent),
+    /// Chose a view mode.
+    SetMode(ViewMode),
+    /// Chose the mode that it is compared with.
+    CompareWith(ViewMode),
+    /// Began a comparison, chose its other way, or ended it.
+    SetComparison(Option<Comparison>),
+    /// Changed what all views share.
+    SetSettings(ViewSettings),
+    /// Moved the wipe's handle: 0 at the left edge of the picture, 1 at the right.
+    SetWipe(f32),
+    /// Ticked or unticked the camera's use in the fit.
+    SetUsed(bool),
+    /// Set the camera's weight in the fit, with the gesture of the slider.
+    SetWeight(f64, Option<Gesture>),
+    /// Linked or unlinked zoom and pan. Linked tiles share one [`Framing`].
+    SetLinked(bool),
+    /// Zoomed, panned or fitted.
+    SetFraming(Framing),
+    /// Asked for the tile in the whole window, or back.
+    ToggleExpanded,
+    /// Drags the tile away by its header.
+    DragTile,
+    /// Asked for a pane that stands behind this one.
+    Switch(Pane),
+    /// Asked to close the tile.
+    Close,
 }

@@ -23,7 +23,7 @@ use backlit_jobs::Task;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::{Direction, JointUncertainty, Observability as Figures};
 use backlit_tracking::posing::LimitedAngle;
-use backlit_ui::drawing::ellipse_factor::automatic_factor;
+use backlit_ui::drawing::automatic_factor;
 
 pub(crate) use observed::Observed;
 use sway::Sway;

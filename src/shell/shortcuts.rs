@@ -60,7 +60,7 @@ pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
                     );
                     is_empty &= !group(ui, menu.text(), rows, &words);
                 }
-                let of_scene = scene::keys::KEYS.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
+                let of_scene = scene::input::KEYS.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
                 is_empty &= !group(ui, "Pointer over the scene", of_scene, &words);
                 let gestures = GESTURES.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
                 is_empty &= !group(ui, "Pointer", gestures, &words);

@@ -5,71 +5,48 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `mode` | [`ViewMode`]: the ways to look at a camera, with their names and legends |
-//! | `comparison` | [`Comparison`]: how two modes are seen in one picture |
+//! | `mode` | [`ViewMode`]: the ways to look at a camera; [`Comparison`] of two; [`StateAxis`] |
 //! | `input` | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
-//! | `footage` … `owner_limb` | one view mode each |
-//! | `derivative` | gradient and Jacobian column: what they are and how they look |
-//! | `drag` | [`Drag`]: how a drag in a picture moves the body |
-//! | `ellipse_factor` | how much larger than life ellipses of uncertainty are drawn |
-//! | `ghosts` | bodies that are looked at in the place of the posed one |
-//! | `hatch` | the hatches of don't-know and of no gradient |
+//! | `compose`, `tinted` | the pictures of the view modes |
+//! | `joints` | the joints that can be dragged; [`Drag`]: how a drag in a picture moves the body |
+//! | `limbs` | limbs and spheres projected to capsules and discs of the picture |
 //! | `outline` | the body's outline by marching squares |
 //! | `limits` | a joint's limits: the arc of what an angle may be |
-//! | `limbs` | limbs projected to capsules of the picture |
-//! | `joints` | the joints that can be dragged, and their names |
-//! | `sway` | a body that sways, and ellipses of joints |
-//! | [`side_marks`] | left, right and face of a body |
-//! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
-//! | `calibration_marks` | principal point, world axes, grid and lens edge |
-//! | [`spheres`] | spheres that stand for a body, in space and in a picture |
-//! | `state_axis` | the coefficient whose Jacobian column is looked at |
+//! | `bodies` | ghosts, a body that sways, ellipses of joints |
+//! | `side_marks` | left, right and face of a body |
+//! | `calibration` | principal point, world axes, grid and lens edge; one camera's ray as another camera sees it |
 
-pub mod calibration_marks;
-mod comparison;
-mod data;
-pub mod derivative;
-mod drag;
-pub mod ellipse_factor;
-mod footage;
-mod ghosts;
-mod hatch;
-pub mod input;
-pub mod joints;
-pub mod limbs;
+mod bodies;
+mod calibration;
+mod compose;
+mod input;
+mod joints;
+mod limbs;
 pub mod limits;
-pub mod mode;
-pub mod outline;
-mod owner_limb;
-mod polyline;
-mod prediction;
-mod report_overlay;
-mod residual;
-pub mod side_marks;
-pub mod sight_ray;
-pub mod spheres;
-pub mod state_axis;
-pub mod sway;
+mod mode;
+mod outline;
+mod side_marks;
 mod tinted;
 
 pub use backlit_words::joint::{JointId, joint_name};
-pub use calibration_marks::CalibrationMarks;
-pub use comparison::Comparison;
-pub use derivative::Derivative;
-pub use drag::{Drag, DragEvent};
-pub use ghosts::{Ghost, GhostMarks, Ghosts, Template};
+pub use bodies::{
+    DEVIATIONS, FACTORS, Ghost, GhostMarks, Ghosts, JointEllipse, SwayMarks, Swaying, Template,
+    automatic_factor, joint_ellipses,
+};
+pub use calibration::{CalibrationMarks, SightRay, point_at, project_segment, sight_ray};
+pub use compose::{Derivative, limb_chains, limb_colours};
 pub use input::{PictureInput, Sample};
-pub use joints::{JointMark, draggable_joints, project_joints};
-pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
+pub use joints::{Drag, DragEvent, JointMark, draggable_joints, project_joints};
+pub use limbs::{
+    ProjectedLimb, ProjectedSphere, body_spheres, joined_outline, project_limbs, project_spheres,
+};
 pub use limits::{BoundedAngle, LimitMark};
-pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode};
+pub use mode::{
+    Comparison, Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, StateAxis, Swatch, UNKNOWN_LEGEND,
+    ViewMode,
+};
 pub use outline::body_outline;
-pub use owner_limb::{limb_chains, limb_colours};
 pub use side_marks::SideMarks;
-pub use sight_ray::{SightRay, point_at, sight_ray};
-pub use spheres::{ProjectedSphere, body_spheres, project_spheres};
-pub use state_axis::StateAxis;
-pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};
 
 use egui::ColorImage;
 
@@ -77,15 +54,15 @@ use egui::ColorImage;
 pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
     let input = input.fitting();
     match input.shown(mode) {
-        ViewMode::Footage => footage::compose(&input),
-        ViewMode::Data => data::compose(&input),
-        ViewMode::Prediction => prediction::compose(&input),
-        ViewMode::ReportOverlay => report_overlay::compose(&input),
+        ViewMode::Footage => compose::footage(&input),
+        ViewMode::Data => compose::data(&input),
+        ViewMode::Prediction => compose::prediction(&input),
+        ViewMode::ReportOverlay => compose::report_overlay(&input),
         ViewMode::Tinted => tinted::compose(&input),
-        ViewMode::Residual => residual::compose(&input),
-        ViewMode::OwnerLimb => owner_limb::compose(&input),
-        ViewMode::Gradient => derivative::compose_gradient(&input),
-        ViewMode::JacobianColumn => derivative::compose_jacobian(&input),
+        ViewMode::Residual => compose::residual(&input),
+        ViewMode::OwnerLimb => compose::owner_limb(&input),
+        ViewMode::Gradient => compose::compose_gradient(&input),
+        ViewMode::JacobianColumn => compose::compose_jacobian(&input),
     }
 }
 

@@ -1,20 +1,21 @@
-//! A tile's header: badge, name, view mode, link, expand, more.
+//! A tile's header: badge, name, view mode, link, expand, more; and its two menus, what the picture shows and all the rest.
 
 use backlit_tracking::camera::Camera;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
+use backlit_ui::drawing::{Comparison, StateAxis, ViewMode};
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{Icon, camera_badge, icon_button};
+use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::{Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button};
 use egui::{
-    Align, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
-    WidgetInfo, WidgetText, pos2, vec2,
+    Align, Button, CornerRadius, Layout, Popup, Rect, RichText, Role, Sense, TextStyle, TextWrapMode, Ui,
+    UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
 };
 
 use super::comparison::mode_text;
 use super::tile::TileLayout;
-use super::{CameraTileInput, TileEvent, gutter, tile_menu};
+use super::{CameraTileInput, TileEvent, gutter};
 use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
+use crate::context::view_settings::ViewSettings;
 
 /// In a narrower header the link button folds into the menu.
 const LINK_FROM: f32 = 300.0;
@@ -75,7 +76,7 @@ pub(crate) fn show(
             );
         }
         let palette = theme::palette(ui);
-        let name = egui::RichText::new(input.name);
+        let name = RichText::new(input.name);
         let name = if input.is_used { name } else { name.color(palette.text3) };
         // The badge has the number; where there is little room the mode needs it more than the word.
         let name = (rect.width() >= TITLE_FROM).then(|| ui.add(egui::Label::new(name).selectable(false)));
@@ -84,12 +85,12 @@ pub(crate) fn show(
                 name.on_hover_text(about(camera));
             }
             if rect.width() >= NAME_FROM {
-                let name = egui::RichText::new(camera.name()).small().color(palette.text3);
+                let name = RichText::new(camera.name()).small().color(palette.text3);
                 ui.add(egui::Label::new(name).selectable(false));
             }
         }
         if !input.is_used && input.is_calibrated {
-            let off = egui::RichText::new("not in fit").small().color(palette.text3);
+            let off = RichText::new("not in fit").small().color(palette.text3);
             ui.add(egui::Label::new(off).selectable(false)).on_hover_text(
                 "This camera’s silhouette does not count: tick it in the gutter or under More.",
             );
@@ -117,7 +118,7 @@ fn show_buttons(
         }
         ui.spacing_mut().item_spacing.x = 0.0;
         if input.is_expanded {
-            let back = egui::Button::new("All views").min_size(vec2(BACK - space::WIDGET, size::ROW));
+            let back = Button::new("All views").min_size(vec2(BACK - space::WIDGET, size::ROW));
             let back = ui.add(back).on_hover_text("Back to all views, with their timeline   Esc");
             if back.clicked() {
                 events.push(TileEvent::ToggleExpanded);
@@ -159,7 +160,7 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
     let response = response.on_hover_text(tooltip);
     Popup::menu(&response)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-        .show(|ui| tile_menu::modes(ui, input, events));
+        .show(|ui| mode_menu_entries(ui, input, events));
 }
 
 fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
@@ -182,7 +183,7 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
     let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), tooltip);
     Popup::menu(&more)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-        .show(|ui| tile_menu::more(ui, input, has_link, events));
+        .show(|ui| more_menu_entries(ui, input, has_link, events));
 }
 
 /// What a click on badge or button does, with its keys.
@@ -213,4 +214,124 @@ fn paint_dashes(ui: &Ui, rect: Rect) {
     let corners =
         [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
     ui.painter().extend(egui::Shape::dashed_line(&corners, stroke, DASH, DASH));
+}
+
+/// Width of the slider of the blink's rate.
+const RATE_SLIDER: f32 = 96.0;
+/// Least width of the menus.
+const MENU_WIDTH: f32 = 220.0;
+
+/// The view modes; below them what the mode is compared with, and the Jacobian's axis.
+fn mode_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+    ui.set_min_width(MENU_WIDTH);
+    let tile = &input.tile;
+    for mode in ViewMode::ALL {
+        let entry = Button::new(mode.label()).shortcut_text(mode.key()).selected(mode == tile.mode);
+        if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
+            events.push(TileEvent::SetMode(mode));
+            ui.close();
+        }
+    }
+    ui.separator();
+    for (comparison, text, key, tooltip) in [
+        (Comparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
+        (Comparison::Blink, "Blink", "B", "Two modes one after the other: what differs seems to move"),
+    ] {
+        let is_on = tile.comparison == Some(comparison);
+        let entry = Button::new(text).shortcut_text(key).selected(is_on);
+        if ui.add(entry).on_hover_text(tooltip).clicked() {
+            events.push(TileEvent::SetComparison((!is_on).then_some(comparison)));
+        }
+    }
+    let title = format!("Compare with: {}", tile.other.label().to_lowercase());
+    ui.menu_button(title, |ui| {
+        for mode in ViewMode::ALL.into_iter().filter(|mode| *mode != tile.mode) {
+            let is_other = tile.comparison.is_some() && mode == tile.other;
+            let entry = Button::new(format!("With {}", mode.label().to_lowercase())).selected(is_other);
+            if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
+                events.push(TileEvent::CompareWith(mode));
+            }
+        }
+    });
+    blink_rate(ui, input, events);
+    ui.separator();
+    let settings = input.settings;
+    ui.menu_button(format!("Jacobian: {}", settings.axis.label().to_lowercase()), |ui| {
+        for axis in StateAxis::ALL {
+            let tooltip = if axis.is_of_root() {
+                "A move of the whole body along an axis of the world"
+            } else {
+                "A turn of the selected limb about an axis of its parent’s frame"
+            };
+            let entry = Button::new(axis.label()).selected(axis == settings.axis);
+            if ui.add(entry).on_hover_text(tooltip).clicked() {
+                events.push(TileEvent::SetSettings(ViewSettings { axis, ..settings }));
+                ui.close();
+            }
+        }
+    });
+}
+
+fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.set_height(size::ROW);
+        ui.add_space(space::WIDGET);
+        ui.label(RichText::new("Rate").color(palette.text2));
+        let mut rate = f64::from(input.settings.blink_hz);
+        let slider = ValueSlider::new(&mut rate, ViewSettings::BLINK_HZ, "Blink rate").width(RATE_SLIDER);
+        if ui.add(slider).on_hover_text("How often a blinking view changes").changed() {
+            let settings = ViewSettings { blink_hz: rate as f32, ..input.settings };
+            events.push(TileEvent::SetSettings(settings));
+        }
+        let text = format!("{} / s", format::number(rate, 1));
+        ui.label(RichText::new(text).monospace().color(palette.text2));
+    });
+}
+
+/// Framing, marks, and the camera's use in the fit.
+fn more_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
+    ui.set_min_width(MENU_WIDTH);
+    for (text, key, framing, tooltip) in [
+        (
+            "Fit subject",
+            "F",
+            Framing::Subject,
+            "As large as possible with the subject of all frames in view; the wheel zooms from there",
+        ),
+        ("Whole picture", "A", Framing::Whole, "All that the camera saw"),
+    ] {
+        let entry = Button::new(text).shortcut_text(key).selected(input.tile.framing == framing);
+        if ui.add(entry).on_hover_text(tooltip).clicked() {
+            events.push(TileEvent::SetFraming(framing));
+            ui.close();
+        }
+    }
+    let mut is_linked = input.is_linked;
+    if !has_link && checkbox(ui, &mut is_linked, "Zoom linked").changed() {
+        events.push(TileEvent::SetLinked(is_linked));
+    }
+    ui.separator();
+    let mut settings = input.settings;
+    let marks = checkbox(ui, &mut settings.calibration_marks, "Calibration marks").on_hover_text(
+        "Principal point, axes of the world, half-metre grid through its origin, edge of what the lens saw   Q",
+    );
+    let sides = checkbox(ui, &mut settings.side_marks, "Left, right and face").on_hover_text(
+        "L and R beside hands and feet; a nose whose tip is filled where the body faces the camera",
+    );
+    let grid = checkbox(ui, &mut settings.pixel_grid, "Pixel grid")
+        .on_hover_text("Lines between pixels where they are shown large");
+    let spheres = checkbox(ui, &mut settings.spheres, "Spheres")
+        .on_hover_text("With the sphere tree: a circle for each sphere of the body");
+    if spheres.changed() || marks.changed() || sides.changed() || grid.changed() {
+        events.push(TileEvent::SetSettings(settings));
+    }
+    ui.separator();
+    gutter::show_fit_use(ui, input, events);
+    ui.separator();
+    let close = ui.add(Button::new("Close tile"));
+    if close.on_hover_text("The View menu opens it again").clicked() {
+        events.push(TileEvent::Close);
+        ui.close();
+    }
 }

@@ -14,7 +14,7 @@ use glam::DVec2;
 
 use super::CameraTileInput;
 use super::gutter::grip_name;
-use super::held;
+use super::overlays;
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
@@ -97,7 +97,7 @@ impl HoverCard {
             Grip::Limb(limb) | Grip::Joint(JointId::End(limb)) => Some(limb),
             _ => None,
         };
-        let held = limb.and_then(|limb| held::words(input.held, input.body, limb));
+        let held = limb.and_then(|limb| overlays::held_words(input.held, input.body, limb));
         let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
         let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
         rows.push((grip_name(input, grip), drag.to_owned()));

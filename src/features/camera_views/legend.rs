@@ -13,8 +13,8 @@ use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetIn
 use super::CameraTileInput;
 use super::comparison::Seen;
 use super::legend_block::{Block, Item, ROW};
+use super::overlays;
 use super::tile::TileLayout;
-use super::{ghosts, held, keypoints};
 
 /// Above and below the rows.
 const MARGIN: f32 = 2.0;
@@ -118,10 +118,10 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
 
 /// What outlines of other colours are.
 fn outlines<'a>(input: &CameraTileInput<'a>) -> Vec<(&'a str, Color32)> {
-    let ghosts = input.observed.ghosts.map_or_else(Vec::new, ghosts::legend);
-    let mut held: Vec<(&str, Color32)> = held::legend(input.held).collect();
+    let ghosts = input.observed.ghosts.map_or_else(Vec::new, overlays::ghost_legend);
+    let mut held: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
     if !input.keypoints.is_empty() {
-        held.push((keypoints::LEGEND, HELD_BY_CUE));
+        held.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }
     held.extend(ghosts);
     if !input.likelier.is_empty() {

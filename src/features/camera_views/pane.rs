@@ -1,4 +1,4 @@
-//! The view of a camera: what its tile is given of the document and the session.
+//! The view of a camera: what its tile is given of the document and the session, and its picture alone for an export.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -15,14 +15,16 @@ use backlit_ui::drawing::{
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
-use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
+use egui::{Color32, Rect, Role, Ui, UiBuilder, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
 
+use super::tile::{TileLayout, TileState};
 use super::{
-    CameraTileInput, CameraViewPreferences, CameraViews, ObservedMarks, TileEvent, TileView, alone,
-    camera_tile,
+    CameraTileInput, CameraViewPreferences, CameraViews, ObservedMarks, TileEvent, TileView, camera_tile,
+    picture_view,
 };
 use crate::context::pane::Pane;
+use crate::context::picture_alone::PictureAlone;
 use crate::context::{Context, Requests};
 use crate::session::Session;
 
@@ -59,7 +61,7 @@ impl CameraViews {
         let full = self.full.of(place.camera, context.selection.frame);
         let input = CameraTileInput { full, ..pane.input(place, tile, self.preferences) };
         if let Some(alone) = self.picture_alone {
-            self.legend_height = alone::ui(ui, input, alone, self.legend_height);
+            self.legend_height = show_alone(ui, input, alone, self.legend_height);
             return false;
         }
         let response = camera_tile(ui, &input);
@@ -355,4 +357,29 @@ fn problem_strip(ui: &Ui, problem: &str) {
     let response = ui.interact(strip, ui.scope_id().with("problem"), egui::Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, problem));
     response.on_hover_text(problem);
+}
+
+/// Shows the picture in all of the space that `ui` has, above a legend that was so high in the last frame. Gives the
+/// legend's height in this one.
+fn show_alone(ui: &mut Ui, mut input: CameraTileInput<'_>, alone: PictureAlone, legend_height: f32) -> f32 {
+    let picture = ui.max_rect();
+    let layout = TileLayout {
+        header: Rect::NOTHING,
+        picture,
+        gutter: None,
+        reserved: legend_height,
+        has_legend: alone.legend,
+    };
+    input.shows_hover_card = false;
+    if !alone.marks {
+        (input.joints, input.limbs, input.outlines) = (&[], &[], &[]);
+        (input.selected, input.sight_ray, input.quick_outline) = (None, None, None);
+        (input.limits, input.sides) = (&[], None);
+        input.settings.calibration_marks = false;
+    }
+    let id = ui.scope_id().with("picture alone");
+    let scope = ui.scope_builder(UiBuilder::new().max_rect(picture), |ui| {
+        picture_view::show(ui, id, &layout, &input, &mut TileState::default(), &mut Vec::new())
+    });
+    scope.inner.1
 }

@@ -22,10 +22,10 @@ use egui::{
 
 use super::comparison::{self, Seen};
 use super::hover_card::HoverCard;
-use super::observed::{paint_bodies, paint_ellipses, paint_likelier};
+use super::overlays::{paint_bodies, paint_ellipses, paint_likelier};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
-use super::{CameraTileInput, TileEvent, held, keypoints, legend};
+use super::{CameraTileInput, TileEvent, legend, overlays};
 use glam::DVec2;
 
 /// Circles of spheres: width in points, and opacity.
@@ -182,8 +182,8 @@ fn paint_marks(
         paint_spheres(painter, view, input);
     }
     if shows_limb {
-        held::paint(painter, view, input.held, input.body, input.limbs);
-        keypoints::paint(painter, view, input.keypoints, input.joints);
+        overlays::paint_held(painter, view, input.held, input.body, input.limbs);
+        overlays::paint_keypoints(painter, view, input.keypoints, input.joints);
     }
     if !input.joints.is_empty() {
         if let Some(Grip::Limb(limb)) = state.pointer.hovered {

@@ -1,11 +1,8 @@
 //! The camera views in the window.
 
-use backlit_ui::drawing::ViewMode;
-use backlit_ui::widgets::Framing;
-
+use super::*;
 use crate::app::testing::open;
 use crate::context::command::{Command, ViewCommand};
-use crate::context::preferences::Layout;
 
 #[test]
 fn linked_views_zoom_together_and_others_alone() {
@@ -35,4 +32,21 @@ fn each_layout_has_its_modes_and_asks_for_their_derivatives() {
     assert_ne!(derivatives(&app).column, first);
     app.inspector.state.preferences.layout = Layout::Debug;
     assert!(derivatives(&app).column.is_none());
+}
+
+#[test]
+fn a_comparison_is_of_two_different_modes() {
+    let mut tile = TileView { mode: ViewMode::Footage, ..TileView::default() };
+    tile.toggle(Comparison::Blink);
+    assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
+    tile.set_mode(ViewMode::Tinted);
+    assert_eq!((tile.mode, tile.other), (ViewMode::Tinted, ViewMode::Footage));
+    tile.compare_with(ViewMode::Tinted);
+    assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
+    tile.toggle(Comparison::Wipe);
+    assert_eq!(tile.comparison, Some(Comparison::Wipe));
+    tile.toggle(Comparison::Wipe);
+    assert!(tile.comparison.is_none() && !tile.shows(ViewMode::Tinted));
+    tile.compare_with(ViewMode::Residual);
+    assert!(tile.comparison == Some(Comparison::Wipe) && tile.shows(ViewMode::Residual));
 }

@@ -14,7 +14,7 @@ use egui_plot::{
     Points, VLine,
 };
 
-use super::{ConvergencePreferences, CurvePoint, Quantity, axis, points, quantity};
+use super::{ConvergencePreferences, CurvePoint, Quantity, points, quantity};
 
 /// Room of the axis of heights, and the least that is left for the curves.
 const AXIS: f64 = 56.0;
@@ -65,14 +65,14 @@ impl Scale {
         // A logarithm of shares near to one tells nothing.
         let is_log = preferences.is_log && !preferences.quantity.is_without_zero();
         let heights = if preferences.quantity.is_without_zero() {
-            axis::shares(values)
+            quantity::shares(values)
         } else {
-            axis::heights(values, is_log)
+            quantity::heights(values, is_log)
         };
         Self {
             preferences: ConvergencePreferences { is_log, ..preferences },
             heights,
-            last_step: axis::last_step(steps),
+            last_step: quantity::last_step(steps),
         }
     }
 

@@ -12,7 +12,7 @@ use egui::{
 };
 
 use super::Convergence;
-use super::update::remove;
+use super::remove;
 use crate::context::{Context, Requests, SessionRequest};
 
 /// Height of a run's card.

@@ -7,7 +7,7 @@ use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::cancel::CancelToken;
 use image::DynamicImage;
 
-use super::order::{Painter, Shot};
+use super::choices::{Painter, Shot};
 use super::{ExportError, ExportOrder, SeriesOptions, SeriesWriter};
 use crate::context::Context;
 

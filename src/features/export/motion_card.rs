@@ -1,10 +1,13 @@
-//! What a motion's file is to be, and where it goes: a card over the window. The choices are kept from start to start.
+//! What a motion's file is to be, and where it goes: a card over the window. The choices are kept from start to start. Poses
+//! are as the document has them, those set by hand included.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::anyhow;
-use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, Names, Unit};
+use backlit_formats::motion;
+use backlit_formats::motion::{Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
+use backlit_tracking::camera::up_of;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{button_row, card, choice, number_field, primary_button, segmented, text_field};
@@ -12,7 +15,6 @@ use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use super::choices::{ExportChoices, MotionChoices};
 use super::dialog::{home_folder, path_problem, row};
-use super::motion::{motion_of, options};
 use crate::context::{Context, Requests};
 
 /// Width of the card, and of its boxes.
@@ -263,4 +265,24 @@ fn pick<T: PartialEq + Copy>(ui: &mut Ui, name: &str, chosen: &mut T, rows: &[(T
     if let Some(value) = choice(ui, name, BOX, text, &shown) {
         *chosen = value;
     }
+}
+
+/// The poses of a document: of each frame that has one of its own, fitted or set by hand.
+fn motion_of(context: &Context<'_>) -> Motion {
+    let document = context.document();
+    let take = context.session.take.as_ref();
+    Motion {
+        name: take.map_or_else(|| "backlit".to_owned(), |take| take.name.clone()),
+        model: (*document.model).clone(),
+        frame_rate: take.map_or(30.0, |take| take.frame_rate),
+        poses: document.own_poses(),
+    }
+}
+
+/// How these frames of it are written. Which way is up is told by the cameras.
+fn options(choices: MotionChoices, [first, last]: [usize; 2], context: &Context<'_>) -> MotionOptions {
+    let cameras = context.session.take.as_ref().map(|take| take.cameras.clone()).unwrap_or_default();
+    let up = up_of(cameras.iter().map(|camera| &**camera)).unwrap_or(MotionOptions::default().up);
+    let MotionChoices { axes, unit, names, euler, .. } = choices;
+    MotionOptions { axes, up, unit, range: Some(first..=last), names, euler }
 }

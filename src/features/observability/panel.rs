@@ -4,7 +4,7 @@ mod chart;
 
 use backlit_results::observability as words;
 use backlit_tracking::observability::{Direction, Observability as Figures};
-use backlit_ui::drawing::ellipse_factor::FACTORS;
+use backlit_ui::drawing::FACTORS;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;

@@ -1,4 +1,4 @@
-//! Body, cameras, floor, hull and sight ray as things to draw.
+//! Body, ghosts, cameras, floor, hull and sight ray as things to draw.
 
 use std::sync::Arc;
 
@@ -7,15 +7,14 @@ use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
-use backlit_ui::drawing::Ghosts;
-use backlit_ui::drawing::body_spheres;
+use backlit_ui::drawing::{Ghosts, body_spheres};
 use backlit_ui::style::theme::camera_colours;
-use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
+use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, JOINT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::{ScenePreferences, ShownHull, Upright, Viewpoint, ghosts};
-use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
+use super::raster::{Dot, Ends, Floor, Limb, Line, Scene};
+use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
 
 /// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.
 const FRUSTUM: f64 = 0.2;
@@ -98,9 +97,9 @@ pub(crate) struct Contents {
 
 /// Builds the scene.
 pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
-    let limbs = input.ghosts.map_or_else(|| limbs(input), ghosts::limbs);
+    let limbs = input.ghosts.map_or_else(|| limbs(input), ghost_limbs);
     let mut scene = Scene { limbs, ..Scene::default() };
-    scene.lines.extend(input.ghosts.into_iter().flat_map(|ghosts| ghosts::lines(ghosts, input.scale)));
+    scene.lines.extend(input.ghosts.into_iter().flat_map(|ghosts| ghost_lines(ghosts, input.scale)));
     if input.preferences.floor {
         scene.floor = Some(floor(input));
     }
@@ -238,6 +237,41 @@ fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<Line> {
         line(from, from + dash)
     }));
     lines
+}
+
+/// Width of a faint limb, in points.
+const GHOST_WIDTH: f64 = 1.5;
+
+/// The limbs of the one that is drawn whole, as far as they have a place, and the template if it is a ball.
+fn ghost_limbs(ghosts: &Ghosts) -> Vec<Limb> {
+    let mut limbs = Vec::new();
+    if let Some(ghost) = ghosts.bodies.first() {
+        let (starts, ends) = (ghost.kinematics.starts(), ghost.kinematics.ends());
+        limbs.extend(ghosts.limbs().map(|limb| Limb {
+            ends: [starts[limb], ends[limb]],
+            radius: ghosts.model.limbs()[limb].radius,
+            shape: Ends::Round,
+            colour: if ghosts.marked[limb] { SELECTED } else { SCENE_BODY },
+        }));
+    }
+    let ball = ghosts.template.filter(|template| template.ends[0] == template.ends[1]);
+    let ball =
+        ball.map(|ball| Limb { ends: ball.ends, radius: ball.radius, shape: Ends::Round, colour: JOINT });
+    limbs.extend(ball);
+    limbs
+}
+
+/// The limbs of the faint ones.
+fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = Line> {
+    ghosts.sticks().flat_map(move |(ghost, opacity)| {
+        let (starts, ends) = (ghost.kinematics.starts(), ghost.kinematics.ends());
+        let line = move |limb: usize| Line {
+            ends: [starts[limb], ends[limb]],
+            width_px: GHOST_WIDTH * scale,
+            colour: GHOST.gamma_multiply(opacity),
+        };
+        ghosts.limbs().map(line)
+    })
 }
 
 #[cfg(test)]

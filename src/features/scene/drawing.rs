@@ -1,15 +1,81 @@
-//! The scene's picture. Drawing one takes longer than a frame of the window may, so a job does it.
+//! All that a picture of the scene shows, so that it is drawn again only when something in it has changed; and the picture,
+//! which a job draws since that takes longer than a frame of the window may.
 
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+use backlit_tracking::visual_hull::VisualHull;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use egui::ColorImage;
+use glam::DVec3;
 use image::{DynamicImage, RgbImage, RgbaImage};
 
+use super::Frustum;
 use super::contents::shell;
-use super::{Frustum, SceneOrder};
-use crate::features::scene::raster::{Picture, Scene, SceneFrame};
+use super::raster::{Picture, Scene, SceneCamera, SceneFrame};
 use crate::session::FrameData;
+
+/// All that a picture of the scene shows.
+#[derive(Debug, Clone)]
+pub struct SceneOrder {
+    /// Width and height in pixels.
+    pub(crate) size_px: [u32; 2],
+    /// Whether it is of something that moves: drawn quickly, with rough edges.
+    pub is_draft: bool,
+    /// Where it is seen from.
+    pub eye: SceneCamera,
+    /// Limbs, floor and lines.
+    pub scene: Scene<'static>,
+    /// The cameras.
+    pub(crate) frusta: Vec<Frustum>,
+    /// The frame whose pictures stand on the frusta, if they are to be seen.
+    pub(crate) pictures: Option<Arc<FrameData>>,
+    /// Longest side of these pictures, in pixels.
+    pub(crate) picture_side: u32,
+    /// The hull whose cubes are to be seen.
+    pub(crate) shell: Option<Arc<VisualHull>>,
+    /// Where the held joint is. It is no part of the picture; its mark goes with it.
+    pub(crate) held: Option<DVec3>,
+}
+
+impl SceneOrder {
+    /// Differs when anything differs. Frames and hulls are told apart by their places in memory: a key says something
+    /// only as long as its order is kept.
+    pub(crate) fn key(&self) -> u64 {
+        egui::util::hash(Fingerprint(self))
+    }
+}
+
+struct Fingerprint<'a>(&'a SceneOrder);
+
+impl Hash for Fingerprint<'_> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let SceneOrder { size_px, is_draft, eye, scene, frusta, pictures, picture_side, shell, held } =
+            self.0;
+        (size_px, is_draft, picture_side, pictures.as_ref().map(Arc::as_ptr)).hash(state);
+        (shell.as_ref().map(Arc::as_ptr), held.map(bits)).hash(state);
+        (bits(eye.position), bits(eye.target), bits(eye.up), eye.fov_y.to_bits()).hash(state);
+        for limb in &scene.limbs {
+            (limb.ends.map(bits), limb.radius.to_bits(), limb.shape, limb.colour).hash(state);
+        }
+        for line in &scene.lines {
+            (line.ends.map(bits), line.width_px.to_bits(), line.colour).hash(state);
+        }
+        for dot in &scene.dots {
+            (bits(dot.at), dot.side.to_bits(), dot.colour).hash(state);
+        }
+        let floor = scene.floor.map(|floor| (bits(floor.centre), floor.cell.map(bits), floor.colour));
+        (scene.limbs.len(), scene.lines.len(), scene.dots.len(), floor).hash(state);
+        for frustum in frusta {
+            (frustum.camera, bits(frustum.apex), frustum.corners.map(bits)).hash(state);
+            frustum.opacity.to_bits().hash(state);
+        }
+    }
+}
+
+fn bits(point: DVec3) -> [u64; 3] {
+    point.to_array().map(f64::to_bits)
+}
 
 /// A picture of the scene.
 #[derive(Debug, Clone)]
@@ -92,13 +158,13 @@ impl Thumbnails {
 
 #[cfg(test)]
 mod tests {
+    use backlit_take::footage::CameraFrame;
     use egui::Color32;
-    use glam::DVec3;
     use image::Rgb;
 
+    use crate::features::scene::raster::{Ends, Limb};
+
     use super::*;
-    use crate::features::scene::raster::{Ends, Limb, SceneCamera};
-    use backlit_take::footage::CameraFrame;
 
     fn order() -> SceneOrder {
         let image = RgbImage::from_fn(60, 40, |x, y| Rgb([4 * x as u8, 6 * y as u8, 90]));

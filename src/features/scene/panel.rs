@@ -2,30 +2,34 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `header` | title and the menu of views and of what is shown |
-//! | `drag`, `keys` | orbit, pan, zoom, click on a camera |
-//! | `canvas` | the picture, ordered again only when something in it has changed |
+//! | this | title and menu; the picture, ordered again only when something in it has changed |
+//! | `input` | pointer and keys: orbit, pan, zoom, click on a camera |
 //! | `marks` | badges, the held joint, axes and words, over the picture |
 
-mod canvas;
-mod drag;
-mod header;
-pub(crate) mod keys;
-mod marks;
+use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::visual_hull::VisualHull;
 use backlit_ui::drawing::JointId;
-use backlit_ui::style::theme::size;
-use egui::{Rect, Ui, pos2};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::image_canvas::cached_texture;
+use backlit_ui::widgets::{Icon, checkbox};
+use egui::{Align, Button, Color32, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use crate::context::pane::Pane;
-use crate::context::{Context, Requests};
-use crate::features::scene::raster::SceneCamera;
-use crate::features::scene::{
-    ContentsInput, Frustum, Orbit, Scene, SceneDrawing, ScenePreferences, Upright, Viewpoint,
+use super::raster::SceneCamera;
+use super::{
+    ContentsInput, Frustum, Orbit, Scene, SceneDrawing, SceneOrder, ScenePreferences, ShownHull, Upright,
+    Viewpoint, contents,
 };
+use crate::context::command::{Command, SceneCommand};
+use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::{Context, Requests, pane_title};
+
+pub(crate) mod input;
+mod marks;
 
 impl Scene {
     /// The tile, in all of the space that is left.
@@ -42,22 +46,22 @@ impl Scene {
         let tile = ui.available_rect_before_wrap();
         let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
         let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
-        header::show(ui, header, &mut self.preferences, context, siblings, requests);
+        show_header(ui, header, &mut self.preferences, context, siblings, requests);
         let viewpoint = &mut self.preferences.viewpoint;
         let Some(stage) = Stage::new(context, *viewpoint, picture).filter(|_| picture.is_positive()) else {
             return;
         };
-        let (seen_from, moves) = drag::navigate(ui, &stage, viewpoint);
+        let (seen_from, moves) = input::navigate(ui, &stage, viewpoint);
         let stage = stage.seen_from(context, seen_from);
-        let order = canvas::order(ui.pixels_per_point(), context, self, &stage, moves);
+        let order = order_of(ui.pixels_per_point(), context, self, &stage, moves);
         self.order(context.pool, order);
-        canvas::ground(ui, picture);
+        ui.painter().rect_filled(picture, 0.0, PICTURE_GROUND);
         let Some(drawing) = &self.drawing else { return };
-        canvas::show(ui, picture, drawing);
+        show_drawing(ui, picture, drawing);
         let seen = Seen::new(drawing, picture);
-        drag::pick_camera(ui, context, &seen, requests);
+        input::pick_camera(ui, context, &seen, requests);
         marks::show(ui, context, self, &seen);
-        keys::show_focus(ui, picture);
+        input::show_focus(ui, picture);
     }
 }
 
@@ -196,7 +200,147 @@ impl<'a> Seen<'a> {
         const FINE: f32 = 10.0;
         let size = (self.picture.size() * FINE).round();
         let (at, _) = self.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
-        let share = egui::vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
+        let share = vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
         Some(self.picture.min + share).filter(|at| at.is_finite())
+    }
+}
+
+/// Longest side of a picture on a frustum, in points: about the size that it is seen.
+const PICTURE_SIDE: f32 = 120.0;
+/// Longest side of the scene's picture, in pixels: beyond that it is stretched.
+const LONGEST: f32 = 1400.0;
+
+/// The scene as it is now. `moves` says that the view does.
+fn order_of(
+    pixels_per_point: f32,
+    context: &Context<'_>,
+    scene: &Scene,
+    stage: &Stage,
+    moves: bool,
+) -> SceneOrder {
+    let (preferences, busy) = (&scene.preferences, context.busy);
+    let goes_on = busy.fitting || busy.tracking || context.playback.is_playing();
+    let size = stage.picture.size() * pixels_per_point;
+    let shrink = (LONGEST / size.max_elem()).min(1.0);
+    let frame = context.session.shown_frame(context.selection.frame);
+    let hull = frame.and_then(|frame| scene.hulls.get(frame)).flatten();
+    let input = stage.contents_input(context, preferences, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let contents = contents(&input);
+    SceneOrder {
+        size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
+        is_draft: moves || goes_on || stage.ray.is_some() || context.observability.is_playing,
+        eye: stage.eye,
+        scene: contents.scene,
+        pictures: frame.filter(|_| preferences.pictures && !contents.frusta.is_empty()).cloned(),
+        frusta: contents.frusta,
+        picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
+        shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
+        held: stage.position(context.selection.joint).filter(|_| context.ghosts.is_none()),
+    }
+}
+
+/// Shows the picture that there is, as large as it was drawn for: while the tile changes its size, the scene keeps its
+/// proportions.
+fn show_drawing(ui: &Ui, picture: Rect, drawing: &SceneDrawing) {
+    let texture = cached_texture(ui.ctx(), ui.scope_id().with("scene texture"), drawing.key, false, || {
+        drawing.image.clone()
+    });
+    let [width, height] = drawing.order.size_px.map(|side| side as f32);
+    let size = vec2(width / height * picture.height(), picture.height());
+    // All but the rounding to whole pixels.
+    let fits = (size.x - picture.width()).abs() <= 1.0;
+    let place = if fits { picture } else { Rect::from_center_size(picture.center(), size) };
+    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    let painter = ui.painter_at(picture);
+    painter.image(texture.id(), place, uv, Color32::WHITE);
+}
+
+/// Space for the chevron behind the menu's name.
+const CHEVRON: f32 = 18.0;
+
+fn show_header(
+    ui: &mut Ui,
+    rect: Rect,
+    preferences: &mut ScenePreferences,
+    context: &Context<'_>,
+    siblings: &[Pane],
+    requests: &mut Requests,
+) {
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
+    let right = (rect.right() - HEADER_BUTTONS).max(rect.left());
+    let left = Rect::from_min_max(pos2(rect.left() + space::WIDGET, rect.top()), pos2(right, rect.bottom()));
+    let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        pane_title::show(ui, Pane::Scene, siblings, requests);
+        menu(ui, preferences, context, requests);
+    });
+}
+
+fn menu(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
+    let palette = theme::palette(ui);
+    let text = title(preferences);
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, Color32::PLACEHOLDER);
+    job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
+    let galley = ui.painter().layout_job(job);
+    let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Scene view: {text}")));
+    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
+    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
+    ui.painter().galley(pos2(rect.left(), rect.center().y - galley.size().y * 0.5), galley, colour);
+    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
+    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    let response = response.on_hover_text("Views, and what is shown");
+    Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.set_min_width(190.0);
+        views(ui, preferences, context, requests);
+        ui.separator();
+        shown(ui, preferences);
+    });
+}
+
+/// From where it is seen, or what is shown.
+fn title(preferences: &ScenePreferences) -> String {
+    match preferences.viewpoint {
+        Some(Viewpoint::Camera(index)) => format!("From camera {}", index + 1),
+        _ if preferences.cameras => "Body and cameras".to_owned(),
+        _ => "Body".to_owned(),
+    }
+}
+
+fn views(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
+    let presets = [
+        ("Whole scene", Command::Scene(SceneCommand::Reset)),
+        ("Front", Command::Scene(SceneCommand::Front)),
+        ("Side", Command::Scene(SceneCommand::Side)),
+        ("Above", Command::Scene(SceneCommand::Top)),
+    ];
+    for (text, command) in presets {
+        if ui.add(Button::new(text)).on_hover_text(command.tooltip()).clicked() {
+            requests.run(command);
+            ui.close();
+        }
+    }
+    for camera in 0..context.session.camera_count() {
+        let viewpoint = Some(Viewpoint::Camera(camera));
+        let is_chosen = preferences.viewpoint == viewpoint;
+        if ui.add(Button::new(format!("From camera {}", camera + 1)).selected(is_chosen)).clicked() {
+            preferences.viewpoint = viewpoint;
+            ui.close();
+        }
+    }
+}
+
+fn shown(ui: &mut Ui, preferences: &mut ScenePreferences) {
+    checkbox(ui, &mut preferences.cameras, "Cameras");
+    let pictures = &mut preferences.pictures;
+    ui.add_enabled_ui(preferences.cameras, |ui| checkbox(ui, pictures, "Their pictures"));
+    checkbox(ui, &mut preferences.floor, "Floor and axes");
+    ui.separator();
+    for (hull, text) in ShownHull::ALL {
+        let tooltip = "The visual hull: the space that all silhouettes allow";
+        if ui.add(Button::new(text).selected(preferences.hull == hull)).on_hover_text(tooltip).clicked() {
+            preferences.hull = hull;
+        }
     }
 }

@@ -4,16 +4,15 @@
 //! true perspective; a depth buffer decides what is in front. Every pixel is the mean of 2 × 2 samples.
 //! Lengths are metres, and nothing closer to the eye than [`NEAR`] is drawn. What is not finite is skipped.
 
-mod dots;
 mod frame;
-mod limb;
+mod shapes;
 
 use egui::Color32;
 use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 
 pub(crate) use frame::SceneFrame;
-pub(crate) use limb::{Ends, Limb};
+pub(crate) use shapes::{Ends, Limb};
 
 /// What is closer to the eye than this is not drawn.
 pub(crate) const NEAR: f64 = 0.01;

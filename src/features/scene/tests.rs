@@ -1,10 +1,7 @@
 //! The scene in the window.
 
-use std::sync::Arc;
-
-use super::hulls::HullInputs;
+use super::*;
 use crate::app::testing::{Breaks, errors, open, settle};
-use crate::context::preferences::Layout;
 
 #[test]
 fn a_picture_that_breaks_down_is_said_once_and_the_next_one_is_drawn() {
@@ -33,4 +30,20 @@ fn a_hull_that_breaks_down_is_said_once_and_not_tried_again() {
     settle(&mut window, &mut app);
     assert_eq!(errors(&app), ["Carving the visual hull broke down: thirteen. Your work is unharmed."]);
     assert!(app.inspector.features.scene.hulls.get(&inputs.frame).is_none());
+}
+
+#[test]
+fn a_hull_is_of_the_very_frame() {
+    let frame = |frame| Arc::new(FrameData { frame, cameras: Vec::new(), made_with: Default::default() });
+    let mut cache = HullCache::default();
+    let (first, again) = (frame(3), frame(3));
+    cache.insert(first.clone(), None);
+    assert_eq!(cache.get(&first), Some(None));
+    assert_eq!(cache.get(&again), None, "segmented again, it is another one");
+    cache.insert(again.clone(), None);
+    assert_eq!(cache.get(&first), None);
+    for other in 10..10 + CAPACITY {
+        cache.insert(frame(other), None);
+    }
+    assert_eq!(cache.get(&again), None, "the oldest goes");
 }

@@ -9,7 +9,7 @@ use image::RgbImage;
 use super::{Derivative, ViewMode};
 
 /// Grey level between subject and background.
-pub const HALF: f32 = 127.5;
+pub(super) const HALF: f32 = 127.5;
 
 /// One camera's footage, data and prediction, each where there is one. All have the same size; a part of
 /// another size is left out of pictures.

@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 use backlit_tracking::silhouette::Label;
 use egui::{Color32, ColorImage};
 
+use super::PictureInput;
+use super::compose::{is_shadow_line, is_unknown_line};
 use super::input::HALF;
-use super::{PictureInput, hatch};
 use crate::style::theme::data_colours::{
     AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SHADOW, SPURIOUS, UNKNOWN,
 };
@@ -82,13 +83,13 @@ impl Tints {
     #[inline]
     fn of(&self, (label, is_shadow): (Label, bool), is_model: bool, x: usize, y: usize) -> &Tint {
         match (label, is_model) {
-            _ if is_shadow && hatch::is_shadow_line(y) => &self.shadow,
+            _ if is_shadow && is_shadow_line(y) => &self.shadow,
             (Label::Unknown, _) if is_shadow => &self.ground,
             (Label::Background, false) => &self.ground,
             (Label::Subject, true) => &self.agreement,
             (Label::Subject, false) => &self.missing,
             (Label::Background, true) => &self.spurious,
-            (Label::Unknown, _) if hatch::is_unknown_line(x, y) => &self.unknown,
+            (Label::Unknown, _) if is_unknown_line(x, y) => &self.unknown,
             (Label::Unknown, _) => &self.ground,
         }
     }

@@ -1,9 +1,16 @@
-//! The pointer in the scene: orbit by drag, pan by middle drag, zoom by wheel, a click on a camera. Keys do it too.
+//! Pointer and keys in the scene: orbit by drag, pan by middle drag, zoom by wheel, a click on a camera. Keys are the scene's
+//! while the pointer is over it or it has the focus.
 
-use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Role, Sense, Ui, Vec2, WidgetInfo};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use egui::{
+    CursorIcon, Event, EventFilter, Id, Key, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
+    StrokeKind, Ui, Vec2, WidgetInfo,
+};
 
 use super::marks::badge_rect;
-use super::{Seen, Stage, keys};
+use super::{Seen, Stage};
+use crate::context::pane::Pane;
 use crate::context::{Context, Requests, ShellRequest};
 use crate::features::scene::{Frustum, Orbit, Viewpoint};
 
@@ -12,15 +19,11 @@ const WHEEL_POINTS: f32 = 240.0;
 /// A quadrilateral smaller than this is hard to hit, in points.
 const LEAST_SIDE: f32 = 4.0;
 
-fn canvas_id(ui: &Ui) -> Id {
-    keys::canvas_id(ui.scope_id())
-}
-
 /// Turns the view where the pointer or the keys want it: from where the scene is to be seen, and whether it moves now.
 pub(super) fn navigate(ui: &Ui, stage: &Stage, kept: &mut Option<Viewpoint>) -> (Viewpoint, bool) {
-    let response = ui.interact(stage.picture, canvas_id(ui), Sense::click_and_drag());
+    let response = ui.interact(stage.picture, canvas_id(ui.scope_id()), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene"));
-    let pressed = keys::take(ui, &response);
+    let pressed = take(ui, &response);
     if response.double_clicked() || pressed.resets {
         *kept = None;
         return (stage.viewpoint, false);
@@ -80,7 +83,7 @@ fn orbit(stage: &Stage) -> Orbit {
 }
 
 /// A click on a camera's badge or picture makes its tile the active one.
-pub(crate) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, requests: &mut Requests) {
+pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, requests: &mut Requests) {
     for frustum in seen.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         let id = ui.scope_id().with(("scene camera", frustum.camera));
@@ -94,14 +97,14 @@ pub(crate) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, reque
             requests.request(ShellRequest::Camera(frustum.camera));
         }
     }
-    let response = ui.interact(seen.picture, canvas_id(ui).with("over"), Sense::hover());
+    let response = ui.interact(seen.picture, canvas_id(ui.scope_id()).with("over"), Sense::hover());
     let Some(pointer) = response.hover_pos() else { return };
     let Some(camera) = picture_at(seen, pointer) else { return };
     let is_dragging = ui.input(|input| input.pointer.is_decidedly_dragging());
     if !is_dragging {
         ui.set_cursor_icon(CursorIcon::PointingHand);
     }
-    if ui.read_response(canvas_id(ui)).is_some_and(|response| response.clicked()) {
+    if ui.read_response(canvas_id(ui.scope_id())).is_some_and(|response| response.clicked()) {
         requests.request(ShellRequest::Camera(camera));
     }
 }
@@ -129,6 +132,96 @@ fn contains(corners: &[Pos2], point: Pos2) -> bool {
     let is_large = corners.windows(2).all(|pair| pair[0].distance(pair[1]) >= LEAST_SIDE);
     let sides: Vec<f32> = (0..corners.len()).map(side).collect();
     is_large && (sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0))
+}
+
+/// A key turns the scene as a drag over so many points would.
+const KEY_TURN: f64 = 16.0;
+/// A key magnifies by this factor.
+const KEY_ZOOM: f64 = 1.15;
+
+/// Keys as they are listed, and what they do.
+pub(crate) const KEYS: [(&str, &str); 3] = [
+    ("Left, Right, Up, Down", "Turn the scene"),
+    ("+, -", "Zoom the scene"),
+    ("Home, F", "See the whole scene"),
+];
+
+/// What the keys of a frame ask for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pressed {
+    /// As a drag of so many points.
+    pub(crate) turn: [f64; 2],
+    /// Magnification.
+    pub(crate) zoom: f64,
+    /// Back to the whole scene.
+    pub(crate) resets: bool,
+}
+
+pub(crate) fn canvas_id(scope: Id) -> Id {
+    scope.with("scene canvas")
+}
+
+/// Takes the scene's keys out of the input, to be [given back](give_back) when the commands have had theirs.
+pub(crate) fn hold_back(ctx: &egui::Context) -> Vec<Event> {
+    let canvas = ctx.read_response(canvas_id(Pane::Scene.scope()));
+    let is_meant = canvas.is_some_and(|canvas| canvas.contains_pointer() || canvas.has_focus());
+    if !is_meant || ctx.text_edit_focused() {
+        return Vec::new();
+    }
+    ctx.input_mut(|input| input.events.extract_if(.., |event| pressed_key(event).is_some()).collect())
+}
+
+/// Puts the scene's keys back into the input.
+pub(crate) fn give_back(ctx: &egui::Context, events: Vec<Event>) {
+    ctx.input_mut(|input| input.events.extend(events));
+}
+
+/// Uses up the keys that are the scene's.
+pub(crate) fn take(ui: &Ui, response: &Response) -> Pressed {
+    let mut pressed = Pressed { turn: [0.0; 2], zoom: 1.0, resets: false };
+    if response.has_focus() {
+        let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    }
+    if !(response.contains_pointer() || response.has_focus()) || ui.ctx().text_edit_focused() {
+        return pressed;
+    }
+    let keys: Vec<Key> = ui.input_mut(|input| {
+        let taken = input.events.extract_if(.., |event| pressed_key(event).is_some());
+        taken.filter_map(|event| pressed_key(&event)).collect()
+    });
+    for key in keys {
+        match key {
+            Key::ArrowLeft => pressed.turn[0] -= KEY_TURN,
+            Key::ArrowRight => pressed.turn[0] += KEY_TURN,
+            Key::ArrowUp => pressed.turn[1] -= KEY_TURN,
+            Key::ArrowDown => pressed.turn[1] += KEY_TURN,
+            Key::Minus => pressed.zoom /= KEY_ZOOM,
+            Key::Plus | Key::Equals => pressed.zoom *= KEY_ZOOM,
+            _ => pressed.resets = true,
+        }
+    }
+    pressed
+}
+
+/// A ring about the picture, if the keys are its because it has the focus.
+pub(crate) fn show_focus(ui: &Ui, picture: Rect) {
+    if ui.memory(|memory| memory.has_focus(canvas_id(ui.scope_id()))) {
+        let ring = Stroke::new(size::FOCUS_RING, theme::palette(ui).accent);
+        ui.painter().rect_stroke(picture, 0.0, ring, StrokeKind::Inside);
+    }
+}
+
+/// The key, if it is one of the scene's and was pressed.
+fn pressed_key(event: &Event) -> Option<Key> {
+    let Event::Key { key, pressed: true, modifiers, .. } = event else { return None };
+    let is_plus = matches!(key, Key::Plus | Key::Equals);
+    let is_plain = modifiers.is_none() || (is_plus && modifiers.shift_only());
+    let is_ours = matches!(
+        key,
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown | Key::Minus | Key::Home | Key::F
+    );
+    (is_plain && (is_ours || is_plus)).then_some(*key)
 }
 
 #[cfg(test)]

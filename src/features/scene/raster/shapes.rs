@@ -1,10 +1,11 @@
-//! Limbs of a scene: each sample's ray against the limb itself, so that it is round at every scale.
+//! Limbs and dots of a scene. Each sample's ray meets the limb itself, so that it is round at every scale; dots are squares
+//! that face the viewer.
 
 use egui::Color32;
 use glam::DVec3;
 
-use super::frame::{Bounds, channels};
-use super::{NEAR, SceneFrame, View};
+use super::frame::{Bounds, channels, clamped_ceil, over};
+use super::{Dot, NEAR, SceneFrame, View};
 
 /// Light on a surface that is turned away from the lamp.
 const AMBIENT: f64 = 0.42;
@@ -142,8 +143,33 @@ fn tube_hits(ray: DVec3, a: DVec3, axis: DVec3, radius: f64) -> Option<[f64; 2]>
     (root >= 0.0).then(|| [-1.0, 1.0].map(|sign| (sign * root.sqrt() - half) / square))
 }
 
+impl SceneFrame {
+    /// Draws a square where nothing is nearer. It leaves no depth, so dots mix with each other.
+    pub(crate) fn draw_dot(&mut self, view: &View, dot: &Dot) {
+        let point = view.in_view(dot.at);
+        if !point.is_finite() || point.z < NEAR {
+            return;
+        }
+        let middle = view.on_screen(point);
+        let half = 0.5 * dot.side * view.focal / point.z;
+        let (left, right) = (middle.x - half, middle.x + half);
+        let (top, bottom) = (middle.y - half, middle.y + half);
+        let columns = clamped_ceil(left, self.width)..clamped_ceil(right, self.width);
+        let (source, alpha) = (channels(dot.colour), f32::from(dot.colour.a()) / 255.0);
+        for y in clamped_ceil(top, self.height)..clamped_ceil(bottom, self.height) {
+            for index in columns.clone().map(|x| y * self.width + x) {
+                if (point.z as f32) < self.depths[index] {
+                    self.colours[index] = over(source, alpha, self.colours[index]);
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use crate::features::scene::raster::{Ends, Limb, Scene, SceneCamera};
+
     use super::*;
 
     const ENDS: [DVec3; 2] = [DVec3::new(-0.6, 0.1, 3.0), DVec3::new(0.5, -0.3, 4.2)];
@@ -217,5 +243,32 @@ mod tests {
         let beside = ends.map(|end| end + DVec3::X * 0.6);
         assert_eq!((capsule_hit(DVec3::Z, beside, 0.5), cylinder_hit(DVec3::Z, beside, 0.5)), (None, None));
         assert_eq!(cylinder_hit(DVec3::Z, [ends[0]; 2], 0.5), None, "a disc without a direction");
+    }
+
+    #[test]
+    fn dots_are_hidden_by_what_is_nearer_and_mix_with_the_rest() {
+        let camera = SceneCamera {
+            position: DVec3::new(0.0, 0.0, -4.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_y: 0.5,
+        };
+        let green = Color32::from_rgba_premultiplied(0, 100, 0, 128);
+        let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
+        let ball = Limb { ends: [DVec3::ZERO; 2], radius: 0.2, shape: Ends::Round, colour: Color32::RED };
+        let draw = |scene: &Scene<'_>| {
+            let mut frame = SceneFrame::draft(41, 41);
+            frame.draw(&camera, Color32::from_rgb(200, 0, 0), scene);
+            let image = frame.image();
+            [image.get_pixel(20, 20).0, image.get_pixel(20, 14).0, image.get_pixel(20, 2).0]
+        };
+        let [middle, beside, outside] =
+            draw(&Scene { limbs: vec![ball], dots: vec![dot(1.0)], ..Scene::default() });
+        assert_eq!((middle[1], beside[1], outside[1]), (0, 100, 0));
+        assert!(beside[0] < 110, "half of the ground shines through: {beside:?}");
+        let [middle, ..] = draw(&Scene { limbs: vec![ball], dots: vec![dot(-1.0)], ..Scene::default() });
+        assert_eq!(middle[1], 100);
+        let nowhere = Dot { at: DVec3::splat(f64::NAN), ..dot(0.0) };
+        assert_eq!(draw(&Scene { dots: vec![nowhere, dot(-9.0)], ..Scene::default() })[0][1], 0);
     }
 }
