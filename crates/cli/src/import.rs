@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use backlit_formats::Take;
 use backlit_formats::import::{
-    self, Background, Found, FoundCamera, ImportOptions, ImportStep, MatchedBy, PictureSize, Pictures,
-    WriteOptions,
+    self, Background, ImportCamera, ImportOptions, ImportStep, ImportSurvey, MatchedBy, PictureSize,
+    Pictures, WriteOptions,
 };
 use backlit_tracking::cancel::CancelToken;
 use clap::{Args, ValueEnum};
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
         frame_rate: arguments.fps,
         picture_size: arguments.pictures,
     };
-    let found = import::look(&arguments.paths, &options)?;
+    let found = import::survey(&arguments.paths, &options)?;
     if !arguments.json {
         output::print(&text(&found))?;
     }
@@ -163,7 +163,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
     }
 }
 
-fn camera_json(camera: &FoundCamera) -> serde_json::Value {
+fn camera_json(camera: &ImportCamera) -> serde_json::Value {
     json!({
         "name": camera.camera.name(),
         "footage": camera.pictures.path(),
@@ -180,7 +180,7 @@ fn camera_json(camera: &FoundCamera) -> serde_json::Value {
     })
 }
 
-fn text(found: &Found) -> String {
+fn text(found: &ImportSurvey) -> String {
     let mut out = format!("{}: {}, calibration {}\n", found.name, found.project, found.calibration.display());
     let mut table =
         Table::new(["camera", "footage", "frames", "per second", "size", "background", "keypoints"]);

@@ -22,28 +22,8 @@ const LONGEST_MESSAGE: usize = 600;
 /// Cases of each kind that are kept beside the seeds.
 const MOST_KEPT: usize = 300;
 /// Words of the program's own language, which say nothing to the reader of a message.
-const FOREIGN: [&str; 20] = [
-    "u16",
-    "u32",
-    "u64",
-    "i32",
-    "i64",
-    "f32",
-    "f64",
-    "usize",
-    "serde",
-    "struct",
-    "enum",
-    "variant",
-    "seq",
-    "private",
-    "unwrap",
-    "None",
-    "Some",
-    "Err",
-    "DVec3",
-    "deserialize",
-];
+const FOREIGN: &str = "u16 u32 u64 i32 i64 f32 f64 usize serde struct enum variant seq private unwrap None Some Err \
+    DVec3 deserialize";
 
 /// A reader to be tried.
 pub(crate) struct Target {
@@ -54,18 +34,18 @@ pub(crate) struct Target {
     /// What the format's files say.
     pub(crate) words: &'static [&'static str],
     /// Reads; panics where what it read does not survive its own file.
-    pub(crate) read: fn(&[u8]) -> Answer,
+    pub(crate) read: fn(&[u8]) -> Outcome,
     /// Cases of the short run.
     pub(crate) short: u64,
 }
 
 /// What a reader said.
-pub(crate) enum Answer {
+pub(crate) enum Outcome {
     Read,
     Refused(String),
 }
 
-impl<T, E: std::fmt::Display> From<Result<T, E>> for Answer {
+impl<T, E: std::fmt::Display> From<Result<T, E>> for Outcome {
     fn from(result: Result<T, E>) -> Self {
         match result {
             Ok(_) => Self::Read,
@@ -117,7 +97,7 @@ pub(crate) fn run(
     for seed in &seeds {
         let answer = one(target, seed, &mut figures)?;
         seen.insert(shape(&answer));
-        assert!(matches!(answer, Answer::Read), "{}: a seed is refused: {}", target.name, words_of(&answer));
+        assert!(matches!(answer, Outcome::Read), "{}: a seed is refused: {}", target.name, words_of(&answer));
     }
     for case in 0..cases {
         if case % 1024 == 1023 && (processor_time() - began).as_secs_f64() > most_seconds {
@@ -132,7 +112,7 @@ pub(crate) fn run(
         let bytes = mutator.mutate(from, other, &mut random);
         watch(&bytes);
         let answer = one(target, &bytes, &mut figures)?;
-        let is_read = matches!(answer, Answer::Read);
+        let is_read = matches!(answer, Outcome::Read);
         figures.read += u64::from(is_read);
         let is_new = seen.insert(shape(&answer));
         if bytes.len() > largest {
@@ -156,7 +136,7 @@ pub(crate) fn run(
     Ok(figures)
 }
 
-pub(crate) fn one(target: &Target, bytes: &[u8], figures: &mut Figures) -> Result<Answer, Box<Fault>> {
+pub(crate) fn one(target: &Target, bytes: &[u8], figures: &mut Figures) -> Result<Outcome, Box<Fault>> {
     let began = processor_time();
     let mut answer = None;
     let memory = allocation_counter::measure(|| {
@@ -182,8 +162,8 @@ pub(crate) fn one(target: &Target, bytes: &[u8], figures: &mut Figures) -> Resul
 }
 
 /// What is wrong with an error's message about a case. Words that the case itself has are quoted, not said.
-fn message_fault(answer: &Answer, case: &[u8]) -> Option<String> {
-    let Answer::Refused(message) = answer else { return None };
+fn message_fault(answer: &Outcome, case: &[u8]) -> Option<String> {
+    let Outcome::Refused(message) = answer else { return None };
     if message.chars().count() > LONGEST_MESSAGE {
         let head: String = message.chars().take(300).collect();
         return Some(format!("its message has {} characters: {head}…", message.chars().count()));
@@ -197,19 +177,20 @@ fn message_fault(answer: &Answer, case: &[u8]) -> Option<String> {
         text.split(|letter: char| letter.is_whitespace() || "\"'()[]<>,;:".contains(letter))
     });
     let is_quoted = |word: &str| case.windows(word.len()).any(|part| part == word.as_bytes());
-    let foreign = words.find(|word| FOREIGN.contains(word) && !is_quoted(word))?;
+    let foreign =
+        words.find(|word| FOREIGN.split(' ').any(|foreign| foreign == *word) && !is_quoted(word))?;
     Some(format!("its message says {foreign}: {message}"))
 }
 
-fn words_of(answer: &Answer) -> &str {
+fn words_of(answer: &Outcome) -> &str {
     match answer {
-        Answer::Read => "read",
-        Answer::Refused(message) => message,
+        Outcome::Read => "read",
+        Outcome::Refused(message) => message,
     }
 }
 
 /// An answer without its numbers and quoted names.
-fn shape(answer: &Answer) -> u64 {
+fn shape(answer: &Outcome) -> u64 {
     let mut hasher = DefaultHasher::new();
     for (index, part) in words_of(answer).split('"').enumerate() {
         if index % 2 == 0 {

@@ -45,6 +45,31 @@ fn a_few_hundred_cases_of_every_reader() {
     }
 }
 
+/// Every reader answers each seed that is cut, and texts that are nested without end are refused.
+#[test]
+fn cut_and_deep_files_are_answered() {
+    for target in targets::all() {
+        let answer = |bytes: &[u8]| {
+            let outcome = engine::one(&target, bytes, &mut Figures::default());
+            outcome.unwrap_or_else(|fault| panic!("{}; {}", fault.what, keep(target.name, bytes).display()))
+        };
+        for seed in (target.seeds)() {
+            for length in (0..seed.len()).step_by(1 + seed.len() / 100) {
+                answer(&seed[..length]);
+            }
+        }
+        // A table of labels without rows is empty, whatever its header.
+        if target.syntax == mutate::Syntax::Text && target.name != "labels" {
+            for (head, open) in
+                [("{\"format\": \"backlit-pose 1\", \"root\": ", "["), ("a = ", "["), ("", "<a>")]
+            {
+                let bytes = head.to_owned() + &open.repeat(100_000);
+                assert!(matches!(answer(bytes.as_bytes()), engine::Outcome::Refused(_)), "{}", target.name);
+            }
+        }
+    }
+}
+
 #[test]
 fn runs_are_the_same_every_time() {
     let target = targets::all().remove(0);
@@ -72,26 +97,26 @@ fn what_was_found_once_is_answered() {
 #[test]
 fn faults_are_found() {
     let seeds: fn() -> Vec<Vec<u8>> = || vec![b"[1, 2, 3]".to_vec()];
-    type Reader = fn(&[u8]) -> engine::Answer;
+    type Reader = fn(&[u8]) -> engine::Outcome;
     let readers: [(&str, Reader); 4] = [
         ("panics", |bytes| {
             assert!(!bytes.starts_with(b"[["));
-            engine::Answer::Read
+            engine::Outcome::Read
         }),
         ("takes", |bytes| {
             // On a machine that others use three seconds of the clock may be less than one of work.
             let began = engine::processor_time();
             while bytes.starts_with(b"[[") && engine::processor_time() - began < Duration::from_secs(2) {}
-            engine::Answer::Read
+            engine::Outcome::Read
         }),
         ("holds", |bytes| {
             let more = if bytes.starts_with(b"[[") { 1 << 30 } else { 1 };
             drop(std::hint::black_box(Vec::<u8>::with_capacity(more)));
-            engine::Answer::Read
+            engine::Outcome::Read
         }),
         ("\\u{1b}", |bytes| match bytes.starts_with(b"[[") {
-            true => engine::Answer::Refused("a\u{1b}[31m".to_owned()),
-            false => engine::Answer::Read,
+            true => engine::Outcome::Refused("a\u{1b}[31m".to_owned()),
+            false => engine::Outcome::Read,
         }),
     ];
     for (what, read) in readers {

@@ -109,9 +109,6 @@ impl BvhMotion {
 }
 
 /// Reads a motion from the disk.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path) -> Result<BvhMotion, FileError> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
@@ -261,8 +258,7 @@ impl<'a> Words<'a> {
     }
 
     fn wrong(&self, field: &str, found: &str, expected: &str) -> FileError {
-        let (field, found, expected) = (field.to_owned(), found.to_owned(), expected.to_owned());
-        FileError::new(self.path, FileProblem::Field { field, found, expected }).at_line(Some(self.line))
+        FileProblem::field(field, found, expected).at(self.path, self.line)
     }
 }
 

@@ -128,25 +128,16 @@ pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<R
 /// Reads a calibration of the disk. Where the file has only lenses or only places, the other file is looked for beside
 /// it: `extri.yml` for `intri.yml`, `images.txt` for `cameras.txt`, "extrinsic" for "intrinsic" in the name. Of a folder
 /// the first file of a usual name is read.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
     read_from(&DiskFiles, path, options)
 }
 
 /// As [`read`], and tells what was left out.
-///
-/// # Errors
-/// As [`read`].
 pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration, FileError> {
     load_from(&DiskFiles, path, options)
 }
 
 /// Reads a calibration whose lenses and places are in two files.
-///
-/// # Errors
-/// As [`read`]; or no camera has both.
 pub fn read_pair(
     intrinsics: &Path,
     extrinsics: &Path,
@@ -156,9 +147,6 @@ pub fn read_pair(
 }
 
 /// As [`read_pair`], and tells what was left out.
-///
-/// # Errors
-/// As [`read_pair`].
 pub fn load_pair(
     intrinsics: &Path,
     extrinsics: &Path,
@@ -181,9 +169,6 @@ pub fn load_pair(
 }
 
 /// As [`read`], of any files.
-///
-/// # Errors
-/// As [`read`].
 pub fn read_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
     Ok(load_from(files, path, options)?.rig)
 }

@@ -96,9 +96,6 @@ impl Footage {
 
     /// The same as large as it is on the disk: on the ideal grid of the camera at its full size, whose pixels are the
     /// [reduction](Take::reduction) times as many on each side.
-    ///
-    /// # Errors
-    /// As [`picture`](Self::picture).
     pub fn full_picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
         let picture = self.take.full_frame(camera, frame)?;
         let full = &self.take.full_rig().cameras()[camera];
@@ -151,9 +148,6 @@ impl Footage {
 
     /// The silhouette of a frame whose [`picture`](Self::picture) this is: the one that was [made elsewhere](Self::given_mask),
     /// else the picture is segmented by these options. Where the lens saw nothing it is unknown.
-    ///
-    /// # Errors
-    /// As [`given_mask`](Self::given_mask) and [`background`](Self::background); or options that make no sense.
     pub fn mask(
         &self,
         camera: usize,
@@ -239,9 +233,6 @@ impl Footage {
     }
 
     /// What a frame of these cameras has beside its silhouettes: the take's keypoints, and grey pictures if they are asked for.
-    ///
-    /// # Errors
-    /// As [`picture`](Self::picture), or a file that is not one of keypoints.
     pub fn cues(
         &self,
         cameras: &[usize],

@@ -24,9 +24,6 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
 }
 
 /// The alpha channel, row by row: 0 is transparent, 255 opaque. `None` for a picture without one.
-///
-/// # Errors
-/// As [`decode`].
 pub fn alpha(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, FileError> {
     let picture = decode_any(path, bytes)?;
     let has_alpha = picture.color().has_alpha();
@@ -34,9 +31,6 @@ pub fn alpha(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, FileError> {
 }
 
 /// Decodes a picture as grey levels.
-///
-/// # Errors
-/// As [`decode`].
 pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_luma8)
 }
@@ -58,17 +52,11 @@ pub(crate) fn whole_size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileEr
 }
 
 /// Reads a picture of the disk as colour.
-///
-/// # Errors
-/// No such file, or as [`decode`].
 pub fn read(path: &Path) -> Result<RgbImage, FileError> {
     decode(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }
 
 /// Reads a picture of the disk as grey levels.
-///
-/// # Errors
-/// No such file, or as [`decode`].
 pub fn read_grey(path: &Path) -> Result<GrayImage, FileError> {
     decode_grey(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }

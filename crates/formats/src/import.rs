@@ -3,37 +3,30 @@
 //! | file | holds |
 //! |---|---|
 //! | `scan` | videos, numbered pictures, calibrations, keypoints and tables in folders |
-//! | `candidates` | files that may be footage, and the folder that goes with most cameras |
-//! | `masks` | silhouettes that were made elsewhere |
 //! | `matching` | which file belongs to which camera, by names and numbers |
-//! | `picture_size` | how pictures were made from those that a calibration is for |
-//! | `pictures` | a camera's footage: a video or numbered pictures |
+//! | `masks` | silhouettes that were made elsewhere |
+//! | `pictures` | a camera's footage: a video or numbered pictures, and how they were made |
 //! | `project` | the tools whose projects are recognised |
-//! | `look` | all of it together: what was found, what is missing |
+//! | `survey` | all of it together: what is there, what is missing |
 //! | `plates` | backgrounds learnt from the footage, the size to work at |
-//! | `rig` | a calibration that is off, mended by keypoints |
-//! | `start` | a pose to begin with, from keypoints |
+//! | `keypoints` | a calibration that is off, mended by keypoints; a pose to begin with |
 //! | `write` | the take |
 //!
 //! Nothing is copied: a take names the footage where it lies.
 
-mod candidates;
-mod look;
+mod keypoints;
 mod masks;
 mod matching;
-mod picture_size;
 mod pictures;
 mod plates;
 mod project;
-mod rig;
 mod scan;
-mod start;
+mod survey;
 mod write;
 
-pub use look::{Found, FoundCamera, ImportError, ImportOptions, look};
-pub use masks::FoundMasks;
+pub use masks::ImportMasks;
 pub use matching::MatchedBy;
-pub use picture_size::PictureSize;
-pub use pictures::Pictures;
+pub use pictures::{PictureSize, Pictures};
 pub use project::Project;
+pub use survey::{ImportCamera, ImportError, ImportOptions, ImportSurvey, survey};
 pub use write::{Background, ImportStep, WriteOptions, write};

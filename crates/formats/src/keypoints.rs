@@ -87,7 +87,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
         let field = format!("people[{index}].pose_keypoints_2d");
         let found = format!("{} numbers", person.pose_keypoints_2d.len());
         let expected = format!("x, y and score of each keypoint, of {MOST_KEYPOINTS} at most");
-        Err(FileError::new(path, FileProblem::Field { field, found, expected }))
+        Err(FileProblem::field(field, found, expected).at(path, None))
     };
     frame.people.into_iter().enumerate().map(person).collect()
 }
@@ -99,9 +99,6 @@ fn keypoint(&[x, y, score]: &[f64; 3]) -> Option<Keypoint> {
 }
 
 /// Reads a file of the disk.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path) -> Result<Vec<Person>, FileError> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }

@@ -93,9 +93,6 @@ pub fn read(path: &Path) -> Result<ClosedMesh, FileError> {
 }
 
 /// The same from bytes; `path` is for the error's message and the ending. Files beside it are not read.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<ClosedMesh, FileError> {
     parse_with(path, bytes, &nothing_beside)
 }
@@ -110,9 +107,6 @@ pub fn read_skin(path: &Path) -> Result<Skin, FileError> {
 }
 
 /// The same from bytes; files beside it are not read.
-///
-/// # Errors
-/// As [`read_skin`].
 pub fn parse_skin(path: &Path, bytes: &[u8]) -> Result<Skin, FileError> {
     gltf::parse_skin(path, bytes, &nothing_beside)
 }

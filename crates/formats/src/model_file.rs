@@ -51,9 +51,6 @@ fn place(error: &ModelError) -> Option<(&str, &str)> {
 }
 
 /// Reads a model file of the disk.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path) -> Result<Model, FileError> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?)
 }
@@ -95,9 +92,6 @@ pub fn to_text(model: &Model) -> String {
 }
 
 /// Writes a model file; see [`atomic`].
-///
-/// # Errors
-/// The folder is missing or not writable.
 pub fn write(path: &Path, model: &Model) -> Result<(), FileError> {
     atomic::write(path, to_text(model).as_bytes())
 }

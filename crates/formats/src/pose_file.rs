@@ -98,9 +98,6 @@ fn normalised(pose: &Pose) -> Pose {
 }
 
 /// Reads a pose file of the disk.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path, model: &Model, quaternions: Quaternions) -> Result<Pose, FileError> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?, model, quaternions)
 }

@@ -54,17 +54,11 @@ pub fn people() -> PosePrior {
 }
 
 /// Reads a prior from the disk, or the built-in one by its name, [`PEOPLE`].
-///
-/// # Errors
-/// As [`read`].
 pub fn read_or_built_in(path: &Path) -> Result<PosePrior, FileError> {
     if path == Path::new(PEOPLE) { Ok(people()) } else { read(path) }
 }
 
 /// Reads a prior from the disk.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path) -> Result<PosePrior, FileError> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?)
 }
@@ -138,9 +132,6 @@ fn short(number: f64) -> f64 {
 }
 
 /// Writes a prior, whole or not at all.
-///
-/// # Errors
-/// The folder is missing or not writable.
 pub fn write(path: &Path, prior: &PosePrior) -> Result<(), FileError> {
     let text = to_text(prior)
         .map_err(|error| FileError::new(path, FileProblem::Write { error: std::io::Error::other(error) }))?;
@@ -168,9 +159,9 @@ pub fn clips(folder: &Path) -> Result<Vec<Clip>, FileError> {
     }
     files.sort();
     if files.is_empty() {
-        let (field, found) = ("--train".to_owned(), "a folder without BVH files".to_owned());
-        let expected = "one with motion files, .bvh".to_owned();
-        return Err(FileError::new(folder, FileProblem::Field { field, found, expected }));
+        let problem =
+            FileProblem::field("--train", "a folder without BVH files", "one with motion files, .bvh");
+        return Err(problem.at(folder, None));
     }
     files.iter().map(|path| bvh::read(path)?.body_points(path)).collect()
 }

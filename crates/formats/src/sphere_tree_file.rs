@@ -65,9 +65,6 @@ pub fn to_text(tree: &SphereTree) -> String {
 }
 
 /// Writes a tree's file; see [`atomic`].
-///
-/// # Errors
-/// The folder is missing or not writable.
 pub fn write(path: &Path, tree: &SphereTree) -> Result<(), FileError> {
     atomic::write(path, to_text(tree).as_bytes())
 }

@@ -115,9 +115,6 @@ pub fn read(path: &Path) -> Result<Vec<Start>, FileError> {
 }
 
 /// The same from bytes; `path` is for the error's message.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>, FileError> {
     let file: StartsJson = json_text::parse(path, decode(path, bytes)?)?;
     file.starts().map_err(|problem| problem.at(path, None))

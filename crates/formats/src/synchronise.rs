@@ -81,9 +81,6 @@ pub fn record(
 }
 
 /// Finds by how much each camera is to be shifted, from at most so many frames.
-///
-/// # Errors
-/// As [`record`]; a take of one camera; options out of range.
 pub fn find(
     footage: &Footage,
     most_frames: usize,

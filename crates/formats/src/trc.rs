@@ -119,8 +119,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MarkerTable, FileError> {
     let expected =
         "PathFileType, then names and values of the header, then Frame#, Time and the markers' names";
     let bad = |line: usize, field: &str, found: String, expected: &str| {
-        let (field, expected) = (field.to_owned(), expected.to_owned());
-        FileError::new(path, FileProblem::Field { field, found, expected }).at_line(Some(line))
+        FileProblem::field(field, found, expected).at(path, line)
     };
     let mut next = || lines.next().map(|(number, line)| (number, fields(line)));
     let (Some(_), Some((_, keys)), Some((at, values)), Some((names_at, names))) =

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_formats::import::{FoundCamera, MatchedBy, PictureSize, Pictures};
+use backlit_formats::import::{ImportCamera, MatchedBy, PictureSize, Pictures};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
@@ -217,7 +217,7 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
 }
 
 /// A camera: its footage, its size, its background.
-fn words(ui: &mut Ui, camera: &FoundCamera) -> Option<Wish> {
+fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<Wish> {
     let mut wish = None;
     let palette = theme::palette(ui);
     let (path, [width, height]) = (camera.pictures.path(), [camera.camera.width(), camera.camera.height()]);

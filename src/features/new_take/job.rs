@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_formats::images;
-use backlit_formats::import::{self, Found, ImportOptions, ImportStep, WriteOptions};
+use backlit_formats::import::{self, ImportOptions, ImportStep, ImportSurvey, WriteOptions};
 use backlit_jobs::{Job, Outbox, Turn};
 use egui::ColorImage;
 
@@ -14,7 +14,7 @@ const PICTURE_HEIGHT: usize = 96;
 /// What was found, with a picture of each camera.
 #[derive(Debug, Clone)]
 pub(super) struct Looked {
-    pub(super) found: Arc<Found>,
+    pub(super) found: Arc<ImportSurvey>,
     /// By camera; `None` where the first picture cannot be read.
     pub(super) pictures: Vec<Option<Arc<ColorImage>>>,
 }
@@ -24,8 +24,8 @@ pub(super) struct Looked {
 /// # Errors
 /// Why no take can be made, in a sentence.
 pub(super) fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
-    let found = import::look(paths, options).map_err(|error| error.to_string())?;
-    let picture = |camera: &import::FoundCamera| {
+    let found = import::survey(paths, options).map_err(|error| error.to_string())?;
+    let picture = |camera: &import::ImportCamera| {
         let picture = camera.pictures.picture(found.first).ok()?;
         let divisor = (picture.height() as usize / PICTURE_HEIGHT).max(1);
         let small = images::reduced(picture, divisor);
@@ -52,7 +52,7 @@ pub(super) enum Written {
 /// Learns backgrounds and writes the take.
 #[derive(Debug)]
 pub(super) struct WriteJob {
-    pub(super) found: Arc<Found>,
+    pub(super) found: Arc<ImportSurvey>,
     pub(super) out: PathBuf,
 }
 

@@ -7,7 +7,7 @@ use backlit_formats::motion::{Motion, MotionFormat, MotionOptions};
 use backlit_formats::{mesh, motion};
 use backlit_tracking::body::{Pose, builtin};
 
-use crate::engine::{Answer, Target};
+use crate::engine::{Outcome, Target};
 use crate::mutate::Syntax;
 
 const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -112,7 +112,7 @@ fn skins() -> Vec<Vec<u8>> {
     motion::to_bytes(MotionFormat::Glb, &motion, &MotionOptions::default()).into_iter().collect()
 }
 
-fn read(name: &str, bytes: &[u8]) -> Answer {
+fn read(name: &str, bytes: &[u8]) -> Outcome {
     mesh::parse(Path::new(name), bytes).into()
 }
 
@@ -121,7 +121,7 @@ fn target(
     syntax: Syntax,
     seeds: fn() -> Vec<Vec<u8>>,
     words: &'static [&'static str],
-    read: fn(&[u8]) -> Answer,
+    read: fn(&[u8]) -> Outcome,
 ) -> Target {
     Target { name, syntax, seeds, words, read, short: 500 }
 }

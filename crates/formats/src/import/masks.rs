@@ -2,33 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use super::candidates::{Candidate, best_group};
 use super::matching::MatchedBy;
+use super::matching::{Candidate, best_group};
 use super::pictures::Pictures;
-use super::{FoundCamera, ImportError, plates};
+use super::{ImportCamera, ImportError, plates};
 use crate::FileError;
 use crate::masks::{self, MaskSequence, MaskValues, Numbers};
 
 /// Words of names that masks have.
-const WORDS: [&str; 13] = [
-    "mask",
-    "masks",
-    "seg",
-    "segs",
-    "segmentation",
-    "segmentations",
-    "silhouette",
-    "silhouettes",
-    "alpha",
-    "alphas",
-    "matte",
-    "mattes",
-    "keyed",
-];
+const WORDS: &str =
+    "mask masks seg segs segmentation segmentations silhouette silhouettes alpha alphas matte mattes keyed";
 
 /// One camera's masks.
 #[derive(Debug, Clone)]
-pub struct FoundMasks {
+pub struct ImportMasks {
     /// Where they are; a mask a frame of the footage.
     pub pictures: Pictures,
     /// What their numbers mean; `None` where the take has to say it by hand, for the reason in the camera's notes.
@@ -43,7 +30,7 @@ fn words(name: &str) -> impl Iterator<Item = String> {
 }
 
 fn is_mask_word(word: &str) -> bool {
-    WORDS.contains(&word)
+    WORDS.split(' ').any(|known| known == word)
 }
 
 /// Whether names below the folders that the user named say that it is masks. Of such a folder itself only the word "masks"
@@ -91,7 +78,7 @@ pub(super) fn of_cameras<'a>(cameras: &[&str], masks: &'a [Candidate]) -> Vec<Op
 }
 
 /// Gives a camera its masks if they go with its footage; if not, a note says why.
-pub(super) fn add(camera: &mut FoundCamera, masks: Option<&Candidate>, are_alone: bool) {
+pub(super) fn add(camera: &mut ImportCamera, masks: Option<&Candidate>, are_alone: bool) {
     let Some(candidate) = masks else { return };
     let place = candidate.footage.path().display().to_string();
     let (found, pictures) = match found(camera, candidate, are_alone) {
@@ -105,12 +92,16 @@ pub(super) fn add(camera: &mut FoundCamera, masks: Option<&Candidate>, are_alone
             None
         }
     };
-    camera.masks = Some(FoundMasks { pictures, values, are_alone });
+    camera.masks = Some(ImportMasks { pictures, values, are_alone });
 }
 
 type Values = Result<MaskValues, String>;
 
-fn found(camera: &FoundCamera, candidate: &Candidate, are_alone: bool) -> Result<(Values, Pictures), String> {
+fn found(
+    camera: &ImportCamera,
+    candidate: &Candidate,
+    are_alone: bool,
+) -> Result<(Values, Pictures), String> {
     let pictures = candidate.footage.open().map_err(|error| error.to_string())?;
     let (found, expected) = (pictures.count(), camera.pictures.count());
     if found != expected && !are_alone {
@@ -143,7 +134,7 @@ fn numbers(pictures: &Pictures, index: usize) -> Result<Numbers, FileError> {
     }
 }
 
-impl FoundMasks {
+impl ImportMasks {
     /// The person's height in pixels, the middle of some frames; `None` where nobody is seen or nobody knows.
     pub(super) fn person_px(&self, frames: &[usize]) -> Result<Option<f64>, ImportError> {
         let Some(values) = &self.values else { return Ok(None) };

@@ -6,7 +6,7 @@ use backlit_tracking::segment::{Background, LearningFrame, LearningOptions, Segm
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
-use super::{Found, FoundCamera, ImportError};
+use super::{ImportCamera, ImportError, ImportSurvey};
 use crate::keypoints;
 use crate::keypoints::Person;
 use crate::plate::{self, Covered, MOST_FRAMES, Plate};
@@ -23,7 +23,7 @@ const GUESSING_HEIGHT_PX: usize = 480;
 const SHORTEST_SIDE: usize = 64;
 
 /// Frames that are spread over the recording.
-pub(super) fn spread(found: &Found, most: usize) -> Vec<usize> {
+pub(super) fn spread(found: &ImportSurvey, most: usize) -> Vec<usize> {
     plate::spread(found.count, most).map(|frame| found.first + frame).collect()
 }
 
@@ -31,7 +31,7 @@ pub(super) fn spread(found: &Found, most: usize) -> Vec<usize> {
 pub(super) struct Keypoints(Vec<(u64, PathBuf)>);
 
 impl Keypoints {
-    pub(super) fn of(camera: &FoundCamera) -> Result<Self, ImportError> {
+    pub(super) fn of(camera: &ImportCamera) -> Result<Self, ImportError> {
         Ok(Self(camera.keypoints.as_deref().map(keypoints::files_of).transpose()?.unwrap_or_default()))
     }
 
@@ -44,7 +44,7 @@ impl Keypoints {
 }
 
 /// By how much pictures are reduced before anything is done with them: the person stays tall enough in all of them.
-pub(super) fn reduction(found: &Found) -> Result<usize, ImportError> {
+pub(super) fn reduction(found: &ImportSurvey) -> Result<usize, ImportError> {
     let mut heights = Vec::new();
     for camera in &found.cameras {
         heights.extend(person_px(found, camera)?);
@@ -57,7 +57,7 @@ pub(super) fn reduction(found: &Found) -> Result<usize, ImportError> {
 }
 
 /// The person's height in a camera's pictures, pixels: by keypoints, else by what moves.
-fn person_px(found: &Found, camera: &FoundCamera) -> Result<Option<f64>, ImportError> {
+fn person_px(found: &ImportSurvey, camera: &ImportCamera) -> Result<Option<f64>, ImportError> {
     let frames = spread(found, GUESSING_FRAMES);
     let keypoints = Keypoints::of(camera)?;
     let mut extents = Vec::new();
@@ -87,14 +87,18 @@ pub(super) fn height_px(mask: &Mask) -> Option<f64> {
 
 /// Learns a camera's plate, reduced, from frames that are spread over the recording. Where there are keypoints, pixels near them
 /// are left out.
-pub(super) fn learn(found: &Found, camera: &FoundCamera, divisor: usize) -> Result<Plate, ImportError> {
+pub(super) fn learn(
+    found: &ImportSurvey,
+    camera: &ImportCamera,
+    divisor: usize,
+) -> Result<Plate, ImportError> {
     let frames = spread(found, MOST_FRAMES);
     Ok(learn_from(camera, &frames, &Keypoints::of(camera)?, divisor)?.0)
 }
 
 /// The plate, and the picture of the frame in the middle.
 fn learn_from(
-    camera: &FoundCamera,
+    camera: &ImportCamera,
     frames: &[usize],
     keypoints: &Keypoints,
     divisor: usize,

@@ -64,9 +64,6 @@ pub(super) struct Listing {
 }
 
 /// Looks through folders and at single files. Hidden folders and links to folders are left out.
-///
-/// # Errors
-/// One of them is not there or cannot be read, or there are too many files.
 pub(super) fn scan(paths: &[PathBuf]) -> Result<Listing, FileError> {
     let mut found = Listing::default();
     let mut single = Vec::new();

@@ -7,11 +7,11 @@ use backlit_tracking::camera::{Adjusted, Rig};
 use backlit_tracking::cancel::CancelToken;
 
 use super::scan::escaped;
-use super::{Found, FoundCamera, FoundMasks, ImportError, Pictures};
-use super::{plates, rig, start};
+use super::{ImportCamera, ImportError, ImportMasks, ImportSurvey, Pictures};
+use super::{keypoints, plates};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
-use crate::{FileError, FileProblem, atomic, keypoints, model_file, plate, pose_file};
+use crate::{FileError, FileProblem, atomic, model_file, plate, pose_file};
 
 /// Where backgrounds come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub enum ImportStep {
 /// # Errors
 /// There is a take already, no frame rate is known, a picture cannot be read, or the folder cannot be written.
 pub fn write(
-    found: &Found,
+    found: &ImportSurvey,
     out: &Path,
     options: WriteOptions,
     cancel: &CancelToken,
@@ -81,13 +81,13 @@ pub fn write(
     let frame_rate = found.frame_rate.ok_or(ImportError::NoFrameRate)?;
     let failed = |path: &Path, error| FileError::new(path, FileProblem::Write { error });
     std::fs::create_dir_all(out).map_err(|error| failed(out, error))?;
-    let rig_text = |found: &Found| {
+    let rig_text = |found: &ImportSurvey| {
         let rig = Rig::new(found.cameras.iter().map(|camera| camera.camera.clone()).collect());
         let rig = rig.map_err(|error| FileError::new(&found.calibration, FileProblem::Rig { error }))?;
         Ok::<String, ImportError>(backlit::to_text(&rig))
     };
     let mut adjusted = found.clone();
-    let adjustment = if options.adjust_cameras { rig::adjusted(found)? } else { None };
+    let adjustment = if options.adjust_cameras { keypoints::adjusted_rig(found)? } else { None };
     if let Some(Adjusted { cameras, median_px, .. }) = &adjustment {
         atomic::write(&out.join("cameras_given.json"), rig_text(found)?.as_bytes())?;
         let found_cameras = adjusted.cameras.iter_mut().zip(cameras);
@@ -104,7 +104,7 @@ pub fn write(
         .iter()
         .map(|camera| learning.background_of(camera, progress))
         .collect::<Result<_, _>>()?;
-    let body = start::of_keypoints(found)?;
+    let body = keypoints::start(found)?;
     if let Some(body) = &body {
         model_file::write(&out.join("body.toml"), &body.model)?;
         pose_file::write(&out.join("start.json"), &body.model, &body.pose)?;
@@ -117,7 +117,7 @@ pub fn write(
 
 /// How backgrounds are learnt.
 struct Learning<'a> {
-    found: &'a Found,
+    found: &'a ImportSurvey,
     out: &'a Path,
     background: Background,
     reduction: usize,
@@ -128,7 +128,7 @@ impl Learning<'_> {
     /// A camera's background, as the take names it.
     fn background_of(
         &self,
-        camera: &FoundCamera,
+        camera: &ImportCamera,
         progress: &mut dyn FnMut(ImportStep),
     ) -> Result<Option<String>, ImportError> {
         let name = camera.camera.name().to_owned();
@@ -168,7 +168,7 @@ fn relative(path: &Path, from: &Path) -> String {
 }
 
 struct TakeText<'a> {
-    found: &'a Found,
+    found: &'a ImportSurvey,
     out: &'a Path,
     frame_rate: f64,
     sources: Vec<Option<String>>,
@@ -179,7 +179,7 @@ struct TakeText<'a> {
 
 impl TakeText<'_> {
     fn to_text(&self) -> String {
-        let Found { project, calibration, first, count, .. } = self.found;
+        let ImportSurvey { project, calibration, first, count, .. } = self.found;
         let mut text = format!(
             "# Written by `backlit import` from {project}. docs/formats.md explains every line.\n\
              format = {}\nname = {}\nframe_rate = {}\n",
@@ -231,7 +231,7 @@ impl TakeText<'_> {
             if let Some((folder, (pattern, number))) = camera
                 .keypoints
                 .as_ref()
-                .and_then(|folder| Some((folder, keypoints::pattern_of(folder).ok()??)))
+                .and_then(|folder| Some((folder, crate::keypoints::pattern_of(folder).ok()??)))
             {
                 let path = format!("{}/{pattern}", escaped(&relative(folder, self.out)));
                 let first = number + self.found.first as u64;
@@ -261,7 +261,7 @@ impl TakeText<'_> {
     }
 
     /// Masks of a camera whose frames begin with `first`, of footage whose numbers begin with `from`.
-    fn masks(&self, masks: &FoundMasks, first: u64, from: u64) -> String {
+    fn masks(&self, masks: &ImportMasks, first: u64, from: u64) -> String {
         let mut text = String::new();
         if !masks.are_alone {
             let (path, masks_from) = self.named(&masks.pictures);

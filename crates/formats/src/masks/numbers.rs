@@ -36,9 +36,6 @@ pub(crate) struct Numbers {
 
 impl Numbers {
     /// Of a picture's file.
-    ///
-    /// # Errors
-    /// As [`images::decode`].
     pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
         if bytes.starts_with(&PNG_SIGNATURE)
             && let Some(packed) = packed(path, bytes)?

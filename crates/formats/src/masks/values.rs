@@ -107,9 +107,6 @@ pub(crate) struct MaskSequence<'a> {
 
 /// What the numbers of a camera's masks mean: what is said, if the masks are so; else what masks that are spread over the
 /// recording tell.
-///
-/// # Errors
-/// A mask that cannot be read or understood, and which one.
 pub(crate) fn values_of(
     given: Option<&MaskValues>,
     source: &MaskSequence<'_>,

@@ -98,9 +98,6 @@ impl<'a> MotionFrames<'a> {
     }
 
     /// Every frame from the first to the last; `None` in gaps.
-    ///
-    /// # Errors
-    /// More than [`MAX_FRAMES`].
     pub(super) fn without_gaps(&self) -> Result<Vec<(usize, Option<&Pose>)>, FileProblem> {
         let (first, last) = self.first_and_last();
         if last - first >= MAX_FRAMES {
@@ -115,9 +112,6 @@ impl<'a> MotionFrames<'a> {
     }
 
     /// The same with gaps bridged: the root goes straight, rotations the short way.
-    ///
-    /// # Errors
-    /// More than [`MAX_FRAMES`].
     pub(super) fn bridged(&self) -> Result<Vec<Pose>, FileProblem> {
         self.without_gaps()?;
         let mut poses = vec![self.frames[0].1.clone()];

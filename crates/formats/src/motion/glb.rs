@@ -187,9 +187,6 @@ impl Buffer {
     }
 
     /// The whole file: the document with buffers, views and accessors put in, and the bytes.
-    ///
-    /// # Errors
-    /// More than 4 GiB.
     pub(super) fn into_file(self, mut document: Value) -> Result<Vec<u8>, FileProblem> {
         document["buffers"] = json!([{"byteLength": self.bytes.len()}]);
         document["bufferViews"] = Value::Array(self.views);

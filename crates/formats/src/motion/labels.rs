@@ -22,9 +22,6 @@ pub struct MotionLabel {
 }
 
 /// Reads the `labels.csv` of a folder.
-///
-/// # Errors
-/// No such file, or as [`parse_labels`].
 pub fn read_labels(path: &Path) -> Result<Vec<MotionLabel>, FileError> {
     parse_labels(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }

@@ -9,86 +9,52 @@ use backlit_tracking::body::Model;
 
 use super::Names;
 
-/// One limb of the full body in other programs' words; `None` keeps ours.
+/// One limb of the full body in other programs' words.
 struct BoneNames {
     /// Of the right side, or of the middle.
     limb: &'static str,
-    opensim_bone: Option<&'static str>,
-    opensim_joint: Option<&'static str>,
-    mixamo_bone: Option<&'static str>,
-    mixamo_joint: Option<&'static str>,
-    /// Coordinates of the limb's rotation: about z, x, y, and the sense of each on the right side.
-    coordinates: Option<[(&'static str, f64); 3]>,
+    /// `OpenSim`'s bone and joint, Mixamo's bone and joint; empty where ours is kept.
+    names: [&'static str; 4],
+    /// `OpenSim`'s coordinates of the limb's rotation about z, x and y on the right side, a minus before one that counts the
+    /// other way; empty where there are none.
+    coordinates: &'static str,
 }
 
-const fn row(
-    limb: &'static str,
-    [opensim_bone, opensim_joint]: [Option<&'static str>; 2],
-    [mixamo_bone, mixamo_joint]: [Option<&'static str>; 2],
-    coordinates: Option<[(&'static str, f64); 3]>,
-) -> BoneNames {
-    BoneNames { limb, opensim_bone, opensim_joint, mixamo_bone, mixamo_joint, coordinates }
+const fn row(limb: &'static str, names: [&'static str; 4], coordinates: &'static str) -> BoneNames {
+    BoneNames { limb, names, coordinates }
 }
 
 const ROOT: &str = "root";
 
 /// The right side; the left is made from it.
 const FULL_BODY: [BoneNames; 15] = [
-    row(ROOT, [None, Some("midHip")], [None, Some("Hips")], None),
-    row(
-        "spine",
-        [Some("pelvis"), Some("Spine")],
-        [Some("Hips"), Some("Spine")],
-        Some([("pelvis_tilt", 1.0), ("pelvis_list", 1.0), ("pelvis_rotation", 1.0)]),
-    ),
-    row(
-        "chest",
-        [Some("torso"), Some("Neck")],
-        [Some("Spine"), Some("Neck")],
-        Some([("lumbar_extension", 1.0), ("lumbar_bending", 1.0), ("lumbar_rotation", 1.0)]),
-    ),
-    row("neck", [Some("head"), Some("Head")], [Some("Neck"), Some("Head")], None),
-    row("skull", [None, Some("HeadTop")], [None, Some("HeadTop_End")], None),
-    row("right hip", [None, Some("RHip")], [None, Some("RightUpLeg")], None),
-    row(
-        "right clavicle",
-        [Some("scapula_r"), Some("RShoulder")],
-        [Some("RightShoulder"), Some("RightArm")],
-        None,
-    ),
+    row(ROOT, ["", "midHip", "", "Hips"], ""),
+    row("spine", ["pelvis", "Spine", "Hips", "Spine"], "pelvis_tilt pelvis_list pelvis_rotation"),
+    row("chest", ["torso", "Neck", "Spine", "Neck"], "lumbar_extension lumbar_bending lumbar_rotation"),
+    row("neck", ["head", "Head", "Neck", "Head"], ""),
+    row("skull", ["", "HeadTop", "", "HeadTop_End"], ""),
+    row("right hip", ["", "RHip", "", "RightUpLeg"], ""),
+    row("right clavicle", ["scapula_r", "RShoulder", "RightShoulder", "RightArm"], ""),
     row(
         "right upper arm",
-        [Some("humerus_r"), Some("RElbow")],
-        [Some("RightArm"), Some("RightForeArm")],
-        Some([("arm_flex_r", 1.0), ("arm_add_r", 1.0), ("arm_rot_r", 1.0)]),
+        ["humerus_r", "RElbow", "RightArm", "RightForeArm"],
+        "arm_flex_r arm_add_r arm_rot_r",
     ),
     row(
         "right forearm",
-        [Some("ulna_r"), Some("RWrist")],
-        [Some("RightForeArm"), Some("RightHand")],
-        Some([("elbow_flex_r", 1.0), ("elbow_add_r", 1.0), ("pro_sup_r", 1.0)]),
+        ["ulna_r", "RWrist", "RightForeArm", "RightHand"],
+        "elbow_flex_r elbow_add_r pro_sup_r",
     ),
-    row("right hand", [None, Some("RHand")], [None, Some("RightHand_End")], None),
-    row(
-        "right thigh",
-        [Some("femur_r"), None],
-        [Some("RightUpLeg"), None],
-        Some([("hip_flexion_r", 1.0), ("hip_adduction_r", 1.0), ("hip_rotation_r", 1.0)]),
-    ),
-    row("right lower thigh", [None, Some("RKnee")], [None, Some("RightLeg")], None),
-    row(
-        "right calf",
-        [Some("tibia_r"), None],
-        [Some("RightLeg"), None],
-        // The knee bends about −z.
-        Some([("knee_angle_r", -1.0), ("knee_adduction_r", 1.0), ("knee_rotation_r", 1.0)]),
-    ),
-    row("right lower calf", [None, Some("RAnkle")], [None, Some("RightFoot")], None),
+    row("right hand", ["", "RHand", "", "RightHand_End"], ""),
+    row("right thigh", ["femur_r", "", "RightUpLeg", ""], "hip_flexion_r hip_adduction_r hip_rotation_r"),
+    row("right lower thigh", ["", "RKnee", "", "RightLeg"], ""),
+    // The knee bends about −z.
+    row("right calf", ["tibia_r", "", "RightLeg", ""], "-knee_angle_r knee_adduction_r knee_rotation_r"),
+    row("right lower calf", ["", "RAnkle", "", "RightFoot"], ""),
     row(
         "right foot",
-        [Some("calcn_r"), Some("RBigToe")],
-        [Some("RightFoot"), Some("RightToe_End")],
-        Some([("ankle_angle_r", 1.0), ("subtalar_angle_r", 1.0), ("ankle_rotation_r", 1.0)]),
+        ["calcn_r", "RBigToe", "RightFoot", "RightToe_End"],
+        "ankle_angle_r subtalar_angle_r ankle_rotation_r",
     ),
 ];
 
@@ -116,13 +82,15 @@ fn on_the_left(name: &str) -> String {
 
 fn other(model: &Model, names: Names, limb: &str, is_bone: bool) -> Option<String> {
     let (row, is_left) = find(model, limb)?;
-    let name = match (names, is_bone) {
-        (Names::Ours, _) => None,
-        (Names::OpenSim, true) => row.opensim_bone,
-        (Names::OpenSim, false) => row.opensim_joint,
-        (Names::Mixamo, true) => row.mixamo_bone,
-        (Names::Mixamo, false) => row.mixamo_joint,
-    }?;
+    let first = match names {
+        Names::Ours => return None,
+        Names::OpenSim => 0,
+        Names::Mixamo => 2,
+    };
+    let name = row.names[first + usize::from(!is_bone)];
+    if name.is_empty() {
+        return None;
+    }
     let name = if is_left { on_the_left(name) } else { name.to_owned() };
     Some(if names == Names::Mixamo { format!("mixamorig:{name}") } else { name })
 }
@@ -145,15 +113,16 @@ pub(super) fn bone(model: &Model, names: Names, limb: &str) -> String {
 pub(super) fn coordinates(model: &Model, names: Names, limb: &str) -> [(String, f64); 3] {
     if names == Names::OpenSim
         && let Some((row, is_left)) = find(model, limb)
-        && let Some(coordinates) = row.coordinates
+        && !row.coordinates.is_empty()
     {
-        // On the left, turns out of the plane of walking count the other way, as if seen in a mirror.
-        let mut index = 0;
-        return coordinates.map(|(name, sense)| {
-            let mirrored = is_left && index > 0;
-            index += 1;
+        let mut words = row.coordinates.split(' ');
+        return [0, 1, 2].map(|index| {
+            let word = words.next().unwrap_or_default();
+            let (name, sense) = word.strip_prefix('-').map_or((word, 1.0), |name| (name, -1.0));
+            // On the left, turns out of the plane of walking count the other way, as if seen in a mirror.
+            let is_mirrored = is_left && index > 0;
             let name = if is_left { on_the_left(name) } else { name.to_owned() };
-            (name, if mirrored { -sense } else { sense })
+            (name, if is_mirrored { -sense } else { sense })
         });
     }
     let bone = bone(model, names, limb);

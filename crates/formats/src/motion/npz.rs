@@ -91,9 +91,6 @@ fn length(bytes: usize) -> Result<u32, FileProblem> {
 }
 
 /// An archive of these files.
-///
-/// # Errors
-/// More than 4 GiB.
 fn store(files: &[(&str, Vec<u8>)]) -> Result<Vec<u8>, FileProblem> {
     let (mut out, mut directory) = (Vec::new(), Vec::new());
     for (name, content) in files {

@@ -158,9 +158,6 @@ impl CameraRange {
 }
 
 /// Where a camera is a video or has an offset, the take has the frames that all have; else all must have equally many.
-///
-/// # Errors
-/// Pictures of different number; or no frame that all have.
 pub(super) fn align(films: Vec<CameraRange>, is_shifted: bool) -> Result<AlignedFootage, TakeError> {
     let with_videos = is_shifted || films.iter().any(|film| film.footage.video().is_some());
     if !with_videos {

@@ -69,9 +69,6 @@ impl Take {
     }
 
     /// In which order the keypoints of this take stand; `None` where they make no body in any of the frames that are looked at.
-    ///
-    /// # Errors
-    /// As [`people`](Self::people).
     pub fn keypoint_order(&self) -> Result<Option<KeypointOrder>, TakeError> {
         if let Some(order) = self.keypoint_order.get() {
             return Ok(*order);
@@ -96,9 +93,6 @@ impl Take {
     }
 
     /// The keypoints of a camera's frame as [cues](backlit_tracking::cues), in pixels of the `working` camera: of the tallest person.
-    ///
-    /// # Errors
-    /// As [`people`](Self::people).
     pub fn keypoint_cues(
         &self,
         camera: usize,
@@ -112,9 +106,6 @@ impl Take {
     }
 
     /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.
-    ///
-    /// # Errors
-    /// As [`people`](Self::people).
     pub fn keypoint_joints(&self, frames: &[usize]) -> Result<BTreeMap<usize, ReferenceJoints>, TakeError> {
         let mut all = BTreeMap::new();
         let Some(order) = self.keypoint_order()? else { return Ok(all) };

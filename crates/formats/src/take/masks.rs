@@ -125,9 +125,6 @@ impl CameraFootage {
     }
 
     /// Looks whether all frames of the take have their masks.
-    ///
-    /// # Errors
-    /// The first one that is missing.
     pub(super) fn check_masks(&self, files: &dyn TakeFiles, frame_count: usize) -> Result<(), TakeError> {
         let Some(masks) = self.masks.as_ref().filter(|masks| !masks.is_alone) else { return Ok(()) };
         (0..frame_count).try_for_each(|frame| {
@@ -142,9 +139,6 @@ impl CameraFootage {
 
 impl TakeReader<'_> {
     /// The masks that a take file names for a camera.
-    ///
-    /// # Errors
-    /// Keys that do not go together, a video that cannot be opened, or no pattern.
     pub(super) fn masks(
         &self,
         view: &ViewSpec,
@@ -181,12 +175,10 @@ impl TakeReader<'_> {
         let source = open(masks, "camera.masks").map_err(failed)?;
         Ok(Some(CameraMasks { source, first: [view.first, first], given, told: Arc::default(), is_alone }))
     }
-}
 
-impl TakeReader<'_> {
     fn mask_values(&self, values: &Spanned<toml::Value>, expected: &str) -> FileError {
-        let (field, found) = ("mask_values".to_owned(), values.get_ref().to_string());
-        self.problem(values.span(), FileProblem::Field { field, found, expected: expected.to_owned() })
+        let problem = FileProblem::field("mask_values", values.get_ref().to_string(), expected);
+        self.problem(values.span(), problem)
     }
 }
 

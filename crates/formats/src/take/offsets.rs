@@ -42,16 +42,14 @@ fn shifted(path: &Path, text: &str, shifts: &[OffsetShift]) -> Result<String, Fi
     // What is not a take is not written to, and what is one afterwards too.
     let _: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        let message = error.message().to_owned();
-        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
-        FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
+        let line = error.span().map(|span| line_at(text, span.start));
+        FileProblem::syntax(TextFormat::Toml, error.message()).at(path, line)
     })?;
     for shift in shifts.iter().filter(|shift| shift.frames != 0) {
         let cameras = document.get_mut("camera");
         let camera = cameras.and_then(|cameras| table_of(cameras, &shift.camera)).ok_or_else(|| {
-            let (field, found) = ("camera".to_owned(), format!("without a camera \"{}\"", shift.camera));
-            let expected = "one of that name".to_owned();
-            FileError::new(path, FileProblem::Field { field, found, expected })
+            let found = format!("without a camera \"{}\"", shift.camera);
+            FileProblem::field("camera", found, "one of that name").at(path, None)
         })?;
         shift_one(camera, shift);
     }

@@ -104,9 +104,6 @@ pub(crate) fn split_number(name: &str) -> Option<(&str, &str, &str)> {
 }
 
 /// The text with every variable replaced by its value.
-///
-/// # Errors
-/// The name of the first variable that is not set and has no default.
 pub(super) fn expand_variables(text: &str, value: &dyn Fn(&str) -> Option<String>) -> Result<String, String> {
     let mut out = String::new();
     let mut rest = text;
@@ -179,9 +176,6 @@ struct NamedPath<'a> {
 
 impl TakeReader<'_> {
     /// What the take file names outside its folder.
-    ///
-    /// # Errors
-    /// A variable in a path that is not set.
     pub(super) fn outside(&self, spec: &TakeSpec) -> Result<Option<Outside>, FileError> {
         let own = self.real(&self.folder);
         let mut found: Vec<PathBuf> = Vec::new();

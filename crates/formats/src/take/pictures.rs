@@ -16,9 +16,6 @@ use crate::{FileError, FileProblem};
 
 impl Take {
     /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
-    ///
-    /// # Errors
-    /// As [`full_frame`](Self::full_frame).
     pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
         self.frame_reduced(camera, frame, self.reduction as usize)
     }
@@ -33,9 +30,6 @@ impl Take {
 
     /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
     /// rows at the bottom that fill no square are left out.
-    ///
-    /// # Errors
-    /// As [`full_frame`](Self::full_frame).
     pub fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
         let footage = self.footage_of(camera)?;
         if frame >= self.frame_count {
@@ -114,9 +108,6 @@ impl Take {
 
     /// A camera's mask of a frame, [reduced](Self::reduction) and not rectified, as [shares](masks::shares). `None` for a
     /// camera without masks.
-    ///
-    /// # Errors
-    /// As [`mask_values`](Self::mask_values), or no such frame.
     pub(crate) fn mask_shares(&self, camera: usize, frame: usize) -> Result<Option<RgbImage>, TakeError> {
         if !self.footage_of(camera)?.has_masks() {
             return Ok(None);
@@ -187,9 +178,6 @@ impl Take {
     }
 
     /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.
-    ///
-    /// # Errors
-    /// As [`background`](Self::background).
     pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<Known>>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };

@@ -70,7 +70,7 @@ impl<'a> TakeReader<'a> {
         expected: String,
     ) -> FileError {
         let found = format!("{:?}", value.get_ref());
-        self.problem(value.span(), FileProblem::Field { field: field.to_owned(), found, expected })
+        self.problem(value.span(), FileProblem::field(field, found, expected))
     }
 
     pub(super) fn expand(&self, value: &Spanned<String>, field: &str) -> Result<String, FileError> {
@@ -198,7 +198,7 @@ impl<'a> TakeReader<'a> {
         let text = self.expand(value, field)?;
         FramePattern::new(&text).map_err(|error| {
             let (found, expected) = (format!("{text:?}"), format!("a pattern of file names: it has {error}"));
-            self.problem(value.span(), FileProblem::Field { field: field.to_owned(), found, expected })
+            self.problem(value.span(), FileProblem::field(field, found, expected))
         })
     }
 
@@ -292,9 +292,8 @@ impl<'a> TakeReader<'a> {
     ) -> Result<Reference, FileError> {
         let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
         if let Some(count) = spec.markers.as_ref().map(BTreeMap::len).filter(|&count| count > MAX_MARKERS) {
-            let (field, found) = ("reference.markers".to_owned(), format!("a table of {count}"));
-            let expected = format!("at most {MAX_MARKERS} markers");
-            let problem = FileProblem::Field { field, found, expected };
+            let (found, expected) = (format!("a table of {count}"), format!("at most {MAX_MARKERS} markers"));
+            let problem = FileProblem::field("reference.markers", found, expected);
             return Err(self.problem(spec.keypoints.span(), problem));
         }
         let mut markers = Vec::new();

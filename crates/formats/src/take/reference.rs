@@ -84,9 +84,6 @@ impl Reference {
     }
 
     /// The number of a table's first row; 0 for a table without rows, and for CSV, whose rows may be in any order.
-    ///
-    /// # Errors
-    /// It cannot be parsed.
     pub(super) fn first_frame(path: &Path, bytes: &[u8]) -> Result<u64, FileError> {
         if !trc::is_one(bytes) {
             return Ok(0);
@@ -120,10 +117,8 @@ impl Reference {
         let text = text::decode(path, bytes)?;
         let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let syntax = |error: &csv::Error| {
-            let problem =
-                FileProblem::Syntax { format: TextFormat::Csv, field: None, message: error.to_string() };
             let line = error.position().and_then(|position| usize::try_from(position.line()).ok());
-            FileError::new(path, problem).at_line(line)
+            FileProblem::syntax(TextFormat::Csv, error.to_string()).at(path, line)
         };
         let header = table.headers().map_err(|error| syntax(&error))?.clone();
         let columns = Columns::new(path, &header)?;
@@ -148,12 +143,8 @@ impl Reference {
     }
 
     fn never_seen(&self, path: &Path, marker: usize) -> FileError {
-        let problem = FileProblem::Field {
-            field: "marker".to_owned(),
-            found: format!("never \"{}\"", self.markers[marker].0),
-            expected: "every marker that the take maps to a joint".to_owned(),
-        };
-        FileError::new(path, problem)
+        let found = format!("never \"{}\"", self.markers[marker].0);
+        FileProblem::field("marker", found, "every marker that the take maps to a joint").at(path, None)
     }
 
     /// Without a map of markers, those count that other tools give a joint of the model.
@@ -251,12 +242,8 @@ impl Columns {
     fn new(path: &Path, header: &csv::StringRecord) -> Result<Self, FileError> {
         let find = |names: &[&str]| {
             header.iter().position(|column| names.contains(&column)).ok_or_else(|| {
-                let problem = FileProblem::Field {
-                    field: names.join("` or `"),
-                    found: "missing from the header".to_owned(),
-                    expected: "the columns frame,marker,x,y,z".to_owned(),
-                };
-                FileError::new(path, problem).at_line(Some(1))
+                let expected = "the columns frame,marker,x,y,z";
+                FileProblem::field(names.join("` or `"), "missing from the header", expected).at(path, 1)
             })
         };
         Ok(Self {
@@ -286,7 +273,7 @@ impl TableRow<'_> {
 
     fn field(&self, field: &str, column: usize, expected: &str) -> FileError {
         let found = format!("{:?}", self.record.get(column).unwrap_or_default());
-        self.problem(FileProblem::Field { field: field.to_owned(), found, expected: expected.to_owned() })
+        self.problem(FileProblem::field(field, found, expected))
     }
 
     fn problem(&self, problem: FileProblem) -> FileError {

@@ -71,17 +71,11 @@ impl Take {
     }
 
     /// The same with another body in place of the one that the take names: start pose and reference name its limbs.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
     pub fn open_with_model(path: &Path, model: Model) -> Result<Self, TakeError> {
         Self::read(Arc::new(DiskFiles), &file_of(path), Some(model))
     }
 
     /// Opens a take whose files come from anywhere.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
     pub fn from_files(files: Arc<dyn TakeFiles>, path: &Path) -> Result<Self, TakeError> {
         Self::read(files, path, None)
     }

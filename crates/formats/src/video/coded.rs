@@ -55,9 +55,6 @@ struct DecoderState {
 
 impl Coded {
     /// Prepares an index whose samples all lie in the file. The size is that of the pictures themselves.
-    ///
-    /// # Errors
-    /// `Err` with the reason if our decoders cannot decode it.
     pub(super) fn new(
         mut file: FileParts,
         path: PathBuf,

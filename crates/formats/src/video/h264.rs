@@ -22,9 +22,6 @@ pub(super) struct StreamHeader {
 
 impl StreamHeader {
     /// From the container's configuration, or the first sample if the configuration has no parameter sets (`avc3`).
-    ///
-    /// # Errors
-    /// What this decoder cannot decode, in words.
     pub(super) fn new(config: &[u8], first: &[u8], said: Option<Colour>) -> Result<Self, String> {
         let parsed = parse_avcc_config(config).map_err(str::to_owned)?;
         let inside = parse_avcc(first, parsed.length_size);
@@ -142,9 +139,6 @@ impl Stream {
     }
 
     /// Decodes the next sample, in the order of decoding. Beside a picture may stand what is wrong with it.
-    ///
-    /// # Errors
-    /// Why there is no picture, in words.
     pub(super) fn decode(&mut self, sample: &[u8]) -> Result<(Planes, Option<String>), String> {
         let mut problem = None;
         let mut frame = None;

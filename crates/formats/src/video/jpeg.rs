@@ -19,9 +19,6 @@ const ZIGZAG: [u8; 64] = [
 ];
 
 /// The planes of a picture of the size that is expected; `None` for kinds that are not decoded here.
-///
-/// # Errors
-/// Coefficients that cannot be, or that end too early.
 pub(super) fn planes(bytes: &[u8], size: [usize; 2]) -> Result<Option<Planes>, String> {
     if size[0] * size[1] > MAX_PIXELS {
         return Ok(None);

@@ -75,9 +75,6 @@ impl Video {
     }
 
     /// Opens a video whose frames are kept in a cache that it may share with others.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
     pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self, FileError> {
         let parts = files.parts(path)?;
         Self::with_programs(parts, path, cache, Some(&Programs::default()))
@@ -85,9 +82,6 @@ impl Video {
     }
 
     /// Opens a video that is decoded here, without any other program.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open); a video of another coding.
     pub fn decoded_here(parts: FileParts, path: &Path) -> Result<Self, FileError> {
         Self::with_programs(parts, path, Arc::default(), None)
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))
@@ -239,9 +233,6 @@ impl Video {
 
     /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
     /// rows at the bottom that fill no square are left out; a divisor larger than a side counts as that side.
-    ///
-    /// # Errors
-    /// As [`frame`](Self::frame).
     pub fn frame_reduced(&self, frame: usize, divisor: usize) -> Result<Arc<RgbImage>, FileError> {
         let divisor = divisor.clamp(1, self.0.size[0].min(self.0.size[1]));
         let picture = self.0.frame(frame, divisor);

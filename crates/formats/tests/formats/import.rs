@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use backlit_formats::import::{
-    self, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project, WriteOptions,
+    self, ImportError, ImportOptions, ImportSurvey, MatchedBy, PictureSize, Project, WriteOptions,
 };
 use backlit_formats::masks::MaskValues;
 use backlit_formats::take::BodySizes;
@@ -48,11 +48,11 @@ fn recording(folder: &Path) {
     }
 }
 
-fn look(folder: &Path, options: &ImportOptions) -> Result<Found, ImportError> {
-    import::look(&[folder.to_owned()], options)
+fn look(folder: &Path, options: &ImportOptions) -> Result<ImportSurvey, ImportError> {
+    import::survey(&[folder.to_owned()], options)
 }
 
-fn write(found: &Found, out: &Path) -> Result<std::path::PathBuf, ImportError> {
+fn write(found: &ImportSurvey, out: &Path) -> Result<std::path::PathBuf, ImportError> {
     import::write(found, out, WriteOptions::default(), &CancelToken::new(), &mut |_| {})
 }
 
@@ -132,7 +132,7 @@ fn masks(folder: &Path, pattern: impl Fn(u32, u32) -> String, white: u8, counts:
 }
 
 /// The take that becomes of a folder, and its text.
-fn taken(folder: &Path, out: &Path) -> (Found, Footage, String) {
+fn taken(folder: &Path, out: &Path) -> (ImportSurvey, Footage, String) {
     let options = ImportOptions { frame_rate: Some(50.0), ..ImportOptions::default() };
     let found = look(folder, &options).unwrap();
     write(&found, out).unwrap();

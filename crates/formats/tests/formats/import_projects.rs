@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use backlit_formats::calibration::write::{Format, to_text};
-use backlit_formats::import::{self, Found, ImportOptions, Project, WriteOptions};
+use backlit_formats::import::{self, ImportOptions, ImportSurvey, Project, WriteOptions};
 use backlit_formats::{Footage, Take};
 use backlit_tracking::camera::Rig;
 use backlit_tracking::cancel::CancelToken;
@@ -38,8 +38,8 @@ fn texts(names: [&str; 2], format: Format) -> Vec<String> {
 }
 
 /// Looks, writes a take, reads a silhouette of the second camera.
-fn taken(project: &Path, out: &Path) -> Found {
-    let found = import::look(&[project.to_owned()], &ImportOptions::default()).unwrap();
+fn taken(project: &Path, out: &Path) -> ImportSurvey {
+    let found = import::survey(&[project.to_owned()], &ImportOptions::default()).unwrap();
     import::write(&found, out, WriteOptions::default(), &CancelToken::new(), &mut |_| {}).unwrap();
     let footage = Footage::new(Take::open(out).unwrap());
     let mask = footage.fit_views(&[0, 1], 3).unwrap();
@@ -47,7 +47,7 @@ fn taken(project: &Path, out: &Path) -> Found {
     found
 }
 
-fn names(found: &Found) -> Vec<&str> {
+fn names(found: &ImportSurvey) -> Vec<&str> {
     found.cameras.iter().map(|camera| camera.camera.name()).collect()
 }
 
@@ -130,7 +130,7 @@ fn an_opencap_session() {
         put(&own.join("cameraIntrinsicsExtrinsics.pickle"), std::fs::read(&pickle).unwrap());
         put(&own.join("InputMedia/walk/walk.avi"), film());
     }
-    let found = import::look(&[project], &ImportOptions::default()).unwrap();
+    let found = import::survey(&[project], &ImportOptions::default()).unwrap();
     assert_eq!((found.project, names(&found)), (Project::OpenCap, vec!["Cam0", "Cam1"]));
     for camera in &found.cameras {
         let own = format!("Videos/{}/InputMedia/walk/walk.avi", camera.camera.name());

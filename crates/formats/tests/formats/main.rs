@@ -9,7 +9,6 @@ mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod given_masks;
-mod hostile_files;
 mod import;
 mod import_projects;
 mod keypoint_files;

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use backlit_formats::video::{FrameCache, Video};
 use backlit_formats::{FileError, MemoryFiles};
-use proptest::prelude::*;
 
 use crate::small_videos::{Mp4, avi, avi_of, jpeg, number_of};
 
@@ -222,32 +221,4 @@ fn several_threads_get_the_same_pictures() {
         }
     });
     assert!(video.decoded_count() <= 30);
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
-
-    #[test]
-    fn bytes_that_are_changed_never_panic(
-        kind in 0_usize..3,
-        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
-    ) {
-        let mut bytes = match kind {
-            0 => avi(3, [24, 16]),
-            1 => Mp4 { edits: vec![(12, 40)], later: vec![40; 4], index_first: true, ..Mp4::new(4) }.bytes(),
-            _ => Mp4::new(3).bytes(),
-        };
-        for (at, value) in changes {
-            let at = at.index(bytes.len());
-            bytes[at] = value;
-        }
-        // What it says to be of another coding would be a program's affair.
-        if let Ok(video) = open(&bytes) {
-            for frame in 0..video.frame_count().min(8) {
-                if let Ok(picture) = video.frame(frame) {
-                    prop_assert_eq!([picture.width() as usize, picture.height() as usize], video.size());
-                }
-            }
-        }
-    }
 }

@@ -1,12 +1,12 @@
-//! A calibration that is off, mended by the keypoints of a person who moves through the room.
+//! What keypoints say: how a calibration that is off must be mended, a pose to begin with, and the person's height.
 
 use backlit_tracking::camera::{AdjustOptions, Adjusted, Camera, Sighting, adjust};
 use glam::DVec2;
 
 use super::plates::{Keypoints, spread};
-use super::{Found, ImportError};
-use crate::keypoints::joints::{LOWEST_SCORE, meeting_point};
-use crate::keypoints::{Person, tallest};
+use super::{ImportError, ImportSurvey};
+use crate::keypoints::joints::{KeypointBody, LOWEST_SCORE, body_of, meeting_point};
+use crate::keypoints::{self, Person, tallest};
 
 /// Frames whose keypoints are used.
 const MOST_FRAMES: usize = 100;
@@ -17,7 +17,7 @@ const WORTHWHILE: f64 = 0.8;
 
 /// The cameras found, adjusted so that they see the keypoints of one person at the same places in space. `None` where
 /// keypoints say too little, or the calibration agrees with them about as well as it is.
-pub(super) fn adjusted(found: &Found) -> Result<Option<Adjusted>, ImportError> {
+pub(super) fn adjusted_rig(found: &ImportSurvey) -> Result<Option<Adjusted>, ImportError> {
     let cameras: Vec<Camera> = found.cameras.iter().map(|camera| camera.camera.clone()).collect();
     let keypoints: Vec<Keypoints> = found.cameras.iter().map(Keypoints::of).collect::<Result<_, _>>()?;
     let (mut points, mut sightings) = (Vec::new(), Vec::new());
@@ -53,4 +53,20 @@ pub(super) fn adjusted(found: &Found) -> Result<Option<Adjusted>, ImportError> {
     }
     let adjusted = adjust(&cameras, &points, &sightings, &AdjustOptions::default());
     Ok(adjusted.filter(|adjusted| adjusted.median_px[1] < WORTHWHILE * adjusted.median_px[0]))
+}
+
+/// The body, scaled to the person's joints, and its pose in the first frame. `None` where keypoints are of fewer than two
+/// cameras, or make no body.
+pub(super) fn start(found: &ImportSurvey) -> Result<Option<KeypointBody>, ImportError> {
+    let mut people = Vec::new();
+    for camera in &found.cameras {
+        let Some(folder) = &camera.keypoints else { continue };
+        let files = keypoints::files_of(folder)?;
+        let Some((first, _)) = files.first() else { continue };
+        let Some((_, path)) = files.iter().find(|(number, _)| *number == first + found.first as u64) else {
+            continue;
+        };
+        people.extend(tallest(&keypoints::read(path)?).map(|person| (&camera.camera, person.clone())));
+    }
+    Ok(body_of(&people))
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use backlit_tracking::camera::{Camera, CameraError};
 use thiserror::Error;
 
-use super::candidates::{Candidate, Footage, PLATES, best_group, footage_of, is_plate};
-use super::masks::{self, FoundMasks};
+use super::masks::{self, ImportMasks};
+use super::matching::{Candidate, FootageFiles, PLATES, best_group, footage_of, is_plate};
 use super::matching::{MatchedBy, matched};
-use super::picture_size::PictureSize;
+use super::pictures::PictureSize;
 use super::pictures::Pictures;
 use super::project::{self, Project};
 use super::scan::{Listing, scan};
@@ -41,7 +41,7 @@ impl Default for ImportOptions {
 
 /// A camera with its footage.
 #[derive(Debug, Clone)]
-pub struct FoundCamera {
+pub struct ImportCamera {
     /// The camera, for pictures of the footage's size.
     pub camera: Camera,
     /// The size in pixels that the calibration is for, width first.
@@ -55,7 +55,7 @@ pub struct FoundCamera {
     /// A picture of the scene without the subject.
     pub plate: Option<PathBuf>,
     /// Silhouettes that were made elsewhere.
-    pub masks: Option<FoundMasks>,
+    pub masks: Option<ImportMasks>,
     /// Two-dimensional keypoints, a file a frame.
     pub keypoints: Option<PathBuf>,
     /// What is missing or damaged in the footage, in words.
@@ -64,7 +64,7 @@ pub struct FoundCamera {
 
 /// What lies in the folders and files that were named.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct ImportSurvey {
     /// Whose project it is.
     pub project: Project,
     /// What it may be called: the folder's name.
@@ -72,7 +72,7 @@ pub struct Found {
     /// The calibration.
     pub calibration: PathBuf,
     /// The cameras that have both a calibration and footage, in the calibration's order.
-    pub cameras: Vec<FoundCamera>,
+    pub cameras: Vec<ImportCamera>,
     /// By what the footage was given to its cameras.
     pub matched_by: MatchedBy,
     /// Frames per second.
@@ -129,7 +129,7 @@ pub enum ImportError {
 ///
 /// # Errors
 /// There is no footage or no calibration, or they do not go together.
-pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportError> {
+pub fn survey(paths: &[PathBuf], options: &ImportOptions) -> Result<ImportSurvey, ImportError> {
     let listing = scan(paths)?;
     let pointed = paths.first().cloned().unwrap_or_default();
     let folder = paths.iter().find(|path| path.is_dir()).map(PathBuf::as_path);
@@ -177,7 +177,7 @@ pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportE
     }
     let (first, count) = range_of(&found, folder)?;
     let rate = found.iter().find_map(|camera| camera.frame_rate);
-    Ok(Found {
+    Ok(ImportSurvey {
         project,
         name: name_of(&pointed),
         calibration,
@@ -198,7 +198,7 @@ fn name_of(path: &Path) -> String {
 }
 
 /// The frames that all cameras have, or those of them that the project's settings choose: the first, and how many.
-fn range_of(cameras: &[FoundCamera], folder: Option<&Path>) -> Result<(usize, usize), ImportError> {
+fn range_of(cameras: &[ImportCamera], folder: Option<&Path>) -> Result<(usize, usize), ImportError> {
     let count = cameras.iter().map(|camera| camera.pictures.count()).min().unwrap_or(0);
     let Some([first, last]) = project::frame_range(folder) else { return Ok((0, count)) };
     match usize::try_from(first) {
@@ -305,12 +305,18 @@ fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
 }
 
 /// Opens a camera's footage and makes the camera fit its pictures.
-fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<FoundCamera, ImportError> {
+fn open(
+    camera: &Camera,
+    footage: &FootageFiles,
+    options: &ImportOptions,
+) -> Result<ImportCamera, ImportError> {
     let pictures = footage.open()?;
     let (frame_rate, notes) = match (&pictures, footage) {
         (Pictures::Video(video), _) => (video.frame_rate(), video.notes()),
-        (Pictures::Numbered { .. }, Footage::Numbered(sequence)) => (None, Vec::from_iter(sequence.gap())),
-        (Pictures::Numbered { .. }, Footage::Video(_)) => (None, Vec::new()),
+        (Pictures::Numbered { .. }, FootageFiles::Numbered(sequence)) => {
+            (None, Vec::from_iter(sequence.gap()))
+        }
+        (Pictures::Numbered { .. }, FootageFiles::Video(_)) => (None, Vec::new()),
     };
     let picture = pictures.picture(0)?;
     let size = [picture.width() as usize, picture.height() as usize];
@@ -321,7 +327,7 @@ fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<F
     };
     let fitted = picture_size.camera(camera, size);
     let name = || camera.name().to_owned();
-    Ok(FoundCamera {
+    Ok(ImportCamera {
         camera: fitted.map_err(|error| ImportError::Camera { camera: name(), error })?,
         calibrated_size: [camera.width(), camera.height()],
         picture_size,
