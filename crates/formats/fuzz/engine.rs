@@ -77,7 +77,7 @@ pub(crate) fn processor_time() -> Duration {
     cpu_time::ThreadTime::now().as_duration()
 }
 
-/// Runs a target, for so many seconds of processor time at most; every case is told to `watch` before it runs.
+/// Runs a target, for `most_seconds` of processor time at most; every case is told to `watch` before it runs.
 pub(crate) fn run(
     target: &Target,
     cases: u64,

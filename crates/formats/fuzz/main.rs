@@ -3,7 +3,7 @@
 //! `cargo test -p backlit-formats --test fuzz` runs some hundred cases a target. The long run is
 //! `BACKLIT_FUZZ_CASES=1000000 cargo test -p backlit-formats --test fuzz -- --ignored --nocapture --test-threads 1`, in a development
 //! build, where sums that run over are panics; `BACKLIT_FUZZ=NAME,NAME` runs these targets only, `BACKLIT_FUZZ_SECONDS` ends each after
-//! so much processor time. Its figures stand in `docs/trust.md`. A case that breaks the promise is written to the folder for temporary
+//! that much processor time. Its figures stand in `docs/trust.md`. A case that breaks the promise is written to the folder for temporary
 //! files and named; it is kept in `corpus/TARGET/found-…` once it is mended.
 
 #![expect(clippy::unwrap_used, reason = "tests, where a panic is the answer")]
@@ -22,7 +22,7 @@ use std::time::Duration;
 
 use engine::{Fault, Figures, Target};
 
-/// A case that is not over after so many looks, one a second, is a fault, even where nobody returns to say so.
+/// A case that still runs after this many looks, one a second, is a fault.
 const PATIENCE_LOOKS: u32 = 30;
 
 fn keep(target: &str, bytes: &[u8]) -> PathBuf {

@@ -93,7 +93,7 @@ impl NewFile {
         Ok(Self { path, target, file: Arc::new(file), temporary: Some(temporary) })
     }
 
-    /// Where its bytes go. Whoever keeps some back has to flush them before it is finished.
+    /// Where its bytes go. A buffered writer must be flushed before the file is finished.
     #[must_use]
     pub fn writer(&self) -> Arc<File> {
         self.file.clone()

@@ -1,6 +1,6 @@
 //! Bytes as text, six bits a letter.
 
-/// The six bits of each letter; letters of no meaning are left out.
+/// The six bits of each letter; other letters are left out.
 pub(crate) fn sixes(text: &str) -> impl Iterator<Item = u8> {
     text.bytes().filter_map(|byte| match byte {
         b'A'..=b'Z' => Some(byte - b'A'),

@@ -82,7 +82,7 @@ impl BvhMotion {
         self.values.len().checked_div(self.channels).unwrap_or(0)
     }
 
-    /// Places and turns of all joints in a frame, in the file's unit and axes; of a frame that is none, at rest.
+    /// Places and turns of all joints in a frame, in the file's unit and axes; at rest where there is no such frame.
     #[must_use]
     pub fn joints_at(&self, frame: usize) -> Vec<(DVec3, DQuat)> {
         let first = frame.saturating_mul(self.channels);
@@ -116,7 +116,7 @@ pub fn read(path: &Path) -> Result<BvhMotion, FileError> {
 /// Parses the content of a BVH file; `path` is for the error's message.
 ///
 /// # Errors
-/// Not such a file, more than 4096 joints, a number that is none or beyond 10⁹, or frames that do not have as many numbers as
+/// Not such a file, more than 4096 joints, a word that is not a number up to 10⁹, or frames that do not have as many numbers as
 /// there are channels. The error names the line.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
     let mut words =

@@ -72,7 +72,7 @@ impl fmt::Display for FileError {
     }
 }
 
-/// Why the system refuses, in words for people; the system's own where there are none.
+/// Why the system refuses, in plain words; else in the system's own.
 #[must_use]
 pub fn reason(error: &std::io::Error) -> String {
     use std::io::ErrorKind as Kind;
@@ -212,7 +212,7 @@ fn in_short(path: &str) -> String {
     cut_path(&shown(path).to_string(), [50, 50])
 }
 
-/// Of a long path so many letters of its beginning and of its end, which tell most.
+/// The beginning and the end of a long path, with these counts of letters.
 fn cut_path(path: &str, [begins, ends]: [usize; 2]) -> String {
     let count = path.chars().count();
     if count <= begins + ends + 1 {

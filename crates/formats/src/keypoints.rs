@@ -147,7 +147,7 @@ fn last_number(path: &Path) -> Option<u64> {
 /// Where the people of a picture may be, generously: strokes between keypoints that are near to one another, 6.5 % of the
 /// person's extent wide on either side and 12 % about hands and other ends, whatever the order of the keypoints. `size` is that of the picture, width first, which is
 /// [reduced](crate::images::reduced) by `divisor`. `None` where nobody is found, the tallest person not whole, or the picture
-/// has too many pixels: then nobody knows.
+/// has too many pixels: then the mask is unknown.
 #[must_use]
 pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
     let is_believed = |keypoint: &&Keypoint| keypoint.score >= LOWEST_SCORE;
@@ -189,7 +189,7 @@ pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<
 
 /// A silhouette as far as keypoints tell: the tallest person covers the narrow strokes of [`sure_mask`] and the trunk between
 /// shoulders and hips, nobody covers what lies outside of the [`generous_mask`], and the rest is unknown. `None` where nobody
-/// is found. Without an `order` nobody knows which keypoints are shoulders and hips.
+/// is found. Without an `order` the shoulders and hips are unknown.
 #[must_use]
 pub fn coarse_mask(
     people: &[Person],
@@ -233,7 +233,7 @@ fn is_within(place: DVec2, corners: [DVec2; 4]) -> bool {
     })
 }
 
-/// The sure keypoints of each person who has `fewest` of them or more, in a picture that is reduced.
+/// The sure keypoints of each person with at least `fewest` of them, in a picture that is reduced.
 fn places_of(people: &[Person], divisor: usize, fewest: usize) -> Vec<Vec<DVec2>> {
     let scale = 1.0 / divisor.max(1) as f64;
     let places = people.iter().map(|person| {

@@ -73,7 +73,7 @@ impl Soup {
     }
 }
 
-/// Whether so many more are allowed.
+/// An error if `more` elements are too many beside those that are there.
 fn room(what: &'static str, there: usize, more: usize) -> Result<(), MeshProblem> {
     let found = there.saturating_add(more);
     if found <= MAX_SOUP { Ok(()) } else { Err(MeshProblem::Surface(MeshError::TooLarge { what, found })) }

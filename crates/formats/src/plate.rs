@@ -86,7 +86,7 @@ impl Covered {
     }
 }
 
-/// Numbers of so many frames, or of all if there are fewer, spread evenly over `count` frames.
+/// Numbers of at most `most` frames, spread evenly over `count` frames.
 pub(crate) fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
     let wanted = most.min(count);
     (0..wanted).map(move |k| k * (count - 1) / (wanted - 1).max(1))

@@ -79,7 +79,7 @@ pub fn parse(path: &Path, bytes: &[u8], model: &Model, quaternions: Quaternions)
     })
 }
 
-/// Numbers so large that their squares would overflow are nobody's pose.
+/// Refuses numbers so large that their squares would overflow.
 fn check_magnitude(numbers: &[f64]) -> Result<(), impl FnOnce(String) -> FileProblem> {
     match numbers.iter().find(|number| number.abs() > MAX_NUMBER) {
         None => Ok(()),

@@ -13,7 +13,7 @@ use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, bvh, json_text
 pub const FORMAT: &str = "backlit-prior 1";
 /// Largest file that is read, bytes: a prior has some ten thousand numbers.
 const MAX_BYTES: u64 = 8 << 20;
-/// Digits that count of a number.
+/// Significant digits of a number.
 const DIGITS: i32 = 6;
 
 #[derive(Serialize, Deserialize)]
@@ -66,7 +66,7 @@ pub fn read(path: &Path) -> Result<PosePrior, FileError> {
 /// Parses the content of a prior's file; `path` is for the error's message.
 ///
 /// # Errors
-/// Not such a file, or numbers that are no distribution. The error names the part, the field, and the line where there is one.
+/// Not such a file, or numbers that make no distribution. The error names the part, the field, and the line where there is one.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
     let text = text::decode(path, bytes)?;
     let spec: PriorSpec = json_text::parse_versioned(path, text, FORMAT)?;
@@ -120,7 +120,7 @@ pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
     Ok(text.replace("\"source\"", "\n\"source\"").replace("\"parts\"", "\n\"parts\"") + "\n")
 }
 
-/// A number with so many digits that count.
+/// A number rounded to `DIGITS` significant digits.
 fn short(number: f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;

@@ -261,7 +261,7 @@ fn masks_of(
     cameras.iter().zip(masks).enumerate().map(view).collect()
 }
 
-/// The bits of a base64 text as labels, highest first; characters of no meaning are left out.
+/// The bits of a base64 text as labels, highest first; other characters are left out.
 fn bits(text: &str) -> Vec<Label> {
     let label = |bit: bool| if bit { Label::Subject } else { Label::Background };
     base64::sixes(text).flat_map(|six| (0..6).rev().map(move |bit| label(six >> bit & 1 == 1))).collect()

@@ -1,6 +1,6 @@
 //! A take whose cameras were started by hand: its silhouettes over time, and what they say of the cameras' clocks.
 //!
-//! Silhouettes are made at the take's working size (`reduction`), every so many frames where the take is long; what is kept
+//! Silhouettes are made at the take's working size (`reduction`), of every nth frame where the take is long; what is kept
 //! of them is small. [`shift_offsets`] writes what was found into the take file.
 
 use backlit_tracking::cancel::CancelToken;
@@ -25,7 +25,7 @@ pub struct TakeClocks {
     pub found: Synchronisation,
     /// By how much each camera is to be shifted, in the take's order; `None` where it cannot be told.
     pub shifts: Vec<Option<OffsetShift>>,
-    /// Every so many frames were looked at.
+    /// Every `every`th frame was used.
     pub every: usize,
 }
 
@@ -80,7 +80,7 @@ pub fn record(
     Ok(recordings)
 }
 
-/// Finds by how much each camera is to be shifted, from at most so many frames.
+/// Finds by how much each camera is to be shifted, from at most `most_frames` frames.
 pub fn find(
     footage: &Footage,
     most_frames: usize,

@@ -27,8 +27,8 @@ pub(super) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count()
 }
 
-/// A text from a file as it may be shown: letters that would steer a terminal are written out, as `\u{1b}`. Whoever writes a
-/// name of a file, a camera, a limb or a take to a terminal writes it through this.
+/// A text from a file as it may be shown: letters that would steer a terminal are written out, as `\u{1b}`. Names of files,
+/// cameras, limbs and takes go to a terminal through this.
 #[must_use]
 pub fn shown(text: &str) -> SafeText<'_> {
     SafeText { text, most: usize::MAX }
@@ -60,7 +60,7 @@ impl fmt::Display for SafeText<'_> {
     }
 }
 
-/// Writes texts as they may be shown, up to so many letters; then it is an error with nothing `left`.
+/// Writes texts as they may be shown, at most `left` letters; then it fails with nothing `left`.
 pub(super) struct Safe<'a, 'b> {
     pub(super) out: &'a mut fmt::Formatter<'b>,
     pub(super) left: usize,

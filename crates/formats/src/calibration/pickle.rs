@@ -117,7 +117,7 @@ impl<'a> PickleMachine<'a> {
         Ok(taken)
     }
 
-    /// A number of so many bytes, the lowest first.
+    /// A number of `count` bytes, the lowest first.
     fn unsigned(&mut self, count: usize) -> Result<usize, FileError> {
         let value = self.take(count)?.iter().rev().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
         usize::try_from(value).ok().ok_or_else(|| self.error("a number is too large"))
@@ -221,7 +221,7 @@ impl<'a> PickleMachine<'a> {
             b'M' => Object::Integer(self.unsigned(2)? as i64),
             b'J' => Object::Integer(i64::from(self.unsigned(4)? as u32 as i32)),
             b'G' => {
-                // A number that is no array; nobody asks for one.
+                // A single number is not needed.
                 self.take(8)?;
                 Object::Nothing
             }

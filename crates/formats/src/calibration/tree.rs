@@ -190,7 +190,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Exactly so many numbers.
+    /// Exactly `N` numbers.
     pub(super) fn array<const N: usize>(&self) -> Result<[f64; N], FileError> {
         let numbers = self.numbers()?;
         let count = numbers.len();

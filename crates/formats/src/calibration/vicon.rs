@@ -19,7 +19,7 @@ use crate::FileError;
 
 /// Radii at which the lens is fitted.
 const SAMPLES: u32 = 400;
-/// A fit that is this far off somewhere in the picture is none.
+/// A fit that is off by more anywhere in the picture is refused.
 const WORST_FIT_PX: f64 = 2.0;
 
 pub(super) fn parts(path: &Path, text: &str) -> Result<PartialCameras, FileError> {

@@ -67,7 +67,7 @@ impl<'a> Element<'a, '_> {
         })
     }
 
-    /// So many finite numbers of an attribute.
+    /// The `N` finite numbers of an attribute.
     pub(super) fn numbers<const N: usize>(&self, attribute: &str) -> Result<[f64; N], FileError> {
         let text = self.attribute(attribute);
         let text = text.ok_or_else(|| self.error(attribute, "missing", &format!("{N} numbers")))?;

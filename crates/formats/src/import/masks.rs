@@ -135,7 +135,7 @@ fn numbers(pictures: &Pictures, index: usize) -> Result<Numbers, FileError> {
 }
 
 impl ImportMasks {
-    /// The person's height in pixels, the middle of some frames; `None` where nobody is seen or nobody knows.
+    /// The person's height in pixels, the middle of some frames; `None` where nobody is seen or the masks are not understood.
     pub(super) fn person_px(&self, frames: &[usize]) -> Result<Option<f64>, ImportError> {
         let Some(values) = &self.values else { return Ok(None) };
         let mut heights = Vec::new();

@@ -108,7 +108,7 @@ pub enum PictureSize {
 }
 
 impl PictureSize {
-    /// All but [`Same`](Self::Same), which nobody need choose.
+    /// All but [`Same`](Self::Same), which need not be chosen.
     pub const CHOICES: [Self; 4] = [Self::Scaled, Self::Letterboxed, Self::CutAtCorner, Self::CutAround];
 
     /// The word for it on the command line.

@@ -17,7 +17,7 @@ const GUESSING_FRAMES: usize = 12;
 const WORKING_HEIGHT_PX: f64 = 200.0;
 /// Pictures are reduced no further.
 const MOST_REDUCTION: usize = 16;
-/// Where nobody says how tall the person is, masks are made of pictures of about this height, pixels.
+/// Where the person's height is unknown, masks are made of pictures of about this height, pixels.
 const GUESSING_HEIGHT_PX: usize = 480;
 /// No side of a reduced picture is shorter, pixels.
 const SHORTEST_SIDE: usize = 64;
@@ -78,7 +78,7 @@ fn person_px(found: &ImportSurvey, camera: &ImportCamera) -> Result<Option<f64>,
     Ok(height_px(&mask).map(|tall| tall * divisor as f64))
 }
 
-/// In how many rows more than a pixel is subject; `None` for nobody.
+/// Number of rows with more than one subject pixel; `None` for an empty mask.
 pub(super) fn height_px(mask: &Mask) -> Option<f64> {
     let rows = mask.labels().chunks_exact(mask.width());
     let tall = rows.filter(|row| row.iter().filter(|&&label| label == Label::Subject).count() > 1).count();

@@ -42,7 +42,7 @@ impl Default for WriteOptions {
 /// What is being done.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImportStep {
-    /// The cameras were adjusted to the keypoints, which were off by so many pixels in the median before and are after.
+    /// The cameras were adjusted to the keypoints.
     Adjusted {
         /// Pixels, before and after.
         median_px: [f64; 2],

@@ -14,7 +14,7 @@ use super::{Keypoint, Person};
 pub(crate) const LOWEST_SCORE: f64 = 0.3;
 /// A joint whose rays miss one another by more is not believed, metres.
 const FARTHEST_RAY: f64 = 0.12;
-/// A pose is made of so many joints or more.
+/// Fewest joints that a pose is made of.
 const FEWEST_JOINTS: usize = 8;
 /// A body whose joints are farther from the keypoints, metres in the mean, is not believed.
 const FARTHEST_JOINTS: f64 = 0.15;
@@ -247,12 +247,12 @@ mod tests {
         assert_eq!(label(130, 72), Label::Subject, "at the shoulder");
         assert_eq!(label(132, 130), Label::Unknown, "beside the trunk");
         assert_eq!(label(10, 20), Label::Background, "far away");
-        // Without an order, or in another one, nobody knows where the trunk is.
+        // Without an order, or in another one, the trunk is unknown.
         let mask = coarse_mask(std::slice::from_ref(&person), None, [200, 300], 1).unwrap();
         assert_eq!(mask.get(100, 110), Some(Label::Unknown));
         let mask = coarse_mask(std::slice::from_ref(&person), Some(ORDERS[0]), [200, 300], 2).unwrap();
         assert_eq!((mask.width(), mask.get(50, 55)), (100, Some(Label::Subject)));
-        // Of half a person nobody knows where the rest is.
+        // Where the rest of half a person is, is unknown.
         let half = person.iter().enumerate().map(|(k, keypoint)| keypoint.filter(|_| k < 11)).collect();
         assert_eq!(coarse_mask(&[half], Some(ORDERS[0]), [200, 300], 1), None);
     }

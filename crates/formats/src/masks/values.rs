@@ -18,7 +18,7 @@ use crate::{FileError, FileProblem};
 
 /// Masks that are looked at to tell what their numbers mean.
 const LOOKED_AT: usize = 9;
-/// So many where those show nobody.
+/// Most masks that are looked at where those show nobody.
 const MOST_LOOKED_AT: usize = 256;
 /// Most ids that a take may name.
 const MOST_IDS: usize = 64;

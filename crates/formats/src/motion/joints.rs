@@ -1,4 +1,4 @@
-//! Where joints are, frame by frame, whoever wrote them down: a BVH file of any program, or our own track.
+//! Positions of joints, frame by frame: of a BVH file of any program, or of our own track.
 
 use std::path::Path;
 

@@ -31,7 +31,7 @@ fn parse(mut table: Table) -> Result<SegmentOptions, String> {
     for (key, _) in SWITCHES.iter().zip(off).filter(|(_, off)| *off) {
         table.remove(*key);
     }
-    // A parser would take the list's numbers for the table's, in an order that nobody has promised.
+    // A parser would take the list's numbers for the table's, in an order that is not promised.
     if let Some((_, value)) =
         table.iter().find(|(key, value)| SWITCHES.contains(&key.as_str()) && !value.is_table())
     {

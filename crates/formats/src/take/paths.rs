@@ -199,7 +199,7 @@ impl TakeReader<'_> {
         Ok(first.map(|first| Outside { first, count: found.len() }))
     }
 
-    /// Every path of the take file. Whoever adds a field to the file is asked by the compiler whether it is one.
+    /// Every path of the take file. The compiler asks of each new field whether it is a path.
     fn named<'s>(&'s self, spec: &'s TakeSpec) -> Vec<NamedPath<'s>> {
         let TakeSpec {
             _format: _,

@@ -42,7 +42,7 @@ impl Take {
         picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
     }
 
-    /// What a camera shows so many of its own frames later than in a frame of the take, also before the first frame and after
+    /// What a camera shows `shift` of its own frames later than in a frame of the take, also before the first frame and after
     /// the last one that all cameras have; as large as [`frame_reduced`](Self::frame_reduced) has it. `None` where the camera
     /// has no such picture.
     ///
@@ -89,7 +89,7 @@ impl Take {
     /// that are spread over the take are looked at, once.
     ///
     /// # Errors
-    /// No such camera, or a mask that cannot be read, is of another size or makes no sense.
+    /// No such camera, or a mask that cannot be read or understood or is of another size.
     pub fn mask_values(&self, camera: usize) -> Result<Option<&MaskValues>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(own) = &footage.masks else { return Ok(None) };

@@ -34,7 +34,7 @@ pub(super) struct TakeSpec {
 /// What is known of the body's sizes.
 #[derive(Debug, Deserialize, Clone, Copy, Default, PartialEq, Eq)]
 pub enum BodySizes {
-    /// The model has the person's own sizes, or nobody asks for better ones.
+    /// The model has the person's own sizes, or better ones are not needed.
     #[default]
     #[serde(rename = "known")]
     Known,

@@ -309,7 +309,7 @@ impl<'a> Bits<'a> {
         table.values.get(usize::try_from(place).ok()?).copied()
     }
 
-    /// A number of so many bits (T.81, F.2.2.1): those with a leading 0 are negative.
+    /// A number of `size` bits (T.81, F.2.2.1): those with a leading 0 are negative.
     fn value(&mut self, size: u8) -> Option<i32> {
         let size = u32::from(size);
         if size == 0 || size > 15 {

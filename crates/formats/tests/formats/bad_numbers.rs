@@ -1,4 +1,4 @@
-//! Numbers that are none, sizes that are absurd: files with them are refused with the field's name.
+//! Files with values that are not numbers, or with absurd sizes, are refused with the field's name.
 
 use std::path::Path;
 

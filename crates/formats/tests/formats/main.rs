@@ -1,4 +1,4 @@
-//! Files through the public face of their readers: whole takes, real ones, and bytes that make no sense.
+//! Files through the public face of their readers: whole takes, real ones, and damaged bytes.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 

@@ -136,7 +136,7 @@ impl Mp4 {
         let elst = table(b"elst", &[vec![self.edits.len() as u32], edits.collect()].concat());
         let edts = if self.edits.is_empty() { Vec::new() } else { atom(b"edts", &[&elst]) };
         let mvhd = atom(b"mvhd", &[&words(&[0, 0, 0, 100, 0])]);
-        // A track of sound before it, whose description nobody knows.
+        // A track of sound before it, of an unknown description.
         let sound = atom(b"trak", &[&atom(b"mdia", &[&atom(b"hdlr", &[&words(&[0, 0]), b"soun"])])]);
         atom(b"moov", &[&mvhd, &sound, &atom(b"trak", &[&tkhd, &edts, &mdia])])
     }

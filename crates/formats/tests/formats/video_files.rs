@@ -1,4 +1,4 @@
-//! Videos made here: times, edits, turns, what is cut, what makes no sense, reading in order, the cache.
+//! Videos made here: times, edits, turns, what is cut or wrong, reading in order, the cache.
 
 use std::path::Path;
 use std::sync::Arc;
