@@ -36,8 +36,8 @@ use backlit_document::Document;
 use backlit_document::history::History;
 use backlit_document::run::Run;
 use backlit_document::runs::{Runs, StepRef};
+use backlit_formats::Footage;
 use backlit_formats::take::BodySizes;
-use backlit_take::footage::Footage;
 
 use crate::context::activity::Activity;
 use crate::context::clock::Clock;
@@ -178,7 +178,7 @@ impl<'a> Context<'a> {
 
     /// The name of the take, for files that are made of it.
     pub(crate) fn take_name(&self) -> &'a str {
-        self.session.take.as_ref().map_or("project", |take| take.name.as_str())
+        self.session.take.as_ref().map_or("project", |take| take.take().name())
     }
 
     /// Whether nothing says where the person stands: neither the take, nor the user, nor the tracker.
@@ -193,10 +193,9 @@ impl<'a> Context<'a> {
     /// Whether the take has an average body, and nobody has found the person's own sizes yet.
     pub(crate) fn lacks_sizes(&self) -> bool {
         let document = self.document();
-        self.session
-            .take
-            .as_ref()
-            .is_some_and(|take| take.take().sizes() == BodySizes::Fit && *take.model() == document.model)
+        self.session.take.as_ref().is_some_and(|take| {
+            take.take().sizes() == BodySizes::Fit && *take.take().model() == document.model
+        })
     }
 
     /// All that a prediction of the frame on the screen depends on, but the pose.

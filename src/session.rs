@@ -7,15 +7,18 @@ pub(crate) mod prediction;
 pub(crate) mod selection;
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
 
-pub(crate) use frames::load_frame;
-pub(crate) use frames::{FrameCache, FrameData};
+pub(crate) use backlit_formats::footage::FrameData;
+pub(crate) use frames::SegmentedFrames;
 
 use crate::session::prediction::Predicted;
 
@@ -32,8 +35,10 @@ pub(crate) fn union(a: Extent, b: Extent) -> Extent {
 pub struct Session {
     /// The take that is open.
     pub take: Option<Arc<Footage>>,
+    /// Where it came from; `None` for one that was made in memory.
+    pub source: Option<TakeSource>,
     /// Decoded frames and their silhouettes.
-    pub frames: FrameCache,
+    pub frames: SegmentedFrames,
     /// The silhouettes that the pose on the screen predicts. While a newer one is made, the old stays.
     pub predicted: Option<Arc<Predicted>>,
     /// Whether [`predicted`](Self::predicted) is of an older pose than the one on the screen.
@@ -79,6 +84,16 @@ impl Session {
         self.beliefs.get(&frame).filter(|believed| believed.pose == *pose)
     }
 
+    /// Which demonstration is open, if one is.
+    pub(crate) fn demonstration(&self) -> Option<Demonstration> {
+        self.source.as_ref()?.demonstration()
+    }
+
+    /// The file of the take that is open, if it is one.
+    pub(crate) fn take_path(&self) -> Option<&PathBuf> {
+        if let Some(TakeSource::Path(path)) = &self.source { Some(path) } else { None }
+    }
+
     /// Number of frames of the take, zero without one.
     pub fn frame_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.frame_count())
@@ -118,10 +133,10 @@ impl Session {
     }
 
     /// Forgets what was made of another take.
-    pub(crate) fn reset(&mut self, take: Option<Arc<Footage>>) {
+    pub(crate) fn reset(&mut self, take: Option<Arc<Footage>>, source: Option<TakeSource>) {
         let mut frames = std::mem::take(&mut self.frames);
         frames.clear();
-        *self = Self { take, frames, ..Self::default() };
+        *self = Self { take, source, frames, ..Self::default() };
     }
 
     /// Takes in a frame that was read.

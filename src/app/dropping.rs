@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
+use backlit_formats::Footage;
+use backlit_formats::footage::replacement::{masks_of, read_calibration};
 use backlit_formats::pose_file::Quaternions;
 use backlit_formats::{model_file, pose_file};
 use backlit_jobs::{News, once};
 use backlit_take::dropped::Dropped;
-use backlit_take::footage::Footage;
-use backlit_take::replacement::{masks_of, read_calibration};
 use backlit_tracking::body::Model;
 
 use super::Inspector;
@@ -89,12 +89,12 @@ fn read(dropped: &Dropped, footage: &Footage, model: &Model, frame: usize) -> an
     };
     Ok(match dropped {
         Dropped::Calibration(path) => {
-            let calibration = read_calibration(path, footage.full_cameras())?;
+            let calibration = read_calibration(path, footage.original().full_rig().cameras())?;
             let said = format!("The {} cameras now come from {}.", calibration.rig.count(), name(path));
             (Edit::SetCalibration(Some(Arc::new(calibration))), said)
         }
         Dropped::Masks(paths) => {
-            let masks = masks_of(paths, footage.take_cameras())?;
+            let masks = masks_of(paths, footage.original().rig().cameras())?;
             let numbers: Vec<String> = masks.keys().map(|camera| (camera + 1).to_string()).collect();
             let plural = if numbers.len() == 1 { "" } else { "s" };
             let said = format!(

@@ -129,7 +129,7 @@ impl Files {
     /// Asks for a file in a dialog of the desktop's.
     fn ask(&self, state: &mut State, asked: Asked) {
         let take = state.session.take.as_ref();
-        let name = take.map_or("project", |take| take.name.as_str());
+        let name = take.map_or("project", |take| take.take().name());
         let (title, kind) = match asked {
             Asked::Take => ("Open take", DialogKind::Folder),
             Asked::FindTake => ("Find take", DialogKind::Folder),
@@ -163,9 +163,9 @@ impl Files {
     fn take_in_opened(&mut self, inspector: &mut Inspector) {
         for news in self.open.poll() {
             match news {
-                News::Output(Opened::Take(footage, project)) => {
+                News::Output(Opened::Take(footage, source, project)) => {
                     self.dropped.forget();
-                    inspector.take_opened(&footage, project);
+                    inspector.take_opened(&footage, source, project);
                 }
                 News::Output(Opened::TakeMissing { project, why }) => {
                     let said = format!("{why}. If it has moved, say where it is now.");

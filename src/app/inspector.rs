@@ -229,7 +229,7 @@ impl Inspector {
     fn play(&mut self, ctx: &egui::Context) {
         let state = &mut self.state;
         let Some(take) = &state.session.take else { return state.playback.stop() };
-        let (rate, count) = (take.frame_rate, take.frame_count());
+        let (rate, count) = (take.take().frame_rate(), take.frame_count());
         let (frames, now) = (&state.session.frames, state.now);
         let is_there = |frame: usize| frames.get(frame).is_some();
         if let Some(frame) = state.playback.due(state.selection.frame, count, rate, now, is_there) {

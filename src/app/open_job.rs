@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::Context;
 use backlit_document::Document;
 use backlit_document::project::{Project, read_project};
 use backlit_document::run::Run;
 use backlit_document::take_match::match_take;
+use backlit_formats::Footage;
 use backlit_formats::{Take, TakeError};
-use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 
 /// Something to open.
@@ -44,28 +43,11 @@ pub(crate) struct OpenedProject {
     pub(crate) note: Option<String>,
 }
 
-/// Why nothing was opened.
-#[derive(Debug)]
-enum OpenError {
-    /// The project's take is not where it was.
-    TakeMissing {
-        project: PathBuf,
-        error: anyhow::Error,
-    },
-    Other(anyhow::Error),
-}
-
-impl<E: Into<anyhow::Error>> From<E> for OpenError {
-    fn from(error: E) -> Self {
-        Self::Other(error.into())
-    }
-}
-
 /// What came of opening something.
 #[derive(Debug)]
 pub(crate) enum Opened {
-    /// A take, and the project that named it, if it was one.
-    Take(Arc<Footage>, Option<OpenedProject>),
+    /// A take, where it came from, and the project that named it, if it was one.
+    Take(Arc<Footage>, Option<TakeSource>, Option<OpenedProject>),
     /// The take of a project is not where it was.
     TakeMissing {
         /// The project.
@@ -77,54 +59,54 @@ pub(crate) enum Opened {
     Nothing(String),
 }
 
+/// The footage of a take, where it came from, and the project that named it.
+type OpenedParts = (Footage, Option<TakeSource>, Option<OpenedProject>);
+
 impl Opening {
     pub(crate) fn read(&self) -> Opened {
-        match self.footage() {
-            Ok((footage, project)) => Opened::Take(Arc::new(footage), project),
-            Err(OpenError::TakeMissing { project, error }) => {
-                Opened::TakeMissing { project, why: format!("{error:#}") }
+        let parts = match self {
+            Self::Take(source) => {
+                source.footage().map(|footage| (footage, Some(source.clone()), None)).map_err(Opened::nothing)
             }
-            Err(OpenError::Other(error)) => Opened::Nothing(format!("{error:#}")),
-        }
-    }
-
-    fn footage(&self) -> Result<(Footage, Option<OpenedProject>), OpenError> {
-        match self {
-            Self::Take(source) => Ok((open_take(source)?, None)),
-            Self::Ready(take) => Ok((Footage::new((**take).clone(), None), None)),
+            Self::Ready(take) => Ok((Footage::new((**take).clone()), None, None)),
             Self::Project(path) => open_project(path, None),
             Self::Moved { project, take } => open_project(project, Some(take)),
+        };
+        match parts {
+            Ok((footage, source, project)) => Opened::Take(Arc::new(footage), source, project),
+            Err(not_opened) => not_opened,
         }
     }
 }
 
-fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option<OpenedProject>), OpenError> {
-    let Project { mut document, runs } = read_project(path)?;
-    let source =
-        document.take.clone().with_context(|| format!("{}: the project names no take", path.display()))?;
-    let source = match (moved_to, source) {
+impl Opened {
+    fn nothing(error: impl Into<anyhow::Error>) -> Self {
+        Self::Nothing(format!("{:#}", error.into()))
+    }
+}
+
+fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<OpenedParts, Opened> {
+    let Project { mut document, runs } = read_project(path).map_err(Opened::nothing)?;
+    let no_take = || Opened::Nothing(format!("{}: the project names no take", path.display()));
+    let source = match (moved_to, document.take.take().ok_or_else(no_take)?) {
         (Some(take), _) => TakeSource::Path(take.to_owned()),
         (None, source) => source.named_by(path),
     };
-    let footage = open_take(&source).map_err(|error| {
+    let footage = source.footage().map_err(|error| {
         let is_missing = is_missing(&error) && matches!(source, TakeSource::Path(_));
         let error = error.context("the project's take cannot be opened");
-        let project = path.to_owned();
-        if is_missing { OpenError::TakeMissing { project, error } } else { OpenError::Other(error) }
+        match is_missing {
+            true => Opened::TakeMissing { project: path.to_owned(), why: format!("{error:#}") },
+            false => Opened::nothing(error),
+        }
     })?;
     let names: Vec<&str> = footage.cameras.iter().map(|camera| camera.name()).collect();
-    let note = match_take(&mut document, &names, footage.measurement(), footage.frame_count())
-        .with_context(|| path.display().to_string())?;
-    let is_changed = moved_to.is_some();
-    document.take = Some(source);
-    Ok((
-        footage,
-        Some(OpenedProject { document: Box::new(document), runs, path: path.to_owned(), is_changed, note }),
-    ))
-}
-
-fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
-    Ok(Footage::new(source.open()?, Some(source.clone())))
+    let note = match_take(&mut document, &names, footage.take().measurement(), footage.frame_count())
+        .map_err(|error| Opened::Nothing(format!("{}: {error}", path.display())))?;
+    document.take = Some(source.clone());
+    let (document, is_changed) = (Box::new(document), moved_to.is_some());
+    let project = OpenedProject { document, runs, path: path.to_owned(), is_changed, note };
+    Ok((footage, Some(source), Some(project)))
 }
 
 /// Whether the take, or a file of it, is not there.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use backlit_document::history::History;
 use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
 use backlit_document::{CameraUse, Document};
+use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
-use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 use backlit_tracking::track::WhenToSearch;
 
@@ -21,12 +21,19 @@ use crate::session::selection::Selection;
 const MOST_NOTES: usize = 3;
 
 impl Inspector {
-    pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
+    pub(crate) fn take_opened(
+        &mut self,
+        footage: &Arc<Footage>,
+        source: Option<TakeSource>,
+        project: Option<OpenedProject>,
+    ) {
         self.refresh = Refresh::default();
         self.features.all_mut().for_each(|feature| feature.reset(footage));
-        self.state.session.reset(Some(footage.clone()));
+        self.state.session.reset(Some(footage.clone()), source.clone());
+        self.features.laboratory.begin_with(self.state.session.demonstration());
         self.state.status = None;
-        if let Some(TakeSource::Path(path)) = &footage.source {
+        let path = self.state.session.take_path().cloned();
+        if let Some(path) = &path {
             self.state.preferences.remember(path.clone());
         }
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
@@ -38,7 +45,9 @@ impl Inspector {
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(note, None);
         }
-        remark_on(footage, &mut self.state.notices);
+        if path.is_some() {
+            remark_on(footage, &mut self.state.notices);
+        }
         let (history, path) = match project {
             Some(project) => {
                 // What was left unsaved is in no file as it is.
@@ -48,7 +57,7 @@ impl Inspector {
                 let path = left_of.unwrap_or(Some(project.path));
                 (begin(*project.document).with_runs(project.runs), path)
             }
-            None => (History::new(document_of(footage)), None),
+            None => (History::new(document_of(footage, source)), None),
         };
         if let Some(project) = &path {
             self.state.preferences.remember(project.clone());
@@ -64,17 +73,16 @@ impl Inspector {
         self.state.project = path;
         self.shell.docking.alone = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        if let Some(TakeSource::Demonstration(which)) = &footage.source
+        if let Some(which) = self.state.session.demonstration()
             && is_new
         {
-            self.ask(|features, _, requests| features.demonstrations.begin(*which, requests));
+            self.ask(|features, _, requests| features.demonstrations.begin(which, requests));
         }
     }
 }
 
 /// Says what a take of the disk reads outside its own folder, and what is missing in its footage.
 fn remark_on(footage: &Footage, notices: &mut Notices) {
-    let Some(TakeSource::Path(_)) = footage.source else { return };
     let take = footage.take();
     let notes = take.notes();
     let left_out = notes.len().saturating_sub(MOST_NOTES);
@@ -95,23 +103,22 @@ fn sentence(text: &str) -> String {
 }
 
 /// A new document about a take.
-fn document_of(footage: &Footage) -> Document {
-    let mut document = Document::new((**footage.model()).clone());
-    document.take = footage.source.clone();
+fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
+    let mut document = Document::new((**footage.take().model()).clone());
+    document.take = source;
     document.start = Arc::new(footage.start());
-    document.measurement = Arc::new(footage.measurement().to_vec());
+    document.measurement = Arc::new(footage.take().measurement().to_vec());
     let camera = |camera: &Arc<backlit_tracking::camera::Camera>| CameraUse {
         name: camera.name().to_owned(),
         used: true,
         weight: 1.0,
     };
     let mut cameras: Vec<CameraUse> = footage.cameras.iter().map(camera).collect();
-    if let Some(TakeSource::Demonstration(which)) = &footage.source {
+    if let Some(which) = document.take.as_ref().and_then(TakeSource::demonstration) {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
-        document.tracking =
-            TrackingChoices { search: WhenToSearch::Never, cues: cues_of(*which), ..tracking };
+        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues: cues_of(which), ..tracking };
         if which.begins_posed() {
             let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
             document.keys = Arc::new(truths.collect());

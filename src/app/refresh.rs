@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use backlit_jobs::{Job, News, Outbox, Task, Turn, once};
-use backlit_take::footage::{Footage, MadeWith};
-use backlit_take::replacement::{Calibration, PlateFiles};
+use backlit_formats::Footage;
+use backlit_formats::footage::MadeWith;
+use backlit_formats::footage::replacement::{Calibration, PlateFiles};
+use backlit_jobs::{News, Task, once};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
 use super::survey_job::SurveyJob;
 use crate::context::priority;
 use crate::session::prediction::{PosedInputs, Predicted};
-use crate::session::{Extent, FrameData, load_frame};
+use crate::session::{Extent, FrameData};
 
 /// What the footage is made again for.
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>);
@@ -33,24 +34,6 @@ impl Default for Refresh {
             survey: Task::new(priority::SURVEY),
             replaced: Task::new(priority::CALIBRATION),
         }
-    }
-}
-
-/// Makes footage again for other cameras or with other plates: the lens is taken out of every picture by tables that take
-/// their time.
-#[derive(Debug)]
-struct CalibrateJob {
-    footage: Arc<Footage>,
-    /// The cameras; the take's own without any.
-    calibration: Option<Arc<Calibration>>,
-    /// Plates; the take's own without any.
-    plates: Arc<PlateFiles>,
-}
-
-impl Job<Arc<Footage>> for CalibrateJob {
-    fn step(&mut self, out: &Outbox<Arc<Footage>>) -> Turn {
-        out.send(Arc::new(self.footage.with_replacements(self.calibration.take(), self.plates.clone())));
-        Turn::Done
     }
 }
 
@@ -127,7 +110,7 @@ impl Inspector {
         let measurement = self.document().measurement.clone();
         let inputs = (frame, take.made_with(&measurement, frame));
         let take = take.clone();
-        let read = |_: &_| once(move |_| Arc::new(load_frame(&take, &measurement, frame)));
+        let read = |_: &_| once(move |_| Arc::new(take.load_frame(&measurement, frame)));
         self.refresh.frame.need(&self.state.pool, inputs, read);
     }
 
@@ -139,13 +122,15 @@ impl Inspector {
         let (wanted, masks) =
             ((document.calibration.clone(), document.plates.clone()), document.masks.clone());
         if take.calibration != wanted.0 || take.plates != wanted.1 {
-            self.refresh.replaced.need(&self.state.pool, wanted, |(calibration, plates)| CalibrateJob {
-                footage: take.clone(),
-                calibration: calibration.clone(),
-                plates: plates.clone(),
+            // The tables that take a lens out of a picture take their time.
+            self.refresh.replaced.need(&self.state.pool, wanted, |replacements| {
+                let (take, (calibration, plates)) = (take.clone(), replacements.clone());
+                once(move |_| Arc::new(take.with_replacements(calibration, plates)))
             });
         } else if take.masks != masks {
-            self.state.session.take = Some(Arc::new(take.with_masks(masks)));
+            let mut with_masks = (*take).clone();
+            with_masks.masks = masks;
+            self.state.session.take = Some(Arc::new(with_masks));
         }
         let measurement = self.document().measurement.clone();
         if let Some(take) = &self.state.session.take {
@@ -160,7 +145,7 @@ impl Inspector {
     fn replaced(&mut self, footage: Arc<Footage>) {
         let document = self.document();
         let is_wanted = footage.calibration == document.calibration && footage.plates == document.plates;
-        let is_open = self.state.session.take.as_ref().is_some_and(|take| take.source == footage.source);
+        let is_open = self.state.session.take.as_ref().is_some_and(|take| take.shares_take_with(&footage));
         if is_wanted && is_open {
             self.interrupt_fit();
             self.state.session.take = Some(footage);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use backlit_document::run::Run;
 use backlit_document::{CameraUse, Document};
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{Comparison, joint_name};
 use backlit_ui::widgets::accessible::{Named, named};
@@ -209,14 +209,14 @@ fn exported_state(app: &App) -> Value {
 }
 
 fn exported_take(take: &Footage, session: &Session, selection: &Selection) -> Value {
-    let source = match &take.source {
+    let source = match &session.source {
         Some(TakeSource::BuiltIn) => json!("built-in"),
         Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
         Some(TakeSource::Path(path)) => json!({"path": path}),
         None => Value::Null,
     };
     json!({
-        "name": take.name,
+        "name": take.take().name(),
         "source": source,
         "frames": session.frame_count(),
         "cameras": session.camera_count(),

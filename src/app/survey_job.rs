@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_jobs::{Job, Outbox, Turn};
-use backlit_take::footage::Footage;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::render::{DrawOptions, Ramp, RendererKind, View, draw};
 use backlit_tracking::segment::SegmentOptions;
@@ -66,7 +66,7 @@ impl Job<Vec<Option<Extent>>> for SurveyJob {
 
 /// The subject together with the body at the take's start, where that stands beside it.
 fn with_start(footage: &Footage, camera: usize, subject: Extent) -> Extent {
-    let (Some(start), model) = (footage.take().start(), footage.model()) else { return subject };
+    let (Some(start), model) = (footage.take().start(), footage.take().model()) else { return subject };
     let kinematics = Kinematics::new(model, start);
     let view = View::new(model, &kinematics, &footage.cameras[camera], RendererKind::Capsule, Ramp::Half);
     let drawn = draw(&view, DrawOptions { gradient: false, motion: None }).prediction;

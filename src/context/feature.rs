@@ -3,7 +3,7 @@
 //! App, shell and settings go through the list in `src/features.rs` and call these methods; a feature leaves out what it does
 //! not have. One frame: `update`, then `pane`, `section` or `card`, then `run` for each command and `answer` for each request.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use egui::Ui;
 
 use crate::context::command::Command;

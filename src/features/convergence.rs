@@ -11,7 +11,7 @@ use std::path::Path;
 
 use backlit_document::run::Run;
 use backlit_document::runs::{BROUGHT_BACK, RunChange};
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use backlit_ui::style::theme::Theme;
 use egui::Ui;
 pub(crate) use quantity::{CurvePoint, Quantity, points};
@@ -142,7 +142,7 @@ impl Convergence {
                 requests.write(path, move || Ok(bytes));
             }
             CurvesFile::Plot => {
-                let name = context.session.take.as_ref().map_or("", |take| take.name.as_str());
+                let name = context.session.take.as_ref().map_or("", |take| take.take().name());
                 let title = format!("{name}, frame {}", context.selection.frame);
                 let runs: Vec<Run> = runs.iter().filter(|run| run.is_shown).cloned().collect();
                 let preferences = self.preferences;

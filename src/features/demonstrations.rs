@@ -3,8 +3,8 @@
 mod explanation;
 mod next;
 
+use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
-use backlit_take::footage::Footage;
 use backlit_take::source::TakeSource;
 use egui::Ui;
 

@@ -4,35 +4,32 @@
 //! |---|---|
 //! | `update` | begun, gone on with, its steps taken in, stopped |
 //! | `job` | the fit, one iteration a step |
-//! | `again` | the same start once more with each renderer, preset or ramp |
-//! | `part` | which rotations a refit may move |
-//! | `refit`, [`refitted`] | the section of that name, and what the last refit has done |
+//! | `variants` | the same start once more with each renderer, preset or ramp; which rotations a refit may move |
+//! | `refit` | the section of that name, and what the last refit has done |
 //! | `stages` | the table of stages in the section of the solver |
 //! | `solver`, `renderer`, `measurement` | the sections of those names |
 
-mod again;
 mod job;
 pub(crate) mod measurement;
-mod part;
-mod refit;
-pub(crate) mod refitted;
+pub(crate) mod refit;
 pub(crate) mod renderer;
 mod solver;
 mod stages;
 #[cfg(test)]
 mod tests;
 mod update;
+mod variants;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use again::Again;
 use backlit_document::history::Gesture;
 use backlit_document::run::RunStep;
 use backlit_jobs::Task;
 use egui::Ui;
-use job::{Fitted, Running};
-use refitted::Refitted;
+use job::{FitMessage, PausedFit};
+use refit::Refitted;
+use variants::VariantRun;
 
 use crate::context::priority;
 use crate::context::{Context, Requests};
@@ -41,11 +38,11 @@ use crate::session::prediction::{FitInputs, Predicted};
 /// The feature.
 #[derive(Debug)]
 pub(crate) struct Fit {
-    task: Task<(), Fitted>,
+    task: Task<(), FitMessage>,
     /// The run that may go on.
     live: Option<LiveRun>,
     /// The fit of that run between two steps.
-    running: Option<Box<Running>>,
+    paused: Option<Box<PausedFit>>,
     /// Steps that were asked for while one was being made.
     pending_steps: usize,
     /// The gesture of what that run does to the document.
@@ -55,7 +52,7 @@ pub(crate) struct Fit {
     /// The last refit of each frame.
     refits: BTreeMap<usize, Refitted>,
     /// What is still to be run from one start, to be compared.
-    again: VecDeque<Again>,
+    again: VecDeque<VariantRun>,
     /// Whether the stages are open to be edited.
     edits_stages: bool,
     /// Time of the last step, in seconds.
@@ -85,7 +82,7 @@ impl Default for Fit {
         Self {
             task: Task::new(priority::FIT),
             live: None,
-            running: None,
+            paused: None,
             pending_steps: 0,
             gesture: None,
             refitting: None,

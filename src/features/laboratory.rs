@@ -30,6 +30,7 @@ mod update;
 
 use backlit_document::run::RunStep;
 use backlit_jobs::Task;
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::body::{Model, Pose};
 
 pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
@@ -100,6 +101,11 @@ impl Default for Laboratory {
 }
 
 impl Laboratory {
+    /// A take was opened: its comparison begins as its demonstration does, if it is one.
+    pub(crate) fn begin_with(&mut self, demonstration: Option<Demonstration>) {
+        self.start = StartChoice::of(demonstration);
+    }
+
     /// Whether fits are being stepped.
     pub(crate) fn is_running(&self) -> bool {
         self.steps.is_busy()

@@ -12,8 +12,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_jobs::{News, Pool, Task, once};
-use backlit_take::footage::Footage;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};

@@ -5,21 +5,17 @@
 //! | `transport` | the row of buttons |
 //! | `span` | which frames are on the screen, and where |
 //! | `lanes` | the curves |
-//! | `motions` | the lane of motions by name |
-//! | `unsure` | the lane of limbs that nothing holds |
-//! | `marks` | ruler, lost and worst frames, the frame on the screen |
-//! | `key_poses` | the diamonds |
+//! | `extra_lanes` | the lanes of motions by name and of limbs that nothing holds |
+//! | `marks` | ruler, key poses, lost and worst frames, the frame on the screen |
 //! | `update` | commands, and how long frames take to be read |
 //! | `read_out` | the frame under the pointer |
 
-mod key_poses;
+mod extra_lanes;
 mod lanes;
 mod marks;
-mod motions;
 mod read_out;
 mod span;
 mod transport;
-mod unsure;
 mod update;
 
 use backlit_ui::style::theme;
@@ -33,7 +29,7 @@ use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::{FrameRange, PlaybackChange};
 use lanes::Lane;
 use marks::RULER;
-use span::{Scale, Span};
+use span::{Span, TimeScale};
 
 /// Width of the names and numbers left of the lanes.
 const NAMES: f32 = 122.0;
@@ -96,8 +92,13 @@ impl Timeline {
         };
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,
-            1 => size::TIMELINE_ONE_LANE + 6.0 + motions::height(context) + unsure::height(context),
-            _ => size::TIMELINE + motions::height(context) + unsure::height(context),
+            1 => {
+                size::TIMELINE_ONE_LANE
+                    + 6.0
+                    + extra_lanes::motions_height(context)
+                    + extra_lanes::unsure_height(context)
+            }
+            _ => size::TIMELINE + extra_lanes::motions_height(context) + extra_lanes::unsure_height(context),
         };
         let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
         Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {
@@ -127,7 +128,7 @@ impl Timeline {
             node.set_max_numeric_value(last as f64);
             node.set_description(format!("Frames {} to {} of 0 to {last}", frames.start(), frames.end()));
         });
-        let scale = Scale::new(span, plot);
+        let scale = TimeScale::new(span, plot);
         let area = Area { plot, scale, count };
         let before = self.span;
         self.act(&area, ui, context, requests, &response);
@@ -138,7 +139,7 @@ impl Timeline {
             marks::marked(ui, plot, &scale, range);
         }
         marks::ruler(ui, plot, &scale, count);
-        let (named, unsure) = (motions::height(context), unsure::height(context));
+        let (named, unsure) = (extra_lanes::motions_height(context), extra_lanes::unsure_height(context));
         let lane_height = (rect.height() - RULER - named - unsure) / lanes.len() as f32;
         let document = context.document();
         for (index, lane) in lanes.iter().enumerate() {
@@ -160,10 +161,10 @@ impl Timeline {
             Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=top + height - 1.0)
         };
         if unsure > 0.0 {
-            unsure::ui(ui, context, names, low(named, unsure), &scale);
+            extra_lanes::unsure(ui, context, names, low(named, unsure), &scale);
         }
         if named > 0.0 {
-            motions::ui(ui, context, names, low(0.0, named), &scale);
+            extra_lanes::motions(ui, context, names, low(0.0, named), &scale);
         }
         if document.estimates.is_empty() && context.busy.track.is_none() {
             let below = plot.with_min_y(plot.top() + RULER);
@@ -171,7 +172,7 @@ impl Timeline {
         }
         marks::on_ruler(ui, context, plot, &scale, count);
         marks::playhead(ui, context, plot, &scale);
-        let key = key_poses::ui(ui, context, requests, plot, &scale, count);
+        let key = marks::key_poses(ui, context, requests, plot, &scale, count);
         let under = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer));
         if let Some(frame) = key.or_else(|| Some(scale.frame_at(under?.x, count))) {
             read_out::ui(ui, context, frame, pos2(scale.x(frame as f64), plot.top()));
@@ -274,7 +275,7 @@ impl Timeline {
 /// The part of the timeline that the frames fill.
 struct Area {
     plot: Rect,
-    scale: Scale,
+    scale: TimeScale,
     count: usize,
 }
 

@@ -245,8 +245,7 @@ impl Tour {
 }
 
 fn shows_built_in(context: &Context<'_>) -> bool {
-    let take = context.session.take.as_ref();
-    take.is_some_and(|take| take.source == Some(TakeSource::BuiltIn))
+    context.session.source == Some(TakeSource::BuiltIn)
 }
 
 /// Who has opened something else, or has lost work to look at first, is left in peace.

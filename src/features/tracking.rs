@@ -19,7 +19,7 @@ mod other_poses;
 mod tests;
 mod update;
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;

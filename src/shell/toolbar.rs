@@ -107,14 +107,14 @@ fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
             "All work is saved."
         }
     );
-    let name = RichText::new(format!("{}{dirty}", take.name)).color(palette.text);
+    let name = RichText::new(format!("{}{dirty}", take.take().name())).color(palette.text);
     ui.add(Label::new(name).truncate()).on_hover_text(hover);
     if !folded {
         let cameras = take.cameras.len();
         let plural = if cameras == 1 { "" } else { "s" };
         ui.add_space(space::ROW);
         let short = format!("{cameras} camera{plural}");
-        let text = format!("{short}, {} fps", format::number(take.frame_rate, 0));
+        let text = format!("{short}, {} fps", format::number(take.take().frame_rate(), 0));
         fitting_label(ui, &[&text, &short], TextStyle::Body, palette.text3);
     }
 }

@@ -1,4 +1,4 @@
-//! Help, and commands that make no sense.
+//! Help, and commands that are wrong.
 
 use crate::scene::{FIT, RENDER, Scene};
 

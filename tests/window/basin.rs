@@ -75,7 +75,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     let footage = state.inspector.state.session.take.as_ref().unwrap();
     let take = backlit_formats::Footage::new(backlit_take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
-    let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
+    let frame = Frame { model: footage.take().model().clone(), views, reference: footage.start() };
     let level = |degrees, metres| Level { degrees, metres };
     let options = Options {
         choices: vec![FitChoice::downhill("Robust", fit)],

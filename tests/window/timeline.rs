@@ -131,7 +131,7 @@ impl Film {
         Self { window, from }
     }
 
-    /// The frame on the screen so many seconds later.
+    /// The frame on the screen some seconds later.
     fn at(&mut self, seconds: f64) -> usize {
         self.window.input_mut().time = Some(self.from + seconds);
         self.window.step();

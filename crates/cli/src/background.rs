@@ -38,9 +38,6 @@ pub struct BackgroundArguments {
 }
 
 /// Learns the plates of all cameras, writes them, and says what each of them knows now.
-///
-/// # Errors
-/// A take or track that cannot be read, or a folder that cannot be written.
 pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
     let motion = Motion::of_written(track_files::read(&arguments.without, arguments.model.as_deref())?);
     let take = take_options::told(Take::open(&arguments.take)?);

@@ -47,9 +47,6 @@ pub struct CameraArguments {
 }
 
 /// Reads, prints and writes.
-///
-/// # Errors
-/// A calibration that cannot be read, a format that cannot hold it, or a file that cannot be written.
 pub(crate) fn run(arguments: &CameraArguments) -> anyhow::Result<()> {
     let options = CalibrationOptions { size: arguments.size, metres_per_unit: arguments.metres_per_unit };
     let found = match &arguments.other {

@@ -20,9 +20,6 @@ pub(crate) enum PictureKind {
 }
 
 /// Reads every camera's picture and takes the lens out of it.
-///
-/// # Errors
-/// A picture that is missing, damaged or of another size; the message names the file.
 pub(crate) fn read(folder: &Path, rig: &Rig, kind: PictureKind) -> anyhow::Result<Vec<FitView>> {
     rig.cameras().iter().map(|camera| view(folder, camera, kind)).collect()
 }

@@ -71,9 +71,6 @@ pub struct ExportArguments {
 }
 
 /// Reads the track and writes it in every format.
-///
-/// # Errors
-/// A track or body that cannot be read, no frame to write, or a folder that cannot be written.
 pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     let track = track_files::path_in(&arguments.track);
     let (motion, up) = if track.extension().is_some_and(|extension| extension == PROJECT) {
@@ -109,9 +106,6 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
 }
 
 /// The poses of a project as they are, and up as its cameras say. Nothing is computed again.
-///
-/// # Errors
-/// A project or take that cannot be read.
 fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
     let document = read_project(path)?.document;
     let source = document.take.clone();

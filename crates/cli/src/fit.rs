@@ -12,15 +12,15 @@ use backlit_formats::pose_file;
 use backlit_runs::track::TakeReader;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::{Fit, FitView, Preset, SolverSummary};
-use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::statistics::Statistics;
 use clap::Args;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::evidence::{self, PictureKind};
 use super::fit_options::{MODEL_HELP, SolverArguments};
-use super::output;
+use super::output::{self, object};
 use super::person;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
@@ -83,9 +83,6 @@ struct Problem {
 }
 
 /// Reads, fits, writes and prints.
-///
-/// # Errors
-/// A file that cannot be read or written, options that contradict each other, or no silhouette at all.
 pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let mut options = arguments.solver.options()?;
     let takes_default_ramp = arguments.solver.ramp.is_none() && arguments.solver.preset == Preset::Robust;
@@ -110,14 +107,14 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
         pose_file::write(path, &model, &summary.pose)?;
     }
     let times = arguments.timing.then(|| Times::of(&times_us)).flatten();
-    let answer = FitAnswer::new(&model, &summary, start_rms, times)?;
+    let answer = answer(&model, &summary, start_rms, times)?;
     output::print_result(arguments.json, &answer, || text(&summary, start_cost, start_rms, times))
 }
 
 fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
     if let (Some(take), Some(frame)) = (&arguments.take, arguments.frame) {
         let footage = take_options::open(take)?;
-        let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
+        let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
         let views = footage.fit_views(&cameras, frame)?;
         let reader = TakeReader::of_silhouettes(footage.clone(), cameras.clone());
         person::check_silhouettes(&reader, &[frame])?;
@@ -169,81 +166,52 @@ impl Times {
     }
 }
 
-/// The answer as JSON has it.
-#[derive(Debug, Serialize)]
-struct FitAnswer {
-    initial_cost: f64,
+/// The answer as JSON has it. `costs` are those at the start, then after every iteration.
+fn answer(
+    model: &Model,
+    summary: &SolverSummary,
     initial_rms: f64,
-    cost: f64,
-    rms: f64,
-    /// Cost at the start, then after every iteration.
-    costs: Vec<f64>,
-    iterations: Vec<IterationAnswer>,
-    termination: TerminationAnswer,
-    empty_cameras: Vec<String>,
-    pose: serde_json::Value,
+    times: Option<Times>,
+) -> anyhow::Result<impl Serialize> {
+    let iterations = summary.iterations.iter().map(|iteration| {
+        object! {
+            stage: iteration.stage,
+            cost: iteration.cost,
+            rms: iteration.rms,
+            trial_cost: iteration.trial_cost,
+            predicted_decrease: iteration.predicted_decrease,
+            actual_decrease: iteration.actual_decrease,
+            damping: iteration.damping,
+            step_norm: iteration.step_norm,
+            accepted: iteration.accepted,
+        }
+    });
+    let later = summary.iterations.iter().map(|iteration| iteration.cost);
+    let pose: Value =
+        serde_json::from_str(&pose_file::to_text(model, &summary.pose)).context("the fitted pose")?;
+    let answer = object! {
+        initial_cost: summary.initial_cost,
+        initial_rms: initial_rms,
+        cost: summary.final_cost,
+        rms: summary.final_rms,
+        costs: std::iter::once(summary.initial_cost).chain(later).collect::<Vec<_>>(),
+        iterations: iterations.collect::<Vec<_>>(),
+        termination: object! {
+            reason: summary.termination.name(),
+            words: ending_text(summary.termination),
+        },
+        empty_cameras: summary.empty_cameras.clone(),
+        pose: pose,
+    };
+    Ok(TimedAnswer { answer, us_per_iteration: times })
+}
+
+#[derive(Debug, Serialize)]
+struct TimedAnswer<A> {
+    #[serde(flatten)]
+    answer: A,
     #[serde(skip_serializing_if = "Option::is_none")]
     us_per_iteration: Option<Times>,
-}
-
-#[derive(Debug, Serialize)]
-struct IterationAnswer {
-    stage: usize,
-    cost: f64,
-    rms: f64,
-    trial_cost: f64,
-    predicted_decrease: f64,
-    actual_decrease: f64,
-    damping: f64,
-    step_norm: f64,
-    accepted: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct TerminationAnswer {
-    reason: &'static str,
-    words: String,
-}
-
-impl From<Termination> for TerminationAnswer {
-    fn from(termination: Termination) -> Self {
-        Self { reason: termination.name(), words: ending_text(termination) }
-    }
-}
-
-impl FitAnswer {
-    fn new(
-        model: &Model,
-        summary: &SolverSummary,
-        initial_rms: f64,
-        us_per_iteration: Option<Times>,
-    ) -> anyhow::Result<Self> {
-        let iterations = summary.iterations.iter().map(|record| IterationAnswer {
-            stage: record.stage,
-            cost: record.cost,
-            rms: record.rms,
-            trial_cost: record.trial_cost,
-            predicted_decrease: record.predicted_decrease,
-            actual_decrease: record.actual_decrease,
-            damping: record.damping,
-            step_norm: record.step_norm,
-            accepted: record.accepted,
-        });
-        let later = summary.iterations.iter().map(|record| record.cost);
-        Ok(Self {
-            initial_cost: summary.initial_cost,
-            initial_rms,
-            cost: summary.final_cost,
-            rms: summary.final_rms,
-            costs: std::iter::once(summary.initial_cost).chain(later).collect(),
-            iterations: iterations.collect(),
-            termination: summary.termination.into(),
-            empty_cameras: summary.empty_cameras.clone(),
-            pose: serde_json::from_str(&pose_file::to_text(model, &summary.pose))
-                .context("the fitted pose")?,
-            us_per_iteration,
-        })
-    }
 }
 
 /// The answer for people: a line a stage.

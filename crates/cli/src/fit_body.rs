@@ -156,9 +156,6 @@ impl FitBodyArguments {
 }
 
 /// Finds the sizes, writes and prints.
-///
-/// # Errors
-/// A take, body or pose that cannot be read, frames without silhouettes, or a file that cannot be written.
 pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         output::check_folder_of(out)?;

@@ -26,9 +26,6 @@ pub(crate) struct RendererArguments {
 
 impl RendererArguments {
     /// The renderer that was asked for, if one was.
-    ///
-    /// # Errors
-    /// A number of spheres for solids that are none.
     pub(crate) fn kind(&self) -> Result<Option<RendererKind>, clap::Error> {
         match (self.renderer, self.spheres) {
             (Some(RendererKind::SphereTree { .. }), spheres) => {
@@ -96,9 +93,6 @@ pub(crate) struct SolverArguments {
 
 impl SolverArguments {
     /// The preset with the changes asked for.
-    ///
-    /// # Errors
-    /// Options that contradict each other.
     pub(crate) fn options(&self) -> Result<FitOptions, clap::Error> {
         let mut options = FitOptions::preset(self.preset);
         if let Some(renderer) = self.renderer.kind()? {

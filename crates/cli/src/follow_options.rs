@@ -42,9 +42,6 @@ pub(crate) struct FollowArguments {
 
 impl FollowArguments {
     /// The fit of a frame, with its prior if it has one.
-    ///
-    /// # Errors
-    /// Options that contradict each other, or a prior that cannot be read.
     pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
         let mut fit = self.solver.options()?;
         if let Some(path) = &self.prior {
@@ -54,9 +51,6 @@ impl FollowArguments {
     }
 
     /// How these frames of a take are followed from this pose.
-    ///
-    /// # Errors
-    /// Options that contradict each other.
     pub(crate) fn plan(&self, take: &Take, start: Pose, frames: &[usize]) -> anyhow::Result<TrackPlan> {
         let default = match self.solver.preset {
             Preset::Report => SearchWord::Never,
@@ -97,9 +91,6 @@ impl FollowArguments {
     }
 
     /// How later frames smooth earlier ones, if they do.
-    ///
-    /// # Errors
-    /// A lag of what is not smoothed.
     pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
         let is_smoothed = self.motion == Some(MotionWord::Smoothed);
         if self.lag.is_some() && !is_smoothed {

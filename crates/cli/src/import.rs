@@ -84,9 +84,6 @@ enum BackgroundWord {
 }
 
 /// Looks, tells and writes.
-///
-/// # Errors
-/// There is no footage or no calibration, they do not go together, or the take cannot be written.
 pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
     let options = ImportOptions {
         calibration: arguments.calibration.clone(),

@@ -1,36 +1,16 @@
-//! Backlit's commands without a window. What a command computes is the core's; here are words and files.
+//! Backlit's commands without a window: one file a command, named after it. What a command computes is the core's; here are
+//! words and files. Beside the commands:
 //!
 //! | file | holds |
 //! |---|---|
-//! | `command` | the commands and their help |
-//! | `fit_options` | options that choose renderer, ramp and solver |
-//! | `render` | `backlit render` |
-//! | `fit` | `backlit fit` |
-//! | `fit_body`, `fit_body_report` | `backlit fit-body` |
+//! | `fit_options`, `take_options`, `follow_options` | options that several commands share |
 //! | `evidence` | silhouettes and grey levels from a folder |
-//! | `import` | `backlit import` |
-//! | `track` | `backlit track` |
-//! | `track_report`, `track_files` | how good a track is, and the files with it |
-//! | `export` | `backlit export` |
-//! | `observability` | `backlit observability` |
-//! | `silhouettes` | `backlit silhouettes` |
-//! | `sync` | `backlit sync` |
-//! | `sphere_tree` | `backlit sphere-tree` |
-//! | `prior` | `backlit prior` |
-//! | `cameras` | `backlit cameras` |
-//! | `recognise` | `backlit recognise` |
-//! | `experiment` | `backlit experiment`: one file an experiment |
-//! | `take_options` | options that choose frames, cameras, start and keypoints to compare with |
-//! | `follow_options` | options that choose how frames are followed |
 //! | `person` | a start and sizes where the take has none |
-//! | `progress` | progress on the terminal |
-//! | `interrupt` | Ctrl+C |
-//! | `table` | tables for people |
-//! | `output` | standard output and folders |
+//! | `track_report`, `track_files`, `fit_body_report` | what a command found, and the files with it |
+//! | `output`, `table`, `progress`, `interrupt` | the terminal, folders, Ctrl+C |
 
 mod background;
 mod cameras;
-mod command;
 mod evidence;
 mod experiment;
 mod export;
@@ -57,5 +37,68 @@ mod track;
 mod track_files;
 mod track_report;
 
-pub use command::Command;
 pub use track::print_robust_track;
+
+use clap::Subcommand;
+
+/// One thing to do without a window.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make a take from footage and a calibration, or from a project of another tool
+    Import(import::ImportArguments),
+    /// Draw the silhouettes that a pose predicts, one picture a camera
+    Render(render::RenderArguments),
+    /// Fit a pose to the silhouettes of one moment
+    Fit(fit::FitArguments),
+    /// Find a person's own lengths and radii from several frames of a take
+    FitBody(fit_body::FitBodyArguments),
+    /// Fit frame after frame of a take; report joint errors, overlap and times
+    Track(track::TrackArguments),
+    /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
+    Export(export::ExportArguments),
+    /// Learn the background of a take again, without the tracked body
+    Background(background::BackgroundArguments),
+    /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
+    Observability(observability::ObservabilityArguments),
+    /// Write the silhouettes of a take as pictures
+    Silhouettes(silhouettes::SilhouetteArguments),
+    /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
+    Sync(sync::SyncArguments),
+    /// Learn from motion files how people move, for track --prior
+    Prior(prior::PriorArguments),
+    /// Show the cameras of a calibration of another tool, and write them in other formats
+    Cameras(cameras::CameraArguments),
+    /// Build nested spheres of a closed triangle mesh
+    SphereTree(sphere_tree::SphereTreeArguments),
+    /// Name motions: walking, running, boxing …; learn names from named motions, and test them
+    Recognise(recognise::RecogniseArguments),
+    /// Run an experiment of the report again: numbers, a table and plots
+    Experiment(experiment::ExperimentArguments),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// An option that is out of range, a file that cannot be read or written; a [`clap::Error`] where the command line
+    /// itself is wrong.
+    pub fn run(&self) -> anyhow::Result<()> {
+        match self {
+            Self::Import(arguments) => import::run(arguments),
+            Self::Render(arguments) => render::run(arguments),
+            Self::Fit(arguments) => fit::run(arguments),
+            Self::FitBody(arguments) => fit_body::run(arguments),
+            Self::Track(arguments) => track::run(arguments),
+            Self::Export(arguments) => export::run(arguments),
+            Self::Background(arguments) => background::run(arguments),
+            Self::Observability(arguments) => observability::run(arguments),
+            Self::Silhouettes(arguments) => silhouettes::run(arguments),
+            Self::Sync(arguments) => sync::run(arguments),
+            Self::Prior(arguments) => prior::run(arguments),
+            Self::Cameras(arguments) => cameras::run(arguments),
+            Self::SphereTree(arguments) => sphere_tree::run(arguments),
+            Self::Recognise(arguments) => recognise::run(arguments),
+            Self::Experiment(arguments) => experiment::run(arguments),
+        }
+    }
+}

@@ -7,14 +7,16 @@ use backlit_results::observability as words;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitView};
-use backlit_tracking::observability::{Direction, FrameInformation, Observability, SubsetFigures};
+use backlit_tracking::observability::{
+    Direction, FrameInformation, JointUncertainty, Observability, SubsetFigures,
+};
 use backlit_words::format;
 use backlit_words::joint::joint_name;
 use clap::Args;
 use serde::Serialize;
 
 use super::fit_options::SolverArguments;
-use super::output;
+use super::output::{self, object};
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 
@@ -51,13 +53,10 @@ pub struct ObservabilityArguments {
 }
 
 /// Reads, fits, looks and prints.
-///
-/// # Errors
-/// A file that cannot be read, a camera that the take does not have, or no silhouette at all.
 pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let options = arguments.solver.options()?;
     let footage = take_options::open(&arguments.take)?;
-    let all: Vec<usize> = (0..footage.cameras().len()).collect();
+    let all: Vec<usize> = (0..footage.cameras.len()).collect();
     let used = take_options::camera_indices(footage.take(), arguments.cameras.as_deref())?;
     let model = Arc::clone(footage.take().model());
     let views = footage.fit_views(&all, arguments.frame)?;
@@ -73,9 +72,7 @@ pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let information = FrameInformation::new(&model, &views, &options, &pose)?;
     let shown = information.observe(&used);
     let subsets = information.compare_subsets(shown.noise);
-    output::print_result(arguments.json, &ObservabilityAnswer::new(&shown, &subsets), || {
-        text(&shown, &subsets)
-    })
+    output::print_result(arguments.json, &answer(&shown, &subsets), || text(&shown, &subsets))
 }
 
 /// One standard deviation at the joint that moves most; degrees where none moves.
@@ -120,56 +117,10 @@ fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
 }
 
 /// The answer as JSON has it; what is without bound is null.
-#[derive(Debug, Serialize)]
-struct ObservabilityAnswer {
-    columns: usize,
-    null: usize,
-    null_below: f64,
-    lever_m: f64,
-    pixel_deviation: f64,
-    together: f64,
-    directions: Vec<DirectionAnswer>,
-    joints: Vec<JointAnswer>,
-    subsets: Vec<SubsetAnswer>,
-}
-
-#[derive(Debug, Serialize)]
-struct DirectionAnswer {
-    value: f64,
-    relative: f64,
-    null: bool,
-    title: String,
-    why: String,
-    deviation: Option<f64>,
-    step: Vec<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct JointAnswer {
-    joint: String,
-    deviation_m: Option<f64>,
-    /// Row by row, m²; of what is seen.
-    covariance: Vec<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct SubsetAnswer {
-    /// Counted from one.
-    cameras: Vec<usize>,
-    null: usize,
-    smallest: f64,
-    worst_joint: String,
-    worst_m: Option<f64>,
-    middle_m: Option<f64>,
-}
-
-fn bounded(value: f64) -> Option<f64> {
-    Some(value).filter(|value| value.is_finite())
-}
-
-impl ObservabilityAnswer {
-    fn new(shown: &Observability, subsets: &[SubsetFigures]) -> Self {
-        let direction = |direction: &Direction| DirectionAnswer {
+fn answer(shown: &Observability, subsets: &[SubsetFigures]) -> impl Serialize {
+    let bounded = |value: f64| Some(value).filter(|value| value.is_finite());
+    let direction = |direction: &Direction| {
+        object! {
             value: direction.value,
             relative: direction.relative,
             null: direction.is_null,
@@ -177,30 +128,36 @@ impl ObservabilityAnswer {
             why: words::why(shown, direction),
             deviation: bounded(direction.deviation),
             step: direction.step.as_slice().to_vec(),
-        };
-        let subset = |set: &SubsetFigures| SubsetAnswer {
-            cameras: set.cameras.iter().map(|camera| camera + 1).collect(),
+        }
+    };
+    // Covariances of what is seen, row by row, m².
+    let joint = |joint: &JointUncertainty| {
+        object! {
+            joint: joint_name(&shown.model, joint.limb.into()),
+            deviation_m: bounded(joint.worst_deviation_m()),
+            covariance: joint.covariance.as_slice().to_vec(),
+        }
+    };
+    // Cameras are counted from one.
+    let subset = |set: &SubsetFigures| {
+        object! {
+            cameras: set.cameras.iter().map(|camera| camera + 1).collect::<Vec<_>>(),
             null: set.null_count,
             smallest: set.smallest,
             worst_joint: joint_name(&shown.model, set.worst.0.into()),
             worst_m: bounded(set.worst.1),
             middle_m: bounded(set.median_m),
-        };
-        let joints = shown.joints.iter().map(|joint| JointAnswer {
-            joint: joint_name(&shown.model, joint.limb.into()),
-            deviation_m: bounded(joint.worst_deviation_m()),
-            covariance: joint.covariance.as_slice().to_vec(),
-        });
-        Self {
-            columns: shown.directions.len(),
-            null: shown.null_count(),
-            null_below: shown.null_below,
-            lever_m: shown.lever_m,
-            pixel_deviation: shown.noise.pixel_deviation,
-            together: shown.noise.together,
-            directions: shown.directions.iter().map(direction).collect(),
-            joints: joints.collect(),
-            subsets: subsets.iter().map(subset).collect(),
         }
+    };
+    object! {
+        columns: shown.directions.len(),
+        null: shown.null_count(),
+        null_below: shown.null_below,
+        lever_m: shown.lever_m,
+        pixel_deviation: shown.noise.pixel_deviation,
+        together: shown.noise.together,
+        directions: shown.directions.iter().map(direction).collect::<Vec<_>>(),
+        joints: shown.joints.iter().map(joint).collect::<Vec<_>>(),
+        subsets: subsets.iter().map(subset).collect::<Vec<_>>(),
     }
 }

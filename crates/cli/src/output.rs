@@ -8,6 +8,19 @@ use anyhow::{Context, bail};
 use backlit_formats::text::shown;
 use serde::Serialize;
 
+/// A value for JSON whose keys keep the order in which they stand here.
+macro_rules! object {
+    ($($key:ident: $value:expr),* $(,)?) => {{
+        #[expect(non_camel_case_types, reason = "each field has a type of its own, named after it")]
+        mod ordered {
+            #[derive(Debug, serde::Serialize)]
+            pub(super) struct Object<$($key),*> { $(pub(super) $key: $key),* }
+        }
+        ordered::Object { $($key: $value),* }
+    }};
+}
+pub(crate) use object;
+
 /// Prints text as it is. A reader that has heard enough (`| head`) is no error.
 ///
 /// # Errors
@@ -29,9 +42,6 @@ pub fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
 }
 
 /// Prints what a command has found: as JSON or as text.
-///
-/// # Errors
-/// Standard output cannot be written to.
 pub(crate) fn print_result<T: Serialize>(
     json: bool,
     value: &T,
@@ -40,7 +50,7 @@ pub(crate) fn print_result<T: Serialize>(
     if json { print_json(value) } else { print(&text()) }
 }
 
-/// A number with so many digits, or a dash.
+/// A number with this many digits, or a dash.
 pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
 }

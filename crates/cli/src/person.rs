@@ -42,9 +42,6 @@ struct SizesFound {
 }
 
 /// Where to begin in a frame without a start.
-///
-/// # Errors
-/// Nobody is seen, or the silhouettes do not meet.
 pub(crate) fn search_start(
     footage: &Footage,
     cameras: &[usize],
@@ -62,9 +59,6 @@ fn no_start(frame: usize) -> String {
 }
 
 /// Looks at the silhouettes of some of these frames, and says on standard error which cameras' cannot be right.
-///
-/// # Errors
-/// No camera shows a person in any of them.
 pub(crate) fn check_silhouettes(reader: &TakeReader, frames: &[usize]) -> anyhow::Result<()> {
     let found = survey(reader, frames, LOOKED_AT, &CancelToken::new());
     found.check()?;
@@ -73,9 +67,6 @@ pub(crate) fn check_silhouettes(reader: &TakeReader, frames: &[usize]) -> anyhow
 }
 
 /// Finds what is lacking and says so on standard error: a start, and where that is asked for the person's own sizes.
-///
-/// # Errors
-/// A picture cannot be read, or nobody is seen.
 pub(crate) fn find(
     reader: &TakeReader,
     search: PersonSearch,

@@ -43,9 +43,6 @@ pub struct PriorArguments {
 }
 
 /// Learns, writes and tells.
-///
-/// # Errors
-/// No motion, a file that cannot be read, or one that cannot be written.
 pub(crate) fn run(arguments: &PriorArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let clips = prior_file::clips(&arguments.train)?;

@@ -7,7 +7,7 @@ use backlit_runs::track::{FrameReader, ReadAhead};
 use backlit_tracking::cancel::CancelToken;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar for so many frames.
+/// A bar for this number of frames.
 pub(crate) fn bar(frames: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left  {msg}");
     ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
@@ -21,9 +21,6 @@ pub(crate) fn spinner() -> ProgressBar {
 }
 
 /// Hands over these frames one by one. While one is used, the next are read and segmented.
-///
-/// # Errors
-/// The first picture that cannot be read, or what `use_frame` returns.
 pub(crate) fn each_frame<R: FrameReader>(
     reader: &Arc<R>,
     frames: &[usize],

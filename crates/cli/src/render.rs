@@ -65,9 +65,6 @@ pub struct RenderArguments {
 }
 
 /// Draws and writes.
-///
-/// # Errors
-/// A file that cannot be read or written, or a Jacobian of absurd size.
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let renderer = arguments.renderer.kind()?.unwrap_or_default();
     let model = model_file::resolve(&arguments.model)?;

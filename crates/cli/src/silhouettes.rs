@@ -35,14 +35,11 @@ pub struct SilhouetteArguments {
 }
 
 /// Segments and writes.
-///
-/// # Errors
-/// A take that cannot be read or a folder that cannot be written.
 pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let frames = arguments.part.frames(footage.take())?;
     let indices = arguments.part.cameras(footage.take())?;
-    let cameras: Vec<_> = indices.iter().map(|&camera| (*footage.cameras()[camera]).clone()).collect();
+    let cameras: Vec<_> = indices.iter().map(|&camera| (*footage.cameras[camera]).clone()).collect();
     for camera in &cameras {
         output::check_file_stem(camera.name())?;
         output::make_folder(&arguments.out.join(camera.name()))?;

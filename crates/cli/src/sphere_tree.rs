@@ -49,9 +49,6 @@ pub struct SphereTreeArguments {
 }
 
 /// Reads, builds, writes and tells.
-///
-/// # Errors
-/// A mesh that cannot be read or bounds no solid, or a file that cannot be written.
 pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let ending = arguments.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());

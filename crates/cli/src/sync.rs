@@ -51,9 +51,6 @@ fn some_frames(text: &str) -> Result<usize, String> {
 }
 
 /// Looks, tells and writes.
-///
-/// # Errors
-/// A take that cannot be read or has one camera only, or a take file that cannot be written.
 pub(crate) fn run(arguments: &SyncArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let farthest_s = arguments.within.unwrap_or(f64::INFINITY);

@@ -36,9 +36,6 @@ pub(crate) struct PartArguments {
 
 impl PartArguments {
     /// The frames asked for, in order.
-    ///
-    /// # Errors
-    /// A range that is empty or leaves the take.
     pub(crate) fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
         let count = take.frame_count();
         let range = self.frames.unwrap_or_default();
@@ -56,18 +53,12 @@ impl PartArguments {
     }
 
     /// Indices of the cameras asked for, in the take's order.
-    ///
-    /// # Errors
-    /// A name that no camera has.
     pub(crate) fn cameras(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
         camera_indices(take, self.cameras.as_deref()).context("--cameras")
     }
 }
 
 /// Indices of the cameras with these names, in the take's order; of all without names.
-///
-/// # Errors
-/// A name that no camera has.
 pub(crate) fn camera_indices(take: &Take, names: Option<&[String]>) -> Result<Vec<usize>, RigError> {
     let rig = take.rig();
     let Some(names) = names else { return Ok((0..rig.count()).collect()) };
@@ -127,9 +118,6 @@ impl StartArguments {
     }
 
     /// The pose to begin `frame` with; `None` where the take has nothing to begin with.
-    ///
-    /// # Errors
-    /// A pose file that cannot be read.
     pub(crate) fn known_pose(&self, take: &Take, frame: usize) -> anyhow::Result<Option<Pose>> {
         let pose = match &self.start {
             Some(path) if path == Path::new("reference") => {
@@ -147,9 +135,6 @@ impl StartArguments {
     }
 
     /// The pose to begin `frame` with: as [`known_pose`](Self::known_pose), else found from the silhouettes.
-    ///
-    /// # Errors
-    /// A pose file that cannot be read, or silhouettes that show nobody.
     pub(crate) fn pose(
         &self,
         footage: &Footage,
@@ -168,9 +153,6 @@ impl StartArguments {
     }
 
     /// The pose to begin with where there is no take.
-    ///
-    /// # Errors
-    /// No pose was named, or the file cannot be read.
     pub(crate) fn pose_of(&self, model: &Model) -> anyhow::Result<Pose> {
         let Some(path) = &self.start else {
             let message = "without a take, --start POSE is needed\n";
@@ -217,9 +199,6 @@ pub(crate) struct ReferenceArguments {
 
 impl ReferenceArguments {
     /// The take with these keypoints, if any are named.
-    ///
-    /// # Errors
-    /// They cannot be read.
     pub(crate) fn take(&self, take: &Take) -> anyhow::Result<Option<Take>> {
         let Some(path) = &self.reference else { return Ok(None) };
         let judge = take.with_reference(path, self.reference_axes, self.reference_first);
@@ -232,9 +211,6 @@ fn axes(text: &str) -> Result<Axes, &'static str> {
 }
 
 /// Opens a take: its folder or its take file.
-///
-/// # Errors
-/// What is wrong with it, by file, line, camera and frame.
 pub(crate) fn open(path: &Path) -> anyhow::Result<Arc<Footage>> {
     if path.is_dir() && !path.join("take.toml").exists() {
         bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
@@ -243,9 +219,6 @@ pub(crate) fn open(path: &Path) -> anyhow::Result<Arc<Footage>> {
 }
 
 /// The same with another body in place of the take's, if one is named: a file, or a built-in one.
-///
-/// # Errors
-/// As [`open`]; or the body cannot be read, or has not the limbs that the take's start and reference name.
 pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Arc<Footage>> {
     let Some(model) = model else { return open(path) };
     Ok(Arc::new(Footage::new(told(Take::open_with_model(path, model_file::resolve(model)?)?))))

@@ -91,9 +91,6 @@ pub struct TrackArguments {
 }
 
 /// Tracks, writes and prints.
-///
-/// # Errors
-/// A take that cannot be read. What was tracked until then is written.
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
@@ -104,8 +101,8 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let footage = open(arguments, earlier.as_ref())?;
     let known_notes = footage.take().notes();
     let all_frames = arguments.part.frames(footage.take())?;
-    let prepared = Prepared::new(arguments, footage, &all_frames, earlier, smoothing, &cancel)?;
-    let Prepared { reader, frames, start, begun, earlier } = prepared;
+    let inputs = TrackInputs::new(arguments, footage, &all_frames, earlier, smoothing, &cancel)?;
+    let TrackInputs { reader, frames, start, begun, earlier } = inputs;
     let take = reader.footage.take();
     let judge = arguments.reference.take(take)?;
     let known = earlier.as_ref().and_then(Earlier::noise);
@@ -149,9 +146,6 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
 }
 
 /// The take, with the body of an earlier track if that is gone on with.
-///
-/// # Errors
-/// A take or a body that cannot be read.
 fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Arc<Footage>> {
     let Some(earlier) = earlier else {
         return take_options::open_with_model(&arguments.take, arguments.model.as_deref());
@@ -161,7 +155,7 @@ fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result
 }
 
 /// What is known before the first frame is tracked.
-struct Prepared<'a> {
+struct TrackInputs<'a> {
     reader: Arc<TakeReader>,
     frames: &'a [usize],
     start: Pose,
@@ -170,7 +164,7 @@ struct Prepared<'a> {
     earlier: Option<Earlier>,
 }
 
-impl<'a> Prepared<'a> {
+impl<'a> TrackInputs<'a> {
     fn new(
         arguments: &TrackArguments,
         footage: Arc<Footage>,
@@ -210,9 +204,6 @@ impl<'a> Prepared<'a> {
 }
 
 /// How the frames are followed. Noise that is `known` from an earlier track is not estimated again.
-///
-/// # Errors
-/// Options that contradict each other or the take, or pictures that cannot be read while the noise is tuned.
 fn plan(
     arguments: &TrackArguments,
     reader: &Arc<TakeReader>,
@@ -226,7 +217,7 @@ fn plan(
     if arguments.tune && !follow.is_kalman() {
         bail!("--tune is for --motion kalman or smoothed");
     }
-    if let Some(noise) = known {
+    if let Some(noise) = known.filter(|_| follow.is_kalman()) {
         plan.motion = Motion::Kalman(noise);
     } else if arguments.tune {
         plan.motion = Motion::Kalman(tuned(&plan, reader, follow.noise()?, cancel)?);
@@ -288,10 +279,7 @@ fn ended(ending: TrackEnding) -> Option<anyhow::Error> {
     }
 }
 
-/// Tracks so many frames into a report, with a progress bar on a terminal.
-///
-/// # Errors
-/// The first picture that cannot be read, or [`Interrupted`]. The report has what was tracked before.
+/// Tracks all frames into a report, with a progress bar on a terminal.
 pub(crate) fn follow(
     take: &Take,
     run: &mut TrackRun<TakeReader>,
@@ -344,9 +332,6 @@ pub(crate) fn take_in<F>(
 }
 
 /// Measures the overlaps of frames again in these reports, as after smoothing has moved their poses.
-///
-/// # Errors
-/// The first picture that cannot be read.
 pub(crate) fn measure_overlaps(
     reader: &TakeReader,
     frames: &[usize],

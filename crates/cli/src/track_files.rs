@@ -28,9 +28,6 @@ const SUMMARY: &str = "summary.json";
 const MAX_SUMMARY: u64 = 1 << 20;
 
 /// Writes all files: all of them, or none.
-///
-/// # Errors
-/// The folder is not writable; the message names the file.
 fn write(folder: &Path, take: &Take, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
     let cameras: Vec<&str> = report.cameras.iter().map(String::as_str).collect();
     let export = TrackExport {
@@ -100,9 +97,6 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes all there is; where that cannot be, into a folder for temporary files.
-    ///
-    /// # Errors
-    /// It could not be written where it was wanted; the message says where it is, if anywhere.
     pub(crate) fn at_the_end(&self, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
         let Err(error) = self.write(report, resume) else { return Ok(()) };
         let other = std::env::temp_dir().join(format!("backlit-track-{}", std::process::id()));
@@ -126,9 +120,6 @@ pub(crate) struct Earlier {
 
 impl Earlier {
     /// Reads it from the folder of the results.
-    ///
-    /// # Errors
-    /// There is none, or it cannot be read.
     pub(crate) fn read(folder: &Path, model: Option<&str>) -> anyhow::Result<Self> {
         let path = folder.join("track.json");
         let written = read(&path, model).context("--resume")?;
@@ -137,9 +128,6 @@ impl Earlier {
     }
 
     /// Reads what the tracker knew after its last frame.
-    ///
-    /// # Errors
-    /// It is not there or cannot be read, is of another frame, or of a track that was smoothed in another way.
     pub(crate) fn recall(&mut self, folder: &Path, smoothing: Option<Smoothing>) -> anyhow::Result<()> {
         let path = folder.join(RESUME);
         let resume = resume_file::read(&path, &self.written.model).context("--resume")?;
@@ -165,9 +153,6 @@ impl Earlier {
     }
 
     /// The run and the report as they were.
-    ///
-    /// # Errors
-    /// Other options than the earlier track's, or pictures of its last frame that cannot be read.
     pub(crate) fn go_on(
         self,
         take: &Take,
@@ -194,9 +179,6 @@ impl Earlier {
     }
 
     /// The frames that it has not tracked, of those that are wanted.
-    ///
-    /// # Errors
-    /// It is of another take, other cameras, or other frames.
     pub(crate) fn frames_left<'a>(
         &self,
         take: &Take,
@@ -251,9 +233,6 @@ pub(crate) fn path_in(track: &Path) -> PathBuf {
 
 /// Reads a track, from its file or its folder. Its body is this model, or else the one that lies beside it if it is the
 /// track's, or else the built-in one that it names.
-///
-/// # Errors
-/// A track or body that cannot be read, or another body than the track's.
 pub(crate) fn read(track: &Path, model: Option<&str>) -> anyhow::Result<WrittenTrack> {
     let path = path_in(track);
     let beside = path.with_file_name(BODY);

@@ -112,7 +112,7 @@ impl TrackReport {
         }
     }
 
-    /// Adds a frame that took so many milliseconds. One that is not final is written on the way, and judged once it is smoothed.
+    /// Adds a frame. One that is not final is written on the way, and judged once it is smoothed.
     pub(crate) fn add(&mut self, take: &Take, mut estimate: FrameEstimate, is_final: bool, time_ms: f64) {
         self.times_ms.push(time_ms);
         if is_final {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use backlit_take::replacement::Calibration;
+use backlit_formats::footage::replacement::Calibration;
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::segment::SegmentOptions;
@@ -191,7 +191,7 @@ impl Document {
     /// Makes a change.
     ///
     /// # Errors
-    /// The change makes no sense for this document, which then stays as it was.
+    /// The document cannot be changed in this way; it stays as it was.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         match edit {
             Edit::SetPose { frame, pose, .. } => self.set_pose(frame, &pose)?,

@@ -29,7 +29,7 @@ impl Version {
 pub struct History {
     document: Document,
     runs: Runs,
-    undo: Vec<Entry>,
+    undo: Vec<UndoEntry>,
     redo: Vec<Snapshot>,
     /// Gesture of the newest entry, as long as it may grow.
     open: Option<Gesture>,
@@ -50,14 +50,14 @@ struct Snapshot {
 
 /// What can be undone.
 #[derive(Debug, Clone)]
-enum Entry {
+enum UndoEntry {
     /// A change of the document.
     Document(Box<Snapshot>),
     /// Runs that were removed.
     Runs(Vec<Run>),
 }
 
-impl Entry {
+impl UndoEntry {
     fn snapshot(&self) -> Option<&Snapshot> {
         match self {
             Self::Document(snapshot) => Some(snapshot),
@@ -143,7 +143,7 @@ impl History {
         let grows = gesture.is_some() && gesture == self.open && self.newest_edit().is_some();
         if !grows {
             let snapshot = Snapshot { document: before, revision: self.revision, what };
-            self.remember(Entry::Document(Box::new(snapshot)));
+            self.remember(UndoEntry::Document(Box::new(snapshot)));
         }
         self.open = gesture;
         self.redo.clear();
@@ -159,27 +159,27 @@ impl History {
         }
         if change == RunChange::Restore {
             let newest = self.undo.iter().rposition(|entry| entry.snapshot().is_none());
-            if let Some(Entry::Runs(removed)) = newest.map(|index| self.undo.remove(index)) {
+            if let Some(UndoEntry::Runs(removed)) = newest.map(|index| self.undo.remove(index)) {
                 self.runs.bring_back(removed);
             }
             return;
         }
         let removed = self.runs.apply(change);
         if !removed.is_empty() {
-            self.remember(Entry::Runs(removed));
+            self.remember(UndoEntry::Runs(removed));
         }
     }
 
     /// Goes back to before the newest entry and says what was undone.
     pub fn undo(&mut self) -> Option<Undone> {
         Some(match self.undo.pop()? {
-            Entry::Document(snapshot) => {
+            UndoEntry::Document(snapshot) => {
                 let left = self.go(*snapshot);
                 let what = left.what.clone();
                 self.redo.push(left);
                 Undone::Edit(what)
             }
-            Entry::Runs(removed) => {
+            UndoEntry::Runs(removed) => {
                 self.runs_revision += 1;
                 self.runs.bring_back(removed);
                 Undone::RemovedRuns
@@ -192,7 +192,7 @@ impl History {
         let snapshot = self.redo.pop()?;
         let left = self.go(snapshot);
         let what = left.what.clone();
-        self.undo.push(Entry::Document(Box::new(left)));
+        self.undo.push(UndoEntry::Document(Box::new(left)));
         Some(what)
     }
 
@@ -203,7 +203,7 @@ impl History {
 
     /// Whether [`undo`](Self::undo) would bring runs back and leave the document as it is.
     pub fn undo_brings_runs_back(&self) -> bool {
-        matches!(self.undo.last(), Some(Entry::Runs(_)))
+        matches!(self.undo.last(), Some(UndoEntry::Runs(_)))
     }
 
     /// Whether runs were removed that can be brought back.
@@ -226,7 +226,7 @@ impl History {
     pub fn cancel(&mut self, gesture: Gesture) -> bool {
         let is_open = self.open.take() == Some(gesture);
         let Some(newest) = self.newest_edit().filter(|_| is_open) else { return false };
-        if let Entry::Document(snapshot) = self.undo.remove(newest) {
+        if let UndoEntry::Document(snapshot) = self.undo.remove(newest) {
             self.go(*snapshot);
         }
         true
@@ -255,7 +255,7 @@ impl History {
         self.undo.iter().rposition(|entry| entry.snapshot().is_some())
     }
 
-    fn remember(&mut self, entry: Entry) {
+    fn remember(&mut self, entry: UndoEntry) {
         self.undo.push(entry);
         if self.undo.len() > MAX_ENTRIES {
             self.undo.remove(0);

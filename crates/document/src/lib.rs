@@ -17,16 +17,18 @@ pub mod tracking_choices;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use backlit_take::replacement::{Calibration, MaskFiles, PlateFiles};
+use backlit_formats::footage::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
+use serde::{Deserialize, Serialize};
 
 use crate::tracking_choices::TrackingChoices;
 
 /// What one camera does in the fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CameraUse {
     /// The camera's name in the take.
     pub name: String,
@@ -37,7 +39,8 @@ pub struct CameraUse {
 }
 
 /// How a frame's pose was found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Origin {
     /// By steps of a fit on this frame alone.
     Fit,
@@ -45,25 +48,38 @@ pub enum Origin {
     Track,
 }
 
-/// The pose that a fit or the tracker found for a frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
+/// The pose that a fit or the tracker found for a frame; in a project's file the pose is written by limb.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimate<P = Pose> {
     /// The pose.
-    pub pose: Pose,
+    pub pose: P,
     /// What found it.
     pub origin: Origin,
     /// Cost in squared grey levels; `None` where nobody was in the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
     /// Root mean square residual per pixel, grey levels; `None` likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms: Option<f64>,
     /// Intersection over union of body and silhouettes, all cameras together, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub iou: Option<f64>,
     /// Accepted and rejected steps.
     pub steps: usize,
     /// Whether the tracker says that it lost the subject.
     pub lost: bool,
     /// Whether the body has had another size since: its numbers are those of the old one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_stale: bool,
+}
+
+impl<P> Estimate<P> {
+    /// The same with the pose in another form.
+    pub(crate) fn with_pose<Q>(&self, pose: Q) -> Estimate<Q> {
+        let &Self { origin, cost, rms, iou, steps, lost, is_stale, .. } = self;
+        Estimate { pose, origin, cost, rms, iou, steps, lost, is_stale }
+    }
 }
 
 /// The document.

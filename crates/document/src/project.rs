@@ -5,27 +5,24 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `error` | `ProjectError`: what can be wrong |
-//! | `record` | the file as it is |
-//! | `reader` | from the file to a document that holds together |
+//! | `record` | the file as it is, and the document, both ways |
 //! | `run_record` | the runs of the fit, both ways |
 
-mod error;
-mod reader;
 mod record;
 mod run_record;
 
-pub use error::ProjectError;
+use std::path::{Path, PathBuf};
 
-use std::path::Path;
-
-use backlit_formats::{DiskFiles, TakeFiles, atomic, json_text};
+use backlit_formats::{DiskFiles, FileError, TakeFiles, atomic, json_text};
+use backlit_tracking::body::{ModelError, PoseError};
+use backlit_tracking::fit::OptionsError;
+use backlit_tracking::segment::SegmentError;
 use serde::Deserialize;
+use thiserror::Error;
 
 use crate::Document;
 use crate::run::Run;
-use reader::Reader;
-use record::{ProjectFile, to_file};
+use record::ProjectFile;
 
 /// Name and version of the project file's format.
 pub const FORMAT: &str = "backlit-project 1";
@@ -42,13 +39,63 @@ pub struct Project {
     pub runs: Vec<Run>,
 }
 
+/// Why a project cannot be read or written.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ProjectError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{}: {error}", path.display())]
+    Json { path: PathBuf, error: serde_json::Error },
+    #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
+    Cut { path: PathBuf, line: usize },
+    #[error("{}: {problem}", path.display())]
+    Content { path: PathBuf, problem: ProjectProblem },
+}
+
+/// What is wrong with the content of a project's file.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ProjectProblem {
+    #[error("`format` is \"{found}\"; expected \"{FORMAT}\"")]
+    Format { found: String },
+    #[error(
+        "a newer Backlit wrote this project (\"{found}\"; this one reads \"{FORMAT}\"): open it with that one"
+    )]
+    Newer { found: String },
+    #[error("`model`: {0}")]
+    Model(ModelError),
+    #[error("`{field}`: {error}")]
+    Pose { field: String, error: PoseError },
+    #[error("`{field}` names the limb \"{limb}\", which the model does not have")]
+    Limb { field: String, limb: String },
+    #[error(
+        "`{field}` names the limb \"{limb}\", which has no rotation of its own: it turns with the limb before it"
+    )]
+    Rigid { field: String, limb: String },
+    #[error("`{field}` is {value}; expected {expected}")]
+    Number { field: String, value: f64, expected: &'static str },
+    #[error("`measurement` has {count} entries; expected one for each of the {cameras} cameras")]
+    Measurements { count: usize, cameras: usize },
+    #[error("`{field}` names the camera \"{camera}\", which the take does not have")]
+    Camera { field: String, camera: String },
+    #[error("`{field}`: {error}")]
+    Fit { field: String, error: OptionsError },
+    #[error("`measurement`, camera {index} counted from 0: {error}")]
+    Measurement { index: usize, error: SegmentError },
+    #[error("`cameras`: the weight of {camera} is {weight}; expected a number, 0 or above")]
+    Weight { camera: String, weight: f64 },
+    #[error(transparent)]
+    Calibration(FileError),
+}
+
 /// Writes a document and the runs of the fit, each of these in one line. The file appears whole or not at all.
 ///
 /// # Errors
 /// The file system says no.
 pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
     let json = |error| ProjectError::Json { path: path.to_owned(), error };
-    let file = to_file(document, runs);
+    let file = ProjectFile::of(document, runs);
     let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
     if !file.runs.is_empty() {
         let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
@@ -66,6 +113,7 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
 /// The first thing that is wrong, with the file and the field.
 pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
     let text = DiskFiles.read(path, MAX_BYTES)?;
+    let wrong = |problem| ProjectError::Content { path: path.to_owned(), problem };
     let json = |error: serde_json::Error| {
         let path = path.to_owned();
         if error.is_eof() {
@@ -77,16 +125,19 @@ pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
     // The version first: another version's fields would only confuse.
     let header: Header = serde_json::from_slice(&text).map_err(json)?;
     if header.format != FORMAT {
-        let (path, found) = (path.to_owned(), header.format);
+        let found = header.format;
         let is_newer = version(&found) > version(FORMAT);
-        return Err(if is_newer {
-            ProjectError::Newer { path, found }
+        return Err(wrong(if is_newer {
+            ProjectProblem::Newer { found }
         } else {
-            ProjectError::Format { path, found }
-        });
+            ProjectProblem::Format { found }
+        }));
     }
     let file: ProjectFile = json_text::parse_bytes(path, &text)?;
-    Reader { path }.project(file)
+    file.into_project(path).map_err(|problem| match problem {
+        ProjectProblem::Calibration(error) => ProjectError::File(error),
+        problem => wrong(problem),
+    })
 }
 
 /// The version of a project's format; none of another format's.
@@ -104,7 +155,6 @@ struct Header {
 mod tests {
     use backlit_tracking::optimize::Iteration;
     use std::collections::BTreeMap;
-    use std::path::PathBuf;
     use std::sync::Arc;
 
     use backlit_tracking::body::{Parameters, builtin};
@@ -118,7 +168,7 @@ mod tests {
     use crate::runs::StepRef;
     use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody, TrackingChoices};
     use crate::{CameraUse, Estimate, Origin, likely_poses};
-    use backlit_take::replacement::Calibration;
+    use backlit_formats::footage::replacement::Calibration;
     use backlit_take::source::TakeSource;
 
     fn example() -> Document {

@@ -18,7 +18,7 @@ pub enum Following {
     Kalman,
     /// The same, and at the end every frame is smoothed by later ones.
     Smoothed {
-        /// By so many later frames; by all of them where `None`.
+        /// How many later frames count; all of them where `None`.
         lag: Option<usize>,
     },
 }

@@ -1,42 +1,46 @@
-//! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes.
+//! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes. The user can replace
+//! the take's cameras, plates and silhouettes by others.
 
-use std::sync::{Arc, OnceLock};
+mod frame;
+mod prepared;
+pub mod replacement;
 
-use backlit_tracking::camera::{Camera, Rectification};
+use std::sync::Arc;
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::{Evidence, FitView};
-use backlit_tracking::segment::{Background, BackgroundError, SegmentError, SegmentOptions, segment};
-use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::search::start;
+use backlit_tracking::segment::{BackgroundError, SegmentError, SegmentOptions};
+use backlit_tracking::silhouette::Mask;
 use image::RgbImage;
 use image::imageops::grayscale;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::take::Known;
-use super::{Take, TakeError, keypoints, masks};
+pub use frame::{CameraFrame, DrawnPictures, FrameData, MadeWith, UNKNOWN_GREY};
+use prepared::PreparedTake;
+use replacement::{Calibration, MaskFiles, PlateFiles, ReplacementError, read_mask};
 
-/// A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
-///
-/// Guaranteed: pictures and masks are of their camera's size, and [`cameras`](Self::cameras) have no distortion.
-#[derive(Debug)]
+use crate::{Take, TakeError};
+
+/// A take with everything that is made once for all its frames; cheap to clone.
+#[derive(Debug, Clone)]
 pub struct Footage {
-    take: Take,
-    cameras: Vec<Arc<Camera>>,
-    rectifications: Vec<Rectification>,
-    /// The same for pictures at their full size, made when one is asked for.
-    full_rectifications: Vec<OnceLock<Rectification>>,
-    /// Pixels of every camera that its lens does not see.
-    unseen: Vec<Vec<usize>>,
-    backgrounds: Vec<OnceLock<Learnt>>,
-}
-
-/// A background, and the pixels that the subject covers in every frame.
-#[derive(Debug)]
-struct Learnt {
-    background: Background,
-    always_subject: Vec<usize>,
-    /// Pixels of which neither the background nor the subject is known.
-    unknown: Vec<usize>,
+    /// The cameras of the pictures, in the take's order: without distortion.
+    pub cameras: Arc<Vec<Arc<Camera>>>,
+    /// Cameras in the place of the take's, if there are any.
+    pub calibration: Option<Arc<Calibration>>,
+    /// Plates in the place of the take's.
+    pub plates: Arc<PlateFiles>,
+    /// Silhouettes in the place of those that are measured.
+    pub masks: Arc<MaskFiles>,
+    /// What the pictures are if they were drawn, not filmed.
+    pub drawn: Option<DrawnPictures>,
+    prepared: Arc<PreparedTake>,
+    /// The take as its files have it.
+    original: Arc<PreparedTake>,
 }
 
 /// Why a picture or a silhouette cannot be had.
@@ -45,6 +49,8 @@ struct Learnt {
 pub enum FootageError {
     #[error(transparent)]
     Take(#[from] TakeError),
+    #[error(transparent)]
+    Replacement(#[from] ReplacementError),
     #[error("camera \"{camera}\": the picture is not of the camera's size")]
     Size { camera: String },
     #[error(
@@ -61,28 +67,68 @@ impl Footage {
     /// Prepares a take. Backgrounds are read when they are first needed.
     #[must_use]
     pub fn new(take: Take) -> Self {
-        let cameras = take.rig().cameras();
-        let rectifications: Vec<Rectification> = cameras.iter().map(Rectification::new).collect();
+        let prepared = Arc::new(PreparedTake::new(take));
         Self {
-            cameras: cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect(),
-            unseen: rectifications.iter().map(Rectification::unseen).collect(),
-            full_rectifications: cameras.iter().map(|_| OnceLock::new()).collect(),
-            rectifications,
-            backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
-            take,
+            cameras: prepared.cameras.clone(),
+            calibration: None,
+            plates: Arc::default(),
+            masks: Arc::default(),
+            drawn: None,
+            original: prepared.clone(),
+            prepared,
         }
     }
 
-    /// The take itself.
+    /// The same seen by the cameras of a calibration, or by the take's own again, and with these plates in the place of the
+    /// take's. A calibration of other cameras than the take's changes nothing but [`calibration`](Self::calibration).
     #[must_use]
-    pub fn take(&self) -> &Take {
-        &self.take
+    pub fn with_replacements(&self, calibration: Option<Arc<Calibration>>, plates: Arc<PlateFiles>) -> Self {
+        let own = &self.original.take;
+        let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
+        let prepared = match (rig.and_then(|rig| own.with_rig(rig)), plates.is_empty()) {
+            (None, true) => self.original.clone(),
+            (None, false) => Arc::new(PreparedTake::new(own.with_plates(&plates))),
+            (Some(take), _) => Arc::new(PreparedTake::new(take.with_plates(&plates))),
+        };
+        Self { calibration, plates, cameras: prepared.cameras.clone(), prepared, ..self.clone() }
     }
 
-    /// The cameras of the pictures: without distortion, in the take's order.
+    /// The take, with the calibration and the plates that replace its own.
     #[must_use]
-    pub fn cameras(&self) -> &[Arc<Camera>] {
-        &self.cameras
+    pub fn take(&self) -> &Take {
+        &self.prepared.take
+    }
+
+    /// The take as its files have it.
+    #[must_use]
+    pub fn original(&self) -> &Take {
+        &self.original.take
+    }
+
+    /// Whether both are of the very same take, whatever replaces parts of it.
+    #[must_use]
+    pub fn shares_take_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.original, &other.original)
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.take().frame_count()
+    }
+
+    /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
+    /// one at rest before the cameras.
+    #[must_use]
+    pub fn start(&self) -> Pose {
+        let (take, model) = (self.take(), self.take().model());
+        let from_reference =
+            || take.reference().and_then(|reference| start::from_joints(model, &reference.joints(0)));
+        take.start().cloned().or_else(from_reference).unwrap_or_else(|| {
+            let mut pose = Pose::rest(model);
+            pose.root = middle_of_view(&self.cameras);
+            pose
+        })
     }
 
     /// A camera's picture of a frame, on the ideal grid.
@@ -90,63 +136,17 @@ impl Footage {
     /// # Errors
     /// No such camera or frame, or the picture cannot be read; the message names file and frame.
     pub fn picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
-        let picture = self.take.frame(camera, frame)?;
-        self.rectified(camera, &picture)
+        let picture = self.take().frame(camera, frame)?;
+        self.prepared.rectified(camera, &picture)
     }
 
     /// The same as large as it is on the disk: on the ideal grid of the camera at its full size, whose pixels are the
     /// [reduction](Take::reduction) times as many on each side.
     pub fn full_picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
-        let picture = self.take.full_frame(camera, frame)?;
-        let full = &self.take.full_rig().cameras()[camera];
-        let rectification = self.full_rectifications[camera].get_or_init(|| Rectification::new(full));
-        let rectified = rectification.rectify(&picture);
-        rectified.ok_or_else(|| FootageError::Size { camera: full.name().to_owned() })
+        self.prepared.full_picture(camera, frame)
     }
 
-    /// What a camera sees without the subject, on the ideal grid.
-    ///
-    /// # Errors
-    /// No such camera, no background in the take, or it cannot be read.
-    pub fn background(&self, camera: usize) -> Result<&Background, FootageError> {
-        Ok(&self.learnt(camera)?.background)
-    }
-
-    fn learnt(&self, camera: usize) -> Result<&Learnt, FootageError> {
-        if let Some(learnt) = self.backgrounds.get(camera).and_then(OnceLock::get) {
-            return Ok(learnt);
-        }
-        let pictures = self.take.background(camera)?;
-        let name = || self.cameras[camera].name().to_owned();
-        let pictures: Vec<RgbImage> =
-            pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
-        let failed = |error| FootageError::Background { camera: name(), error };
-        let (mut always_subject, mut unknown) = (Vec::new(), Vec::new());
-        let background = match pictures.as_slice() {
-            [] => return Err(FootageError::NoBackground { camera: name() }),
-            [plate] => {
-                let background = Background::from_plate(plate);
-                match self.take.plate_knowledge(camera)? {
-                    None => background,
-                    Some(known) => {
-                        let known =
-                            self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
-                        let those = |wanted: Known| {
-                            let pixels = known.iter().enumerate().filter(move |(_, known)| **known == wanted);
-                            pixels.map(|(index, _)| index).collect()
-                        };
-                        (always_subject, unknown) = (those(Known::AlwaysSubject), those(Known::Nothing));
-                        let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
-                        background.with_known(&is_known).map_err(failed)?
-                    }
-                }
-            }
-            frames => Background::from_frames(frames).map_err(failed)?,
-        };
-        Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject, unknown }))
-    }
-
-    /// The silhouette of a frame whose [`picture`](Self::picture) this is: the one that was [made elsewhere](Self::given_mask),
+    /// The silhouette of a frame whose [`picture`](Self::picture) this is: the user's, else [the take's](Self::given_mask),
     /// else the picture is segmented by these options. Where the lens saw nothing it is unknown.
     pub fn mask(
         &self,
@@ -155,9 +155,12 @@ impl Footage {
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
+        if let Some(path) = self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
+            return Ok(read_mask(path, &self.take().rig().cameras()[camera])?);
+        }
         match self.given_mask(camera, frame)? {
             Some(mask) => Ok(mask),
-            None => self.segmented(camera, frame, picture, options),
+            None => self.prepared.segmented(camera, frame, picture, options),
         }
     }
 
@@ -167,48 +170,7 @@ impl Footage {
     /// # Errors
     /// No such camera or frame, or the mask cannot be read or understood; the message names file and frame.
     pub fn given_mask(&self, camera: usize, frame: usize) -> Result<Option<Mask>, FootageError> {
-        let Some(shares) = self.take.mask_shares(camera, frame)? else { return Ok(None) };
-        // Where the lens saw nothing the picture is black: nothing is known there.
-        Ok(masks::mask_of(&self.rectified(camera, &shares)?))
-    }
-
-    fn segmented(
-        &self,
-        camera: usize,
-        frame: usize,
-        picture: &RgbImage,
-        options: &SegmentOptions,
-    ) -> Result<Mask, FootageError> {
-        let Learnt { background, always_subject, unknown } = self.learnt(camera)?;
-        let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
-            camera: self.cameras[camera].name().to_owned(),
-            error,
-        })?;
-        let labels = mask.labels_mut();
-        for &pixel in always_subject {
-            labels[pixel] = Label::Subject;
-        }
-        if !unknown.is_empty()
-            && let Some(coarse) = self.by_keypoints(camera, frame)?
-        {
-            for &pixel in unknown {
-                labels[pixel] = coarse[pixel];
-            }
-        }
-        for &pixel in &self.unseen[camera] {
-            labels[pixel] = Label::Unknown;
-        }
-        Ok(mask)
-    }
-
-    /// What keypoints tell of the silhouette, on the ideal grid; `None` without any.
-    fn by_keypoints(&self, camera: usize, frame: usize) -> Result<Option<Vec<Label>>, FootageError> {
-        let full = &self.take.full_rig().cameras()[camera];
-        let size = [full.width(), full.height()];
-        let people = self.take.people(camera, frame)?;
-        let order = self.take.keypoint_order()?;
-        let coarse = keypoints::coarse_mask(&people, order, size, self.take.reduction() as usize);
-        Ok(coarse.and_then(|mask| self.rectifications[camera].nearest(mask.labels(), Label::Unknown)))
+        self.prepared.given_mask(camera, frame)
     }
 
     /// The evidence of some cameras in a frame, by the take's own measurement settings. Cameras are shared out
@@ -222,7 +184,8 @@ impl Footage {
                 Some(mask) => mask,
                 None => {
                     let picture = self.picture(camera, frame)?;
-                    self.segmented(camera, frame, &picture, &self.take.measurement()[camera])?
+                    let options = &self.take().measurement()[camera];
+                    self.prepared.segmented(camera, frame, &picture, options)?
                 }
             };
             let evidence = Evidence::Mask(Arc::new(mask));
@@ -257,14 +220,26 @@ impl Footage {
         frame: usize,
         picture: Option<&RgbImage>,
     ) -> Result<CameraCues, TakeError> {
-        let keypoints = self.take.keypoint_cues(camera, frame, &self.cameras[camera])?;
+        let keypoints = self.take().keypoint_cues(camera, frame, &self.cameras[camera])?;
         let grey = picture.and_then(|picture| GreyPicture::of_image(&grayscale(picture)).ok());
         Ok(CameraCues { keypoints, picture: grey.map(Arc::new) })
     }
+}
 
-    fn rectified(&self, camera: usize, picture: &RgbImage) -> Result<RgbImage, FootageError> {
-        self.rectifications[camera]
-            .rectify(picture)
-            .ok_or_else(|| FootageError::Size { camera: self.cameras[camera].name().to_owned() })
+/// The point that is nearest to all optical axes; metres in front of the camera if there is only one.
+fn middle_of_view(cameras: &[Arc<Camera>]) -> glam::DVec3 {
+    use glam::{DMat3, DVec3};
+    /// Distance from a single camera, metres.
+    const BEFORE: f64 = 3.0;
+    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for camera in cameras {
+        let axis = camera.camera_from_world().rotation.transpose().z_axis;
+        let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        // A little pull towards the point before the camera keeps parallel axes solvable.
+        let weight = 1e-3;
+        sum += across + DMat3::IDENTITY * weight;
+        right += across * camera.centre() + weight * (camera.centre() + BEFORE * axis);
     }
+    let middle = sum.inverse() * right;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
 }

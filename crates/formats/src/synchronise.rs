@@ -60,9 +60,9 @@ pub fn record(
     cancel: &CancelToken,
     mut on_frame: impl FnMut(usize, usize),
 ) -> Result<Vec<Recording>, TakeClocksError> {
-    let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
+    let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
     let mut recordings: Vec<Recording> =
-        footage.cameras().iter().map(|camera| Recording::new((**camera).clone())).collect();
+        footage.cameras.iter().map(|camera| Recording::new((**camera).clone())).collect();
     let frames: Vec<usize> = (0..footage.take().frame_count()).step_by(every.max(1)).collect();
     for (done, &frame) in frames.iter().enumerate() {
         if cancel.is_cancelled() {
@@ -89,7 +89,7 @@ pub fn find(
     on_frame: impl FnMut(usize, usize),
 ) -> Result<TakeClocks, TakeClocksError> {
     let take = footage.take();
-    let count = footage.cameras().len();
+    let count = footage.cameras.len();
     if count < 2 {
         return Err(SynchroniseError::Count { count }.into());
     }
@@ -104,7 +104,7 @@ pub fn find(
         };
         let own = take.footage()[camera].video().and_then(Video::frame_rate);
         let frames = (seconds * own.unwrap_or(take.frame_rate())).round() as i64;
-        Some(OffsetShift { camera: footage.cameras()[camera].name().to_owned(), frames, seconds })
+        Some(OffsetShift { camera: footage.cameras[camera].name().to_owned(), frames, seconds })
     };
     let shifts = found.cameras.iter().enumerate().map(shift).collect();
     Ok(TakeClocks { found, shifts, every })

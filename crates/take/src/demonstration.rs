@@ -18,4 +18,3 @@ pub mod real;
 pub mod take;
 
 pub use kind::Demonstration;
-pub use take::UNKNOWN_GREY;

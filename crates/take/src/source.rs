@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_formats::Take;
+use backlit_formats::{Footage, Take};
+use serde::{Deserialize, Serialize};
 
 use super::builtin;
 use super::demonstration::Demonstration;
 
 /// Where the footage of a document comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TakeSource {
     /// The take that comes with the program.
     BuiltIn,
@@ -40,6 +42,24 @@ impl TakeSource {
             Self::BuiltIn => Ok(builtin::open()?),
             Self::Demonstration(which) => which.take(),
             Self::Path(path) => Ok(Take::open(path)?),
+        }
+    }
+
+    /// Opens the take with its footage.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn footage(&self) -> anyhow::Result<Footage> {
+        let mut footage = Footage::new(self.open()?);
+        footage.drawn = self.demonstration().and_then(Demonstration::drawn);
+        Ok(footage)
+    }
+
+    /// Which demonstration this is, if it is one.
+    pub const fn demonstration(&self) -> Option<Demonstration> {
+        match self {
+            Self::Demonstration(which) => Some(*which),
+            _ => None,
         }
     }
 }

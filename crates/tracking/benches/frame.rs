@@ -86,7 +86,7 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
                 })
                 .collect();
             let segmented = began.elapsed().as_secs_f64();
-            let views = masks.iter().zip(footage.cameras()).map(|(mask, camera)| FitView {
+            let views = masks.iter().zip(footage.cameras.iter()).map(|(mask, camera)| FitView {
                 camera: Arc::clone(camera),
                 evidence: Evidence::Mask(Arc::clone(mask)),
                 weight: 1.0,
@@ -105,7 +105,7 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
             }
         }
     }
-    let size = footage.cameras()[0].as_ref();
+    let size = footage.cameras[0].as_ref();
     println!(
         "\n{name}: {cameras} × {} × {}, {} frames × {ROUNDS}, one thread",
         size.width(),

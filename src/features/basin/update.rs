@@ -1,6 +1,6 @@
 //! The basin of the frame on the screen: begun, stopped, its starts taken, its results written.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use egui::Ui;
 use std::path::Path;
 use std::time::Instant;

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_formats::Footage;
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::begin::{Beginning, Options, begin_watched};
-use backlit_take::footage::Footage;
 use backlit_tracking::acquisition::{AcquireError, AcquireOptions, acquire};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;

@@ -1,6 +1,6 @@
 //! Begun, stopped, played step by step, taken.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use egui::Ui;
 use std::sync::Arc;
 use std::time::Duration;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_jobs::{Job, News, Outbox, Task, Turn};
-use backlit_take::footage::Footage;
 use egui::ColorImage;
 
 use crate::context::Context;
@@ -90,7 +90,7 @@ impl Job<(usize, Arc<ColorImage>)> for ReadJob {
         if self.camera >= take.cameras.len() || out.cancel().is_cancelled() {
             return Turn::Done;
         }
-        if let Some(picture) = take.full_picture(self.camera, *frame) {
+        if let Ok(picture) = take.full_picture(self.camera, *frame) {
             let size = [picture.width() as usize, picture.height() as usize];
             out.send((self.camera, Arc::new(ColorImage::from_rgb(size, picture.as_raw()))));
         }

@@ -5,7 +5,7 @@
 //! as their pictures of the world's point in the middle move: along their own optical axis, that is nothing.
 
 use backlit_document::edit::Edit;
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use backlit_tracking::camera::Camera;
 use backlit_ui::drawing::{ViewMode, point_at};
 use backlit_ui::widgets::{Framing, ViewTransform};

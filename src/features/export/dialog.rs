@@ -98,7 +98,7 @@ impl ExportDialog {
 
     /// Makes up a name that says what the picture shows, unless the user has given one.
     fn propose(&mut self, context: &Context<'_>) {
-        let take = context.session.take.as_ref().map_or("backlit", |take| take.name.as_str());
+        let take = context.session.take.as_ref().map_or("backlit", |take| take.take().name());
         let take: String =
             take.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { ' ' }).collect();
         let (frame, camera) = (context.selection.frame, context.selection.camera + 1);

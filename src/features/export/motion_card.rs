@@ -272,9 +272,9 @@ fn motion_of(context: &Context<'_>) -> Motion {
     let document = context.document();
     let take = context.session.take.as_ref();
     Motion {
-        name: take.map_or_else(|| "backlit".to_owned(), |take| take.name.clone()),
+        name: take.map_or_else(|| "backlit".to_owned(), |take| take.take().name().to_owned()),
         model: (*document.model).clone(),
-        frame_rate: take.map_or(30.0, |take| take.frame_rate),
+        frame_rate: take.map_or(30.0, |take| take.take().frame_rate()),
         poses: document.own_poses(),
     }
 }

@@ -12,13 +12,13 @@ use crate::session::prediction::{FitInputs, Predicted};
 
 /// What came of it.
 #[derive(Debug)]
-pub(super) enum Fitted {
+pub(super) enum FitMessage {
     /// The start or a step, with what the pose after it predicts.
     Step(Box<RunStep>, Arc<Predicted>),
     /// It cannot begin.
     Refused(FitError),
     /// The steps are done, with the ending if there are no more to come, and the fit if it may go on.
-    Paused(Option<RunEnding>, Option<Box<Running>>),
+    Paused(Option<RunEnding>, Option<Box<PausedFit>>),
 }
 
 /// What a fit begins with.
@@ -38,7 +38,7 @@ pub(super) struct FitStart {
 
 /// A fit between two steps: damping and stage go on where they were.
 #[derive(Debug)]
-pub(super) struct Running {
+pub(super) struct PausedFit {
     fit: Fit,
     inputs: FitInputs,
     /// What its steps are measured by, where it is not that.
@@ -51,31 +51,31 @@ pub(super) struct Running {
 pub(super) struct FitJob {
     /// Begins a new fit; otherwise the one that runs goes on.
     start: Option<FitStart>,
-    running: Option<Box<Running>>,
+    fit: Option<Box<PausedFit>>,
     /// Steps to do; `None` runs to the end.
     left: Option<usize>,
 }
 
 impl FitJob {
-    /// Begins a fit and does so many steps, or all of them.
+    /// Begins a fit and does this many steps, or all of them.
     pub(super) fn begin(start: FitStart, steps: Option<usize>) -> Self {
-        Self { start: Some(start), running: None, left: steps }
+        Self { start: Some(start), fit: None, left: steps }
     }
 
     /// Goes on with a fit.
-    pub(super) fn go_on(running: Option<Box<Running>>, steps: Option<usize>) -> Self {
-        Self { start: None, running, left: steps }
+    pub(super) fn go_on(fit: Option<Box<PausedFit>>, steps: Option<usize>) -> Self {
+        Self { start: None, fit, left: steps }
     }
 
-    fn pause(&mut self, out: &Outbox<Fitted>, ending: Option<RunEnding>) -> Turn {
-        let running = self.running.take().filter(|running| running.fit.termination().is_none());
-        out.send(Fitted::Paused(ending, running));
+    fn pause(&mut self, out: &Outbox<FitMessage>, ending: Option<RunEnding>) -> Turn {
+        let fit = self.fit.take().filter(|paused| paused.fit.termination().is_none());
+        out.send(FitMessage::Paused(ending, fit));
         Turn::Done
     }
 }
 
 impl FitStart {
-    fn begin(self, out: &Outbox<Fitted>) -> Result<Running, FitError> {
+    fn begin(self, out: &Outbox<FitMessage>) -> Result<PausedFit, FitError> {
         let Self { inputs, pose, options, free, measured_by } = self;
         let fit = Fit::with_free_rotations(inputs.model.clone(), inputs.views(), pose, options, free)?;
         let last = Arc::new(Predicted::new(&inputs, fit.pose(), None));
@@ -84,30 +84,30 @@ impl FitStart {
             let fit = FitOptions { stages: vec![stage], ..(*inputs.fit).clone() };
             FitInputs { fit: Arc::new(fit), ..inputs.clone() }
         });
-        let running = Running { fit, inputs, measure, last };
+        let running = PausedFit { fit, inputs, measure, last };
         running.send(first, out);
         Ok(running)
     }
 }
 
-impl Running {
+impl PausedFit {
     /// Sends a step that ends at what was predicted last, measured as the other runs of its frame are.
-    fn send(&self, mut step: RunStep, out: &Outbox<Fitted>) {
+    fn send(&self, mut step: RunStep, out: &Outbox<FitMessage>) {
         if let Some(measure) = &self.measure {
             let measured = measure.measure(&self.last.pose);
             (step.mismatch, step.rms) = (measured.mismatch, measured.rms.unwrap_or_default());
         }
-        out.send(Fitted::Step(Box::new(step), self.last.clone()));
+        out.send(FitMessage::Step(Box::new(step), self.last.clone()));
     }
 }
 
-impl Job<Fitted> for FitJob {
-    fn step(&mut self, out: &Outbox<Fitted>) -> Turn {
+impl Job<FitMessage> for FitJob {
+    fn step(&mut self, out: &Outbox<FitMessage>) -> Turn {
         if let Some(start) = self.start.take() {
             match start.begin(out) {
-                Ok(running) => self.running = Some(Box::new(running)),
+                Ok(begun) => self.fit = Some(Box::new(begun)),
                 Err(error) => {
-                    out.send(Fitted::Refused(error));
+                    out.send(FitMessage::Refused(error));
                     return Turn::Done;
                 }
             }
@@ -118,7 +118,7 @@ impl Job<Fitted> for FitJob {
         if self.left == Some(0) {
             return self.pause(out, None);
         }
-        let Some(running) = &mut self.running else { return self.pause(out, Some(RunEnding::Stopped)) };
+        let Some(running) = &mut self.fit else { return self.pause(out, Some(RunEnding::Stopped)) };
         let began = Instant::now();
         let Some(record) = running.fit.step() else {
             let is_annealed = running.inputs.fit.stages.len() > 1;

@@ -1,5 +1,7 @@
-//! The Refit section: fit one limb, its chain, or the whole body from the pose on the screen.
+//! The Refit section: fit one limb, its chain, or the whole body from the pose on the screen; and what that has done to the
+//! cost, in words that stay.
 
+use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::space;
 use backlit_ui::widgets::section;
@@ -9,6 +11,47 @@ use super::Fit;
 use crate::context::command::{BodyPart, Command, FitCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
+
+/// A refit that has ended.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Refitted {
+    /// What was fitted: "Refit right forearm".
+    pub(crate) what: String,
+    /// Mismatch before, squared grey levels.
+    pub(crate) before: f64,
+    /// Mismatch after.
+    pub(crate) after: f64,
+    /// Accepted and rejected steps.
+    pub(crate) steps: usize,
+    /// How it ended, without its full stop.
+    pub(crate) ending: String,
+}
+
+impl Refitted {
+    /// Whether the pose that it found fits worse than the one before.
+    pub(crate) fn is_worse(&self) -> bool {
+        self.after > self.before
+    }
+
+    /// "Refit right forearm: cost fell by 3.1 %, from 1.84e7 to 1.78e7, in 12 steps."
+    pub(crate) fn sentence(&self) -> String {
+        let change = 100.0 * (self.after / self.before - 1.0);
+        let how = match change {
+            change if !change.is_finite() || change.abs() < 0.05 => "cost stayed".to_owned(),
+            change if change < 0.0 => format!("cost fell by {} %", format::number(-change, 1)),
+            change => {
+                let share = format::number(change, 1);
+                return format!(
+                    "{}: no better pose was found (cost {share} % higher), so the body stays.",
+                    self.what
+                );
+            }
+        };
+        let (before, after) = (format::cost(self.before), format::cost(self.after));
+        let plural = if self.steps == 1 { "" } else { "s" };
+        format!("{}: {how}, from {before} to {after}, in {} step{plural}.", self.what, self.steps)
+    }
+}
 
 impl Fit {
     /// The Refit section, with what else it holds at its end.
@@ -49,5 +92,26 @@ impl Fit {
             }
             more(ui, requests);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fall_a_rise_and_neither_are_said() {
+        let refit = |after: f64| Refitted {
+            what: "Refit right forearm".to_owned(),
+            before: 2e7,
+            after,
+            steps: 12,
+            ending: String::new(),
+        };
+        let said = refit(1.5e7).sentence();
+        assert_eq!(said, "Refit right forearm: cost fell by 25.0 %, from 2.0e7 to 1.5e7, in 12 steps.");
+        assert!(refit(2.2e7).sentence().contains("no better pose was found (cost 10.0 % higher)"));
+        assert!(refit(2.2e7).is_worse() && !refit(2e7).is_worse());
+        assert!(refit(2e7).sentence().contains("cost stayed, from"));
     }
 }

@@ -16,7 +16,7 @@ const WIDEST_PX: f64 = 500.0;
 const WIDEST_STRIDE: f64 = 16.0;
 const MOST_STEPS: f64 = 1000.0;
 const LARGEST_TOLERANCE: f64 = 50.0;
-/// So many stages are enough for anybody.
+/// Most stages of a fit.
 const MOST_STAGES: usize = 12;
 
 /// Whether stages follow the person's size, in words.

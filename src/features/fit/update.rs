@@ -1,6 +1,6 @@
 //! The fit, begun and gone on with, its steps taken in, stopped.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
@@ -12,10 +12,9 @@ use backlit_document::{Estimate, Origin};
 use backlit_jobs::News;
 use backlit_tracking::fit::{FitOptions, Preset};
 
-use super::again::Again;
-use super::job::{FitJob, FitStart, Fitted};
-use super::part::free_rotations;
-use super::refitted::Refitted;
+use super::job::{FitJob, FitMessage, FitStart};
+use super::refit::Refitted;
+use super::variants::{VariantRun, free_rotations};
 use super::{Fit, LiveRun};
 use crate::context::command::Command;
 use crate::context::command::{BodyPart, FitCommand, Variants};
@@ -31,10 +30,10 @@ use crate::session::prediction::{FitInputs, Predicted};
 struct NewRun {
     /// The part of the body that may move, by name; otherwise all of it.
     part: Option<(String, Vec<bool>)>,
-    /// So many steps; otherwise to the end.
+    /// How many steps; otherwise to the end.
     steps: Option<usize>,
     /// From another start and with other choices than the document's, to be compared.
-    again: Option<Again>,
+    again: Option<VariantRun>,
 }
 
 impl Feature for Fit {
@@ -43,15 +42,15 @@ impl Feature for Fit {
         self.live.take_if(|live| context.runs().get(live.number).is_none());
         for news in self.task.poll() {
             match news {
-                News::Output(Fitted::Step(step, predicted)) => {
+                News::Output(FitMessage::Step(step, predicted)) => {
                     self.take_in(*step, predicted, context, requests);
                 }
-                News::Output(Fitted::Refused(error)) => {
+                News::Output(FitMessage::Refused(error)) => {
                     requests.complain(format!("The fit cannot begin: {error}"));
                     self.end(Some(RunEnding::Solver(error.to_string())), requests);
                 }
-                News::Output(Fitted::Paused(ending, running)) => {
-                    self.running = running;
+                News::Output(FitMessage::Paused(ending, paused)) => {
+                    self.paused = paused;
                     self.end(ending, requests);
                 }
                 News::Ended if self.pending_steps > 0 => {
@@ -207,8 +206,8 @@ impl Fit {
     }
 
     fn go_on(&mut self, steps: Option<usize>, context: &Context<'_>) {
-        let running = self.running.take();
-        self.task.begin(context.pool, (), |()| FitJob::go_on(running, steps));
+        let paused = self.paused.take();
+        self.task.begin(context.pool, (), |()| FitJob::go_on(paused, steps));
     }
 
     /// Fits a part of the body from the pose on the screen, to the end.
@@ -227,7 +226,7 @@ impl Fit {
         self.refitting = Some(what);
     }
 
-    /// The next of the runs that are to be compared begins; says whether there was one.
+    /// Begins the next run of a comparison; says whether there was one.
     fn begin_next(&mut self, context: &Context<'_>, requests: &mut Requests) -> bool {
         let Some(again) = self.again.pop_front() else { return false };
         self.gesture = None;
@@ -240,7 +239,7 @@ impl Fit {
         if self.task.is_busy() {
             return;
         }
-        self.again = Again::all(over, context).into();
+        self.again = VariantRun::all(over, context).into();
         self.begin_next(context, requests);
     }
 

@@ -205,7 +205,11 @@ fn inside(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&
 
 /// Before there is anything to show.
 fn waiting(ui: &mut Ui, rect: Rect, context: &Context<'_>) {
-    let has_mask = context.session.frames.get(context.selection.frame).map(|frame| frame.has_mask());
+    let has_mask = context
+        .session
+        .frames
+        .get(context.selection.frame)
+        .map(|frame| frame.cameras.iter().any(|camera| camera.mask.is_some()));
     let text = match has_mask {
         None if context.busy.load_broke => "This frame cannot be read: Help › Messages says why",
         None => "Reading the frame…",

@@ -1,7 +1,7 @@
 //! The laboratory in every frame of the window: it begins again when what it compares changes, steps its fits, and asks
 //! for what its pictures lack.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use image::{DynamicImage, ImageFormat};
 use super::comparison::PushKey;
 use super::job::{CheckJob, FitCheck, Lacking, Look, LookJob, StepJob, Stepped};
 use super::start::StartParts;
-use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, StartChoice, table};
+use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, table};
 use crate::context::FeatureRequest;
 use crate::context::command::{Command, LaboratoryCommand};
 use crate::context::feature::Feature;
@@ -77,9 +77,8 @@ impl Feature for Laboratory {
         ))
     }
 
-    fn reset(&mut self, footage: &Footage) {
-        let start = StartChoice::of(footage.demonstration());
-        *self = Self { is_log: self.is_log, comparisons: self.comparisons, start, ..Self::default() };
+    fn reset(&mut self, _: &Footage) {
+        *self = Self { is_log: self.is_log, comparisons: self.comparisons, ..Self::default() };
     }
 
     fn freeze_times(&mut self) {
@@ -172,12 +171,11 @@ impl Laboratory {
         let scene = context.fit_inputs()?;
         scene.frame.as_ref()?;
         let document = context.document();
-        let take = context.session.take.as_ref()?;
         let parts = StartParts {
             model: &document.model,
             shown: context.shown_pose(),
             take: &document.start,
-            demonstration: take.demonstration().map(|which| (which, context.selection.frame)),
+            demonstration: context.session.demonstration().map(|which| (which, context.selection.frame)),
         };
         Some(Basis {
             start: self.start.pose(&parts).normalized(),
@@ -314,7 +312,7 @@ impl Laboratory {
     /// Writes the plot as a PNG.
     pub fn save_plot(&self, path: &Path, context: &Context<'_>, requests: &mut Requests) {
         let Some(comparison) = &self.comparison else { return };
-        let take = context.session.take.as_ref().map_or("", |take| take.name.as_str());
+        let take = context.session.take.as_ref().map_or("", |take| take.take().name());
         let subtitle = format!("{take}. {}", self.lineup.sentence());
         let figure = table::figure(comparison, self.lineup.title(), &subtitle, self.is_log);
         let theme = context.preferences.theme;

@@ -1,6 +1,6 @@
 //! Names are asked for when the track has changed, and at rest.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use egui::Ui;
 use std::sync::Arc;
 
@@ -90,7 +90,7 @@ impl Motions {
         Some(Inputs {
             body: Arc::clone(&document.model),
             estimates: Arc::clone(&document.estimates),
-            frame_rate: take.frame_rate,
+            frame_rate: take.take().frame_rate(),
             up: up_of(take.cameras.iter().map(|camera| &**camera)).unwrap_or(DVec3::Z),
             model: self.model.clone(),
             method: self.preferences.method,

@@ -1,6 +1,6 @@
 //! Figures of what the cameras see are asked for where they are wanted and old.
 
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use egui::Ui;
 use std::sync::Arc;
 

@@ -52,9 +52,9 @@ impl Offsets {
                         can be at that moment.";
             ui.label(RichText::new(text).color(theme::palette(ui).text2));
             ui.add_space(space::ROW);
-            self.pictures(ui, take.full_cameras());
+            self.pictures(ui, take.original().full_rig().cameras());
             self.frame_row(ui, context.session.frame_count());
-            let wish = self.shift_rows(ui, take.full_cameras());
+            let wish = self.shift_rows(ui, take.original().full_rig().cameras());
             ui.add_space(space::WIDGET);
             self.buttons(ui).or(wish)
         });

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use backlit_formats::synchronise::{TakeClocks, TakeClocksError};
+use backlit_formats::Footage;
+use backlit_formats::synchronise::{self, TakeClocks, TakeClocksError};
 use backlit_jobs::{Job, Outbox, Turn};
-use backlit_take::footage::Footage;
+use backlit_tracking::synchronise::SynchroniseOptions;
 use egui::ColorImage;
 
 /// Height of the pictures on the card, pixels, at least.
@@ -27,7 +28,8 @@ pub(super) fn divisor(height: usize) -> usize {
 }
 
 pub(super) fn read(footage: &Footage, wanted: Wanted) -> Picture {
-    let height = footage.full_cameras().get(wanted.camera).map_or(HEIGHT, |camera| camera.height());
+    let height =
+        footage.original().full_rig().cameras().get(wanted.camera).map_or(HEIGHT, |camera| camera.height());
     let picture = footage.take().shifted_frame(wanted.camera, wanted.frame, wanted.shift, divisor(height));
     let picture = picture.map_err(|error| error.to_string())?;
     Ok(picture.map(|picture| {
@@ -52,7 +54,8 @@ pub(super) struct FindJob(pub(super) Arc<Footage>);
 
 impl Job<Said> for FindJob {
     fn step(&mut self, out: &Outbox<Said>) -> Turn {
-        let found = self.0.clocks(out.cancel(), |done, all| out.send(Said::At([done, all])));
+        let (options, tell) = (SynchroniseOptions::default(), |done, all| out.send(Said::At([done, all])));
+        let found = synchronise::find(&self.0, synchronise::USUAL_FRAMES, &options, out.cancel(), tell);
         match found {
             Ok(found) => out.send(Said::Found(Box::new(found))),
             Err(TakeClocksError::Cancelled) => {}

@@ -24,7 +24,7 @@ fn a_camera_that_is_shifted_shows_another_picture_and_is_written() {
     let (mut window, mut app) = open(Layout::Pose);
     app.open(Opening::of(&take));
     settle(&mut window, &mut app);
-    let source = app.inspector.state.session.take.as_ref().and_then(|take| take.source.clone());
+    let source = app.inspector.state.session.source.clone();
     assert_eq!(source, Some(TakeSource::Path(take.clone())));
     assert_eq!(refused(&app), None);
 

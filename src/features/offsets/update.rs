@@ -1,11 +1,10 @@
 //! Opened, what was read and found taken in, written to the take.
 
+use backlit_formats::Footage;
 use backlit_formats::synchronise::{OffsetShift, shift_offsets};
 use backlit_formats::take::Take;
 use backlit_formats::video::Video;
 use backlit_jobs::{News, once};
-use backlit_take::footage::Footage;
-use backlit_take::source::TakeSource;
 use egui::Ui;
 
 use super::job::{self, FindJob, Said, Wanted};
@@ -63,8 +62,8 @@ impl Feature for Offsets {
             return None;
         }
         let take = context.session.take.as_ref();
-        let is_file = take.is_some_and(|take| matches!(take.source, Some(TakeSource::Path(_))));
-        let is_one = take.is_some_and(|take| take.full_cameras().len() < 2);
+        let is_file = take.is_some_and(|take| context.session.take_path().is_some());
+        let is_one = take.is_some_and(|take| take.original().full_rig().cameras().len() < 2);
         no_take(context)
             .or(because(
                 !is_file,
@@ -82,8 +81,8 @@ impl Offsets {
     /// Lays the card over the window.
     pub(crate) fn open(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let Some(take) = &context.session.take else { return };
-        let Some(TakeSource::Path(path)) = &take.source else { return };
-        let count = take.full_cameras().len();
+        let Some(path) = context.session.take_path() else { return };
+        let count = take.original().full_rig().cameras().len();
         let left = context.selection.camera.min(count.saturating_sub(1));
         *self = Self {
             shown: [left, if left == 0 { 1 } else { 0 }],
@@ -171,7 +170,7 @@ impl Side {
 fn shifts_of(take: &Footage, shifts: &[i64]) -> Vec<OffsetShift> {
     let shift = |(camera, &frames): (usize, &i64)| {
         let rate = frame_rate(take.take(), camera);
-        let camera = take.full_cameras().get(camera)?.name().to_owned();
+        let camera = take.original().full_rig().cameras().get(camera)?.name().to_owned();
         (frames != 0).then(|| OffsetShift { camera, frames, seconds: frames as f64 / rate })
     };
     shifts.iter().enumerate().filter_map(shift).collect()

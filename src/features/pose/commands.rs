@@ -1,7 +1,7 @@
 //! What menus, buttons, keys and the palette ask of the pose.
 
 use backlit_document::edit::Edit;
-use backlit_take::footage::Footage;
+use backlit_formats::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::posing;
 use backlit_ui::drawing::JointId;

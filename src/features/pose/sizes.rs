@@ -91,7 +91,7 @@ fn parts(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: usiz
 /// The whole body, compared with that of the take.
 fn scale(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let Some(take) = &context.session.take else { return };
-    let before = 100.0 * total_length(&context.document().model) / total_length(take.model());
+    let before = 100.0 * total_length(&context.document().model) / total_length(take.take().model());
     let mut percent = before;
     let row = SliderRow {
         name: "Body",

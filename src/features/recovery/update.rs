@@ -46,7 +46,7 @@ impl Work {
         let about = About {
             frame: selection.frame,
             frames: take.map(|take| take.frame_count()),
-            take: take.map(|take| take.name.clone()),
+            take: take.map(|take| take.take().name().to_owned()),
             project: context.project.map(Path::to_owned),
         };
         // What the active camera shows, once it shows the frame.

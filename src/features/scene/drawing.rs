@@ -158,7 +158,7 @@ impl Thumbnails {
 
 #[cfg(test)]
 mod tests {
-    use backlit_take::footage::CameraFrame;
+    use backlit_formats::footage::CameraFrame;
     use egui::Color32;
     use image::Rgb;
 

@@ -9,14 +9,14 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::tick;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
-use super::span::Scale;
+use super::span::TimeScale;
 use backlit_tracking::track::LOST_BELOW_IOU;
 
 /// Width of a curve.
 const CURVE: f32 = 1.5;
 /// Frames farther apart than this on the screen have dots.
 const DOTS_FROM: f32 = 20.0;
-/// The RMS's axis ends at most at so many times the median: one bad frame must not flatten all others.
+/// The RMS's axis ends at most at this multiple of the median: one bad frame must not flatten all others.
 const MOST_MEDIANS: f64 = 4.0;
 /// From this height on both ends of an axis stand at their places; below, beside each other.
 const BOTH_ENDS_FROM: f32 = 30.0;
@@ -156,7 +156,7 @@ fn columns(
     lane: Lane,
     document: &Document,
     frames: RangeInclusive<usize>,
-    scale: &Scale,
+    scale: &TimeScale,
 ) -> Vec<Option<Column>> {
     let mut columns: Vec<Option<Column>> = Vec::new();
     for (&frame, estimate) in document.estimates.range(frames) {
@@ -177,7 +177,7 @@ fn columns(
 }
 
 /// A lane with its axis.
-pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: &Scale, count: usize) {
+pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(area.expand2(vec2(4.0, 0.0)));
     painter.rect_filled(area, 0.0, palette.plot);
@@ -325,7 +325,7 @@ mod tests {
         let count = 20_000;
         let is_known = |frame: &usize| !(4000..4400).contains(frame);
         let document = document((0..count).filter(is_known).map(|frame| (frame, (frame % 7) as f64)));
-        let scale = Scale::new(Span::whole(count), area());
+        let scale = TimeScale::new(Span::whole(count), area());
         let began = Instant::now();
         let columns = columns(Lane::Rms, &document, 0..=count - 1, &scale);
         assert!(began.elapsed().as_millis() < 200, "{:?}", began.elapsed());

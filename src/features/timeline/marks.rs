@@ -1,4 +1,4 @@
-//! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, lost and worst
+//! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, key poses, lost and worst
 //! frames, the frame on the screen.
 
 use backlit_document::Document;
@@ -10,8 +10,8 @@ use egui::{
     vec2,
 };
 
-use super::span::{Scale, Span};
-use crate::context::Context;
+use super::span::{Span, TimeScale};
+use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::FrameRange;
 
 /// Height of the ruler.
@@ -25,8 +25,15 @@ const WIDE: f32 = 900.0;
 /// Least distance of two numbers on the ruler.
 const NUMBERS: f32 = 60.0;
 
+/// Half a diamond.
+const HALF: f32 = 5.0;
+/// Half a diamond under the pointer.
+const HALF_HOVERED: f32 = 6.5;
+/// Half the square that takes the pointer.
+const TARGET: f32 = 8.0;
+
 /// Numbers and grid.
-pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
+pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000]
         .into_iter()
@@ -51,9 +58,9 @@ pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
 }
 
 /// Which part of the take is on the screen.
-fn overview(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
+fn overview(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
-    let whole = Scale::new(Span::whole(count), plot);
+    let whole = TimeScale::new(Span::whole(count), plot);
     let y = plot.top() + 1.0;
     ui.painter().hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
     let shown = whole.x(scale.span.first)..=whole.x(scale.span.last).max(whole.x(scale.span.first) + 4.0);
@@ -72,7 +79,7 @@ pub(crate) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
 }
 
 /// The frames that are marked, behind everything else.
-pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &Scale, range: FrameRange) {
+pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &TimeScale, range: FrameRange) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(plot);
     let half = 0.5 * scale.step().min(8.0);
@@ -90,7 +97,7 @@ pub(crate) fn line(plot: Rect) -> f32 {
 }
 
 /// Fitted frames as a bar, and those that the tracker still has before it.
-pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &Scale, count: usize) {
+pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &TimeScale, count: usize) {
     let (palette, document) = (theme::palette(ui), context.document());
     let painter = ui.painter().with_clip_rect(plot.expand2(vec2(3.0, 0.0)));
     let y = line(plot);
@@ -122,7 +129,7 @@ fn pieces(frames: impl Iterator<Item = usize>) -> Vec<(usize, usize)> {
 }
 
 /// Lost frames, and the worst of the others.
-pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &Scale, count: usize) {
+pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(lane.expand2(vec2(5.0, 0.0)));
     let triangle = |at: Pos2| vec![at + vec2(-4.0, -4.0), at + vec2(4.0, -4.0), at + vec2(0.0, 3.0)];
@@ -163,8 +170,48 @@ pub(crate) fn worst(document: &Document) -> Option<usize> {
     known.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, frame)| frame)
 }
 
+/// The diamonds. Says which one is under the pointer.
+pub(crate) fn key_poses(
+    ui: &Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    plot: Rect,
+    scale: &TimeScale,
+    count: usize,
+) -> Option<usize> {
+    let palette = theme::palette(ui);
+    let y = line(plot);
+    let mut hovered = None;
+    let mut before = f32::NEG_INFINITY;
+    for (&frame, _) in context.document().keys.range(scale.span.frames(count)) {
+        let at = pos2(scale.x(frame as f64), y);
+        if at.x - before < 1.0 || !plot.x_range().expand(0.5).contains(at.x) {
+            continue;
+        }
+        before = at.x;
+        let target = Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
+        let response = ui.interact(target, Id::unique(("key pose", frame)), Sense::click());
+        let name = || WidgetInfo::labeled(Role::Button, true, format!("Key pose of frame {frame}"));
+        response.widget_info(name);
+        if response.clicked() {
+            requests.request(SessionRequest::Frame(frame));
+        }
+        let is_hovered = response.hovered();
+        if is_hovered {
+            hovered = Some(frame);
+        }
+        let half = if is_hovered || response.has_focus() { HALF_HOVERED } else { HALF };
+        let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
+        let corners = corners.map(|corner| at + corner).to_vec();
+        // A gap in the colour of the panel keeps it apart from its neighbours and from the bar.
+        let edge = if response.has_focus() { palette.accent_text } else { palette.panel };
+        ui.painter().add(Shape::convex_polygon(corners, palette.text, Stroke::new(1.5, edge)));
+    }
+    hovered
+}
+
 /// The frame on the screen.
-pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &Scale) {
+pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &TimeScale) {
     let palette = theme::palette(ui);
     let at = scale.x(context.selection.frame as f64);
     if !plot.x_range().expand(6.0).contains(at) {

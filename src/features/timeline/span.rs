@@ -33,7 +33,7 @@ impl Span {
         Some(Self { first: about - share * width, last: about + (1.0 - share) * width }.inside(whole))
     }
 
-    /// Moved by so many frames.
+    /// Moved by a number of frames.
     pub(crate) fn moved(self, by: f64, count: usize) -> Self {
         Self { first: self.first + by, last: self.last + by }.inside(Self::whole(count))
     }
@@ -59,12 +59,12 @@ impl Span {
 
 /// A span on the screen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Scale {
+pub(crate) struct TimeScale {
     pub(crate) span: Span,
     pub(crate) across: Rangef,
 }
 
-impl Scale {
+impl TimeScale {
     pub(crate) fn new(span: Span, area: Rect) -> Self {
         Self { span, across: area.x_range() }
     }
@@ -102,11 +102,11 @@ mod tests {
     fn the_frame_under_the_pointer_stays_while_one_zooms() {
         let area = Rect::from_min_size(pos2(100.0, 0.0), vec2(1000.0, 50.0));
         let whole = Span::whole(5001);
-        let x = Scale::new(whole, area).x(2000.0);
+        let x = TimeScale::new(whole, area).x(2000.0);
         let zoomed = whole.zoomed(10.0, 2000.0, 5001).unwrap();
         assert!((zoomed.last - zoomed.first - 500.0).abs() < 1e-9);
-        assert!((Scale::new(zoomed, area).x(2000.0) - x).abs() < 1e-3);
-        assert_eq!(Scale::new(zoomed, area).frame_at(x, 5001), 2000);
+        assert!((TimeScale::new(zoomed, area).x(2000.0) - x).abs() < 1e-3);
+        assert_eq!(TimeScale::new(zoomed, area).frame_at(x, 5001), 2000);
         assert_eq!(zoomed.zoomed(0.1, 2000.0, 5001), None, "out again is everything");
     }
 

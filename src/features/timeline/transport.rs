@@ -88,7 +88,7 @@ fn key_pose(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 
 /// When a frame was taken, in seconds since the first.
 pub(crate) fn seconds(context: &Context<'_>, frame: usize) -> String {
-    let rate = context.session.take.as_ref().map_or(1.0, |take| take.frame_rate);
+    let rate = context.session.take.as_ref().map_or(1.0, |take| take.take().frame_rate());
     format::number(frame as f64 / rate.max(f64::MIN_POSITIVE), 3)
 }
 

@@ -130,7 +130,8 @@ impl Timeline {
     pub(crate) fn frame_to_read_ahead(&mut self, context: &Context<'_>) -> Option<usize> {
         let take = context.session.take.as_ref()?;
         let seconds = self.reading.unwrap_or(FIRST_GUESS);
-        let frame = context.playback.due_in(seconds, take.frame_count(), take.frame_rate, context.now)?;
+        let frame =
+            context.playback.due_in(seconds, take.frame_count(), take.take().frame_rate(), context.now)?;
         if context.session.frames.get(frame).is_some() {
             return None;
         }

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
+use backlit_formats::Footage;
 use backlit_formats::plate::{self, PlateError, plate_without_body};
 use backlit_jobs::{Job, Outbox, Turn};
-use backlit_take::footage::Footage;
-use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_ui::style::format;
 
@@ -52,7 +51,7 @@ impl BackgroundJob {
     /// All cameras whose silhouettes are segmented, by the poses that were found or set; `None` where [`unavailable`] says why.
     pub(super) fn new(context: &Context<'_>) -> Option<Self> {
         let footage = context.session.take.clone()?;
-        let Some(TakeSource::Path(_)) = footage.source else { return None };
+        context.session.take_path()?;
         let take_folder = footage.take().path().parent().unwrap_or(Path::new("")).to_owned();
         let (model, poses) = (context.document().model.clone(), poses(context));
         let waiting = segmented(&footage).collect();
@@ -103,7 +102,7 @@ impl Job<Applied> for BackgroundJob {
 /// Why the background cannot be learnt again.
 pub(super) fn unavailable(context: &Context<'_>) -> Why {
     let Some(take) = &context.session.take else { return Some("Open a take first") };
-    let has_folder = matches!(take.source, Some(TakeSource::Path(_)));
+    let has_folder = context.session.take_path().is_some();
     because(
         !has_folder,
         "Plates are kept in the take’s folder, and this take has none: it comes with Backlit",

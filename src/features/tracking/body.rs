@@ -68,7 +68,7 @@ impl Job<Applied> for BodyJob {
     }
 }
 
-/// The frames that a body is made of, with their poses: at most so many of those that have poses of their own, or else the one
+/// The frames that a body is made of, with their poses: at most `most` of those that have poses of their own, or else the one
 /// on the screen.
 pub(super) fn frames(context: &Context<'_>, most: usize) -> VecDeque<(usize, Pose)> {
     let document = context.document();

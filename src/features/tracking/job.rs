@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
 use backlit_document::{Estimate, Origin};
+use backlit_formats::Footage;
 use backlit_formats::FootageError;
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
-use backlit_take::footage::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
@@ -22,7 +22,7 @@ use backlit_tracking::track::FrameEstimate;
 
 use super::{Applied, OtherPose, Tracking, applied, refused};
 use crate::session::prediction::FitInputs;
-use crate::session::{BelievedJoints, HeldLimbs, load_frame};
+use crate::session::{BelievedJoints, HeldLimbs};
 
 /// Frames whose silhouettes are looked at first: the tracker waits for them.
 const LOOKED_AT: usize = 3;
@@ -42,7 +42,7 @@ impl FrameReader for WindowReader {
     type Frame = FitInputs;
 
     fn read(&self, frame: usize) -> Result<FitInputs, FootageError> {
-        let data = load_frame(&self.footage, &self.measurement, frame);
+        let data = self.footage.load_frame(&self.measurement, frame);
         Ok(FitInputs { frame: Some(Arc::new(data)), ..self.fit.clone() })
     }
 
@@ -54,7 +54,7 @@ impl FrameReader for WindowReader {
         let Some(data) = &inputs.frame else { return Ok(FrameCues::default()) };
         let picture =
             |camera: usize| data.cameras[camera].image.as_deref().filter(|_| self.cues.wants_pictures());
-        let of = |camera: usize| self.footage.cues(camera, data.frame, picture(camera));
+        let of = |camera: usize| self.footage.camera_cues(camera, data.frame, picture(camera));
         let cameras = inputs.numbered_views().map(|(camera, _)| of(camera)).collect::<Result<_, _>>()?;
         Ok(FrameCues { cameras })
     }
@@ -93,7 +93,7 @@ impl TrackJob {
         let plan = TrackPlan {
             model: reader.fit.model.clone(),
             fit: reader.fit.fit.clone(),
-            frame_rate: reader.footage.frame_rate,
+            frame_rate: reader.footage.take().frame_rate(),
             motion: choices.motion.motion(),
             search: choices.search,
             cues: choices.cues.cues().to_vec(),

@@ -1,37 +1,38 @@
-//! A project as its file has it.
+//! A project as its file has it, and the document, both ways.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use backlit_formats::calibration::backlit;
+use backlit_formats::calibration::{CalibrationOptions, backlit};
+use backlit_formats::footage::replacement::Calibration;
 use backlit_formats::json_text::unique_keys;
-use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
+use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::FORMAT;
-use super::run_record::{RunRecord, run_record};
-use crate::likely_poses;
+use super::run_record::{RunRecord, read_runs};
+use super::{FORMAT, Project, ProjectProblem};
 use crate::run::Run;
 use crate::tracking_choices::TrackingChoices;
-use crate::{CameraUse, Document, Estimate, Origin};
+use crate::{CameraUse, Document, Estimate, likely_poses};
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ProjectFile {
     pub(crate) format: String,
-    pub(crate) take: Option<TakeRecord>,
+    pub(crate) take: Option<TakeSource>,
     pub(crate) model: ModelSpec,
     pub(crate) start: PoseRecord,
     #[serde(default, deserialize_with = "unique_keys")]
     pub(crate) keys: BTreeMap<usize, PoseRecord>,
     #[serde(default, deserialize_with = "unique_keys")]
-    pub(crate) estimates: BTreeMap<usize, EstimateRecord>,
+    pub(crate) estimates: BTreeMap<usize, Estimate<PoseRecord>>,
     #[serde(default)]
-    pub(crate) cameras: Vec<CameraRecord>,
+    pub(crate) cameras: Vec<CameraUse>,
     #[serde(default)]
     pub(crate) fit: FitOptions,
     /// Weight of the prior that comes with the program.
@@ -66,14 +67,6 @@ pub(crate) struct CalibrationRecord {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum TakeRecord {
-    BuiltIn,
-    Demonstration(Demonstration),
-    Path(PathBuf),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseRecord {
     pub(crate) root: [f64; 3],
@@ -82,73 +75,189 @@ pub(crate) struct PoseRecord {
     pub(crate) rotations: BTreeMap<String, [f64; 4]>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct EstimateRecord {
-    pub(crate) pose: PoseRecord,
-    pub(crate) origin: OriginRecord,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) cost: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) rms: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) iou: Option<f64>,
-    pub(crate) steps: usize,
-    pub(crate) lost: bool,
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub(crate) is_stale: bool,
-}
+impl ProjectFile {
+    pub(super) fn of(document: &Document, runs: &[Run]) -> Self {
+        let model = &*document.model;
+        let pose = |(frame, pose): (&usize, &Pose)| (*frame, PoseRecord::of(model, pose));
+        let estimate = |(frame, estimate): (&usize, &Arc<Estimate>)| {
+            (*frame, estimate.with_pose(PoseRecord::of(model, &estimate.pose)))
+        };
+        Self {
+            format: FORMAT.to_owned(),
+            take: document.take.clone(),
+            model: model.to_spec(),
+            start: PoseRecord::of(model, &document.start),
+            keys: document.keys.iter().map(pose).collect(),
+            estimates: document.estimates.iter().map(estimate).collect(),
+            cameras: (*document.cameras).clone(),
+            fit: (*document.fit).clone(),
+            likely_poses: likely_poses::weight(&document.fit),
+            tracking: Some(document.tracking),
+            measurement: (*document.measurement).clone(),
+            pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
+            calibration: document.calibration.as_ref().map(|calibration| CalibrationRecord {
+                file: calibration.path.clone(),
+                cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
+            }),
+            plates: file_records(document, &document.plates),
+            masks: document
+                .masks
+                .iter()
+                .map(|(frame, masks)| (*frame, file_records(document, masks)))
+                .collect(),
+            runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
+        }
+    }
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum OriginRecord {
-    Fit,
-    Track,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct CameraRecord {
-    pub(crate) name: String,
-    pub(crate) used: bool,
-    pub(crate) weight: f64,
-}
-
-pub(crate) fn to_file(document: &Document, runs: &[Run]) -> ProjectFile {
-    let model = &*document.model;
-    ProjectFile {
-        format: FORMAT.to_owned(),
-        take: document.take.as_ref().map(|take| match take {
-            TakeSource::BuiltIn => TakeRecord::BuiltIn,
-            TakeSource::Demonstration(which) => TakeRecord::Demonstration(*which),
-            TakeSource::Path(path) => TakeRecord::Path(path.clone()),
-        }),
-        model: model.to_spec(),
-        start: pose_record(model, &document.start),
-        keys: document.keys.iter().map(|(frame, pose)| (*frame, pose_record(model, pose))).collect(),
-        estimates: document
-            .estimates
-            .iter()
-            .map(|(frame, estimate)| (*frame, estimate_record(model, estimate)))
-            .collect(),
-        cameras: document.cameras.iter().map(camera_record).collect(),
-        fit: (*document.fit).clone(),
-        likely_poses: likely_poses::weight(&document.fit),
-        tracking: Some(document.tracking),
-        measurement: (*document.measurement).clone(),
-        pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
-        calibration: document.calibration.as_ref().map(|calibration| CalibrationRecord {
-            file: calibration.path.clone(),
-            cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
-        }),
-        plates: file_records(document, &document.plates),
-        masks: document.masks.iter().map(|(frame, masks)| (*frame, file_records(document, masks))).collect(),
-        runs: runs.iter().filter_map(|run| run_record(model, run)).collect(),
+    /// The document of the file at this path. It holds together.
+    pub(super) fn into_project(self, path: &Path) -> Result<Project, ProjectProblem> {
+        let model = Model::new(&self.model).map_err(ProjectProblem::Model)?;
+        let fit = read_fit(self.fit, self.likely_poses, "fit")?;
+        for (index, options) in self.measurement.iter().enumerate() {
+            options.check().map_err(|error| ProjectProblem::Measurement { index, error })?;
+        }
+        let start = self.start.pose(&model, "start")?;
+        let mut keys = BTreeMap::new();
+        for (frame, record) in &self.keys {
+            keys.insert(*frame, record.pose(&model, &format!("keys.{frame}"))?);
+        }
+        let mut estimates = BTreeMap::new();
+        for (frame, record) in &self.estimates {
+            estimates.insert(*frame, Arc::new(read_estimate(&model, *frame, record)?));
+        }
+        let pins = self.pins.iter().map(|name| limb_index(&model, "pins", name)).collect::<Result<_, _>>()?;
+        let cameras = checked_cameras(self.cameras)?;
+        let count = self.measurement.len();
+        if count > 0 && count != cameras.len() {
+            return Err(ProjectProblem::Measurements { count, cameras: cameras.len() });
+        }
+        let plates = read_files(path, &cameras, self.plates, "plates")?;
+        let mut masks = BTreeMap::new();
+        for (frame, record) in self.masks {
+            masks.insert(frame, read_files(path, &cameras, record, &format!("masks.{frame}"))?);
+        }
+        let calibration = self.calibration.map(|record| record.read(path)).transpose()?;
+        let runs = read_runs(&model, self.runs)?;
+        let document = Document {
+            take: self.take,
+            model: Arc::new(model),
+            start: Arc::new(start),
+            keys: Arc::new(keys),
+            estimates: Arc::new(estimates),
+            cameras: Arc::new(cameras),
+            tracking: self.tracking.unwrap_or_else(|| TrackingChoices::of_preset(fit.as_preset())),
+            fit: Arc::new(fit),
+            measurement: Arc::new(self.measurement),
+            pins: Arc::new(pins),
+            calibration,
+            plates: Arc::new(plates),
+            masks: Arc::new(masks),
+        };
+        Ok(Project { document, runs })
     }
 }
 
-pub(super) fn camera_record(camera: &CameraUse) -> CameraRecord {
-    CameraRecord { name: camera.name.clone(), used: camera.used, weight: camera.weight }
+/// A fit with the prior that comes with the program, at its weight.
+pub(super) fn read_fit(
+    mut fit: FitOptions,
+    likely_poses: Option<f64>,
+    field: &str,
+) -> Result<FitOptions, ProjectProblem> {
+    likely_poses::set_weight(&mut fit, likely_poses.unwrap_or(0.0));
+    fit.check().map_err(|error| ProjectProblem::Fit { field: field.to_owned(), error })?;
+    Ok(fit)
+}
+
+pub(super) fn checked_cameras(cameras: Vec<CameraUse>) -> Result<Vec<CameraUse>, ProjectProblem> {
+    match cameras.iter().find(|camera| !(camera.weight.is_finite() && camera.weight >= 0.0)) {
+        Some(camera) => Err(ProjectProblem::Weight { camera: camera.name.clone(), weight: camera.weight }),
+        None => Ok(cameras),
+    }
+}
+
+/// Checks numbers that are there: name, value, the largest that is allowed. All are 0 or above.
+pub(super) fn check_numbers(field: &str, numbers: &[(&str, Option<f64>, f64)]) -> Result<(), ProjectProblem> {
+    for (name, value, most) in numbers {
+        if let Some(value) = value.filter(|value| !(0.0..=*most).contains(value)) {
+            let expected = if *most == 1.0 { "a number from 0 to 1" } else { "a number, 0 or above" };
+            return Err(ProjectProblem::Number { field: format!("{field}.{name}"), value, expected });
+        }
+    }
+    Ok(())
+}
+
+fn read_estimate(
+    model: &Model,
+    frame: usize,
+    record: &Estimate<PoseRecord>,
+) -> Result<Estimate, ProjectProblem> {
+    let pose = record.pose.pose(model, &format!("estimates.{frame}.pose"))?;
+    let numbers =
+        [("cost", record.cost, f64::INFINITY), ("rms", record.rms, f64::INFINITY), ("iou", record.iou, 1.0)];
+    check_numbers(&format!("estimates.{frame}"), &numbers)?;
+    let mut estimate = record.with_pose(pose);
+    if estimate.steps == 0 && estimate.lost {
+        // Earlier files say cost 0 where there was nobody to fit.
+        (estimate.cost, estimate.rms) = (None, None);
+    }
+    Ok(estimate)
+}
+
+impl CalibrationRecord {
+    fn read(self, path: &Path) -> Result<Arc<Calibration>, ProjectProblem> {
+        let text = self.cameras.to_string();
+        let rig = backlit::parse(path, &text, CalibrationOptions::default());
+        Ok(Arc::new(Calibration { path: self.file, rig: rig.map_err(ProjectProblem::Calibration)? }))
+    }
+}
+
+impl PoseRecord {
+    pub(super) fn of(model: &Model, pose: &Pose) -> Self {
+        let owners = model.rotation_owners().iter();
+        let rotations = owners
+            .zip(&pose.rotations)
+            .map(|(&owner, q)| (model.limbs()[owner].name.clone(), [q.w, q.x, q.y, q.z]))
+            .collect();
+        Self { root: pose.root.to_array(), rotations }
+    }
+
+    pub(super) fn pose(&self, model: &Model, field: &str) -> Result<Pose, ProjectProblem> {
+        let mut pose = Pose::rest(model);
+        pose.root = DVec3::from_array(self.root);
+        for (name, [w, x, y, z]) in &self.rotations {
+            let limb = &model.limbs()[limb_index(model, field, name)?];
+            if !limb.has_own_rotation {
+                return Err(ProjectProblem::Rigid {
+                    field: format!("{field}.rotations"),
+                    limb: name.clone(),
+                });
+            }
+            pose.rotations[limb.rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
+        }
+        pose.check(model).map_err(|error| ProjectProblem::Pose { field: field.to_owned(), error })?;
+        Ok(pose)
+    }
+}
+
+fn limb_index(model: &Model, field: &str, name: &str) -> Result<usize, ProjectProblem> {
+    let unknown = || ProjectProblem::Limb { field: field.to_owned(), limb: name.to_owned() };
+    model.limb_index(name).ok_or_else(unknown)
+}
+
+/// Files by camera; those whose path is relative lie beside the project.
+fn read_files(
+    path: &Path,
+    cameras: &[CameraUse],
+    record: BTreeMap<String, PathBuf>,
+    field: &str,
+) -> Result<BTreeMap<usize, PathBuf>, ProjectProblem> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = |(name, path): (String, PathBuf)| {
+        let camera = cameras.iter().position(|camera| camera.name == name);
+        let unknown = || ProjectProblem::Camera { field: field.to_owned(), camera: name };
+        Ok((camera.ok_or_else(unknown)?, folder.join(path)))
+    };
+    record.into_iter().map(file).collect()
 }
 
 /// Files by the names of their cameras.
@@ -157,29 +266,4 @@ fn file_records(document: &Document, files: &BTreeMap<usize, PathBuf>) -> BTreeM
         document.cameras.get(*camera).map(|camera| (camera.name.clone(), path.clone()))
     };
     files.iter().filter_map(named).collect()
-}
-
-pub(super) fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
-    let owners = model.rotation_owners().iter();
-    let rotations = owners
-        .zip(&pose.rotations)
-        .map(|(&owner, q)| (model.limbs()[owner].name.clone(), [q.w, q.x, q.y, q.z]))
-        .collect();
-    PoseRecord { root: pose.root.to_array(), rotations }
-}
-
-fn estimate_record(model: &Model, estimate: &Estimate) -> EstimateRecord {
-    EstimateRecord {
-        pose: pose_record(model, &estimate.pose),
-        origin: match estimate.origin {
-            Origin::Fit => OriginRecord::Fit,
-            Origin::Track => OriginRecord::Track,
-        },
-        cost: estimate.cost,
-        rms: estimate.rms,
-        iou: estimate.iou,
-        steps: estimate.steps,
-        lost: estimate.lost,
-        is_stale: estimate.is_stale,
-    }
 }

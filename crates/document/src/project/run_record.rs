@@ -7,9 +7,9 @@ use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::optimize::Iteration;
 use serde::{Deserialize, Serialize};
 
-use super::ProjectError;
-use super::reader::Reader;
-use super::record::{CameraRecord, PoseRecord, camera_record, pose_record};
+use super::ProjectProblem;
+use super::record::{PoseRecord, check_numbers, checked_cameras, read_fit};
+use crate::CameraUse;
 use crate::likely_poses;
 use crate::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::runs::StepRef;
@@ -27,7 +27,7 @@ pub(crate) struct RunRecord {
     /// Weight of the prior that comes with the program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     likely_poses: Option<f64>,
-    cameras: Vec<CameraRecord>,
+    cameras: Vec<CameraUse>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     part: Option<String>,
     /// Number and step of the run that it began at.
@@ -67,131 +67,128 @@ struct StepRecord {
     accepted: bool,
 }
 
-/// A run whose poses are the body's; one of another body cannot be shown.
-pub(crate) fn run_record(model: &Model, run: &Run) -> Option<RunRecord> {
-    run.steps.iter().all(|step| step.iteration.point.check(model).is_ok()).then(|| RunRecord {
-        number: run.number,
-        frame: run.frame,
-        name: run.is_named.then(|| run.name.clone()),
-        detail: run.detail.clone(),
-        fit: (*run.choices.fit).clone(),
-        likely_poses: likely_poses::weight(&run.choices.fit),
-        cameras: run.choices.cameras.iter().map(camera_record).collect(),
-        part: run.choices.part.clone(),
-        branched_from: run.choices.branched_from.map(|from| [from.run, from.step]),
-        measured_by: run.measured_by,
-        colour: run.colour,
-        shown: run.is_shown,
-        stages: run.stages.clone(),
-        ending: match &run.ending {
-            Some(RunEnding::Solver(words)) => Some(words.clone()),
-            // What is running now cannot go on in another window.
-            Some(RunEnding::Stopped) | None => None,
-        },
-        steps: run.steps.iter().map(|step| step_record(model, step)).collect(),
-    })
-}
-
-fn step_record(model: &Model, step: &RunStep) -> StepRecord {
-    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-    let iteration = &step.iteration;
-    StepRecord {
-        pose: pose_record(model, &iteration.point),
-        mismatch: step.mismatch,
-        rms: step.rms,
-        iou: step.iou,
-        joint_error_mm: step.joint_error_mm,
-        cost: iteration.cost,
-        trial_cost: finite(iteration.trial_cost),
-        foretold: finite(iteration.predicted_decrease),
-        fell: finite(iteration.actual_decrease),
-        damping: finite(iteration.damping),
-        step_norm: finite(iteration.step_norm),
-        seconds: step.seconds,
-        stage: iteration.stage,
-        accepted: iteration.accepted,
-    }
-}
-
-impl Reader<'_> {
-    /// The runs, by number.
-    pub(super) fn runs(&self, model: &Model, records: Vec<RunRecord>) -> Result<Vec<Run>, ProjectError> {
-        let mut runs: Vec<Run> = Vec::with_capacity(records.len());
-        for (index, record) in records.into_iter().enumerate() {
-            let field = format!("runs[{index}]");
-            let after = runs.last().map_or(0, |last| last.number);
-            if record.number <= after {
-                let expected = "a number above those of the runs before it";
-                return Err(self.number(format!("{field}.number"), record.number as f64, expected));
-            }
-            runs.push(self.run(model, &field, record)?);
-        }
-        Ok(runs)
-    }
-
-    fn run(&self, model: &Model, field: &str, record: RunRecord) -> Result<Run, ProjectError> {
-        let wrong =
-            |error| ProjectError::RunFit { path: self.path.to_owned(), field: field.to_owned(), error };
-        let mut fit = record.fit;
-        likely_poses::set_weight(&mut fit, record.likely_poses.unwrap_or(0.0));
-        fit.check().map_err(wrong)?;
-        let stages = record.stages.len();
-        let mut steps = Vec::with_capacity(record.steps.len());
-        for (index, step) in record.steps.into_iter().enumerate() {
-            let field = format!("{field}.steps[{index}]");
-            if step.stage >= stages.max(1) {
-                let expected = "the index of a stage of the run";
-                return Err(self.number(format!("{field}.stage"), step.stage as f64, expected));
-            }
-            steps.push(self.step(model, &field, &step)?);
-        }
-        Ok(Run {
-            number: record.number,
-            is_named: record.name.is_some(),
-            name: record.name.unwrap_or_default(),
-            choices: RunChoices {
-                fit: Arc::new(fit),
-                cameras: Arc::new(self.cameras(record.cameras)?),
-                part: record.part,
-                branched_from: record.branched_from.map(|[run, step]| StepRef { run, step }),
+impl RunRecord {
+    /// A run whose poses are the body's; one of another body cannot be shown.
+    pub(super) fn of(model: &Model, run: &Run) -> Option<Self> {
+        run.steps.iter().all(|step| step.iteration.point.check(model).is_ok()).then(|| Self {
+            number: run.number,
+            frame: run.frame,
+            name: run.is_named.then(|| run.name.clone()),
+            detail: run.detail.clone(),
+            fit: (*run.choices.fit).clone(),
+            likely_poses: likely_poses::weight(&run.choices.fit),
+            cameras: (*run.choices.cameras).clone(),
+            part: run.choices.part.clone(),
+            branched_from: run.choices.branched_from.map(|from| [from.run, from.step]),
+            measured_by: run.measured_by,
+            colour: run.colour,
+            shown: run.is_shown,
+            stages: run.stages.clone(),
+            ending: match &run.ending {
+                Some(RunEnding::Solver(words)) => Some(words.clone()),
+                // What is running now cannot go on in another window.
+                Some(RunEnding::Stopped) | None => None,
             },
-            detail: record.detail,
-            frame: record.frame,
-            measured_by: record.measured_by,
-            colour: record.colour,
-            steps,
-            stages: record.stages,
-            ending: Some(record.ending.map_or(RunEnding::Stopped, RunEnding::Solver)),
-            is_shown: record.shown,
+            steps: run.steps.iter().map(|step| StepRecord::of(model, step)).collect(),
         })
     }
+}
 
-    fn step(&self, model: &Model, field: &str, record: &StepRecord) -> Result<RunStep, ProjectError> {
-        for (name, value, most, expected) in [
-            ("mismatch", Some(record.mismatch), f64::INFINITY, "a number, 0 or above"),
-            ("rms", Some(record.rms), f64::INFINITY, "a number, 0 or above"),
-            ("iou", record.iou, 1.0, "a number from 0 to 1"),
-            ("joint_error_mm", record.joint_error_mm, f64::INFINITY, "a number, 0 or above"),
-            ("seconds", Some(record.seconds), f64::INFINITY, "a number, 0 or above"),
-        ] {
-            if let Some(value) = value.filter(|value| !(0.0..=most).contains(value)) {
-                return Err(self.number(format!("{field}.{name}"), value, expected));
-            }
+impl StepRecord {
+    fn of(model: &Model, step: &RunStep) -> Self {
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let iteration = &step.iteration;
+        Self {
+            pose: PoseRecord::of(model, &iteration.point),
+            mismatch: step.mismatch,
+            rms: step.rms,
+            iou: step.iou,
+            joint_error_mm: step.joint_error_mm,
+            cost: iteration.cost,
+            trial_cost: finite(iteration.trial_cost),
+            foretold: finite(iteration.predicted_decrease),
+            fell: finite(iteration.actual_decrease),
+            damping: finite(iteration.damping),
+            step_norm: finite(iteration.step_norm),
+            seconds: step.seconds,
+            stage: iteration.stage,
+            accepted: iteration.accepted,
         }
+    }
+
+    fn read(&self, model: &Model, field: &str) -> Result<RunStep, ProjectProblem> {
+        let numbers = [
+            ("mismatch", Some(self.mismatch), f64::INFINITY),
+            ("rms", Some(self.rms), f64::INFINITY),
+            ("iou", self.iou, 1.0),
+            ("joint_error_mm", self.joint_error_mm, f64::INFINITY),
+            ("seconds", Some(self.seconds), f64::INFINITY),
+        ];
+        check_numbers(field, &numbers)?;
         let iteration = Iteration {
-            point: self.pose(model, &format!("{field}.pose"), &record.pose)?,
-            stage: record.stage,
-            cost: record.cost,
+            point: self.pose.pose(model, &format!("{field}.pose"))?,
+            stage: self.stage,
+            cost: self.cost,
             rms: 0.0,
-            trial_cost: record.trial_cost.unwrap_or(f64::INFINITY),
-            predicted_decrease: record.foretold.unwrap_or(f64::NAN),
-            actual_decrease: record.fell.unwrap_or(f64::NEG_INFINITY),
-            damping: record.damping.unwrap_or(f64::INFINITY),
-            step_norm: record.step_norm.unwrap_or(f64::INFINITY),
+            trial_cost: self.trial_cost.unwrap_or(f64::INFINITY),
+            predicted_decrease: self.foretold.unwrap_or(f64::NAN),
+            actual_decrease: self.fell.unwrap_or(f64::NEG_INFINITY),
+            damping: self.damping.unwrap_or(f64::INFINITY),
+            step_norm: self.step_norm.unwrap_or(f64::INFINITY),
             gradient_max: 0.0,
-            accepted: record.accepted,
+            accepted: self.accepted,
         };
-        let StepRecord { mismatch, rms, iou, joint_error_mm, seconds, .. } = *record;
+        let Self { mismatch, rms, iou, joint_error_mm, seconds, .. } = *self;
         Ok(RunStep { iteration, mismatch, rms, iou, joint_error_mm, seconds })
+    }
+}
+
+/// The runs, by number.
+pub(super) fn read_runs(model: &Model, records: Vec<RunRecord>) -> Result<Vec<Run>, ProjectProblem> {
+    let mut runs: Vec<Run> = Vec::with_capacity(records.len());
+    for (index, record) in records.into_iter().enumerate() {
+        let field = format!("runs[{index}]");
+        if runs.last().is_some_and(|last| record.number <= last.number) || record.number == 0 {
+            let expected = "a number above those of the runs before it";
+            let (field, value) = (format!("{field}.number"), record.number as f64);
+            return Err(ProjectProblem::Number { field, value, expected });
+        }
+        runs.push(record.read(model, &field)?);
+    }
+    Ok(runs)
+}
+
+impl RunRecord {
+    fn read(self, model: &Model, field: &str) -> Result<Run, ProjectProblem> {
+        let fit = read_fit(self.fit, self.likely_poses, &format!("{field}.fit"))?;
+        let mut steps = Vec::with_capacity(self.steps.len());
+        for (index, step) in self.steps.iter().enumerate() {
+            let field = format!("{field}.steps[{index}]");
+            if step.stage >= self.stages.len().max(1) {
+                let (field, value) = (format!("{field}.stage"), step.stage as f64);
+                let expected = "the index of a stage of the run";
+                return Err(ProjectProblem::Number { field, value, expected });
+            }
+            steps.push(step.read(model, &field)?);
+        }
+        Ok(Run {
+            number: self.number,
+            is_named: self.name.is_some(),
+            name: self.name.unwrap_or_default(),
+            choices: RunChoices {
+                fit: Arc::new(fit),
+                cameras: Arc::new(checked_cameras(self.cameras)?),
+                part: self.part,
+                branched_from: self.branched_from.map(|[run, step]| StepRef { run, step }),
+            },
+            detail: self.detail,
+            frame: self.frame,
+            measured_by: self.measured_by,
+            colour: self.colour,
+            steps,
+            stages: self.stages,
+            ending: Some(self.ending.map_or(RunEnding::Stopped, RunEnding::Solver)),
+            is_shown: self.shown,
+        })
     }
 }

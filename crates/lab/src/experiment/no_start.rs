@@ -84,7 +84,7 @@ pub fn run(
     cancel: &CancelToken,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<Report, ExperimentError> {
-    let all = footage.cameras().len();
+    let all = footage.cameras.len();
     let sets: Vec<Vec<Vec<usize>>> =
         options.cameras.iter().map(|&count| sets(all, count)).collect::<Result<_, _>>()?;
     let total = sets.iter().map(Vec::len).sum::<usize>() * options.frames.len();
@@ -157,7 +157,7 @@ fn trial(
         Err(error) => (None, vec![error.to_string()]),
     };
     Ok(Trial {
-        cameras: set.iter().map(|&camera| footage.cameras()[camera].name().to_owned()).collect(),
+        cameras: set.iter().map(|&camera| footage.cameras[camera].name().to_owned()).collect(),
         frame,
         error_mm,
         from_keypoints_mm,

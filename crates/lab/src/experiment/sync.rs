@@ -404,7 +404,7 @@ pub fn run_take(
                 .iter()
                 .zip(&ahead)
                 .map(|(&camera, &ahead)| {
-                    let mut recording = Recording::new((*footage.cameras()[camera]).clone());
+                    let mut recording = Recording::new((*footage.cameras[camera]).clone());
                     for (frame, mask) in masks[camera].iter().enumerate() {
                         recording.push(frame as f64 * period_s + ahead, mask);
                     }
@@ -413,7 +413,7 @@ pub fn run_take(
                 .collect();
             found.append(&mut look(&recordings, &ahead, period_s, trial));
         }
-        let names: Vec<&str> = set.iter().map(|&camera| footage.cameras()[camera].name()).collect();
+        let names: Vec<&str> = set.iter().map(|&camera| footage.cameras[camera].name()).collect();
         cases.push(Case { setting: names.join(", "), trouble: "real footage".to_owned(), found });
     }
     Ok(Report { cases })

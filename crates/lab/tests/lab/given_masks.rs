@@ -49,8 +49,8 @@ fn take(reduction: usize) -> Take {
 fn a_take_of_masks_alone_is_tracked_at_a_working_size() {
     let footage = Footage::new(take(2));
     let take = footage.take();
-    let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
-    assert_eq!((take.frame_count(), footage.cameras()[0].width()), (FRAMES, 96));
+    let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
+    assert_eq!((take.frame_count(), footage.cameras[0].width()), (FRAMES, 96));
     let all: Vec<usize> = (0..FRAMES).collect();
     let looked =
         survey::survey(&survey::spread(&all, 3), |frame| footage.fit_views(&cameras, frame)).unwrap();

@@ -121,7 +121,7 @@ fn where_the_background_is_unknown_keypoints_say_what_is_subject() {
     };
     let found = mask(0).unwrap();
     let knee =
-        footage.cameras()[0].project(ends[body.limb_index("left lower thigh").unwrap()]).unwrap().round();
+        footage.cameras[0].project(ends[body.limb_index("left lower thigh").unwrap()]).unwrap().round();
     assert_eq!(found.get(knee.x as usize, knee.y as usize), Some(Label::Subject));
     assert_eq!(found.get(2, 2), Some(Label::Background));
     assert!(found.count(Label::Unknown) > 0);

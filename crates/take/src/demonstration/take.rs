@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::calibration::backlit;
+use backlit_formats::footage::{DrawnPictures, UNKNOWN_GREY};
 use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
 use backlit_lab::experiment::{Simulation, fig51, fig52, fig55};
 use backlit_lab::synthetic::{capsules, exercise, upper_body};
@@ -20,8 +21,6 @@ use image::{GrayImage, ImageFormat, Luma};
 
 use super::Demonstration;
 
-/// The level of pixels of which nothing is known, in a picture of a mask.
-pub const UNKNOWN_GREY: u8 = 128;
 /// Size of the pictures, but of the tiny ones.
 const SIZE_PX: [u64; 2] = [192, 144];
 /// Size of the tiny pictures.
@@ -65,9 +64,13 @@ impl Demonstration {
         }
     }
 
-    /// Whether its pictures are the silhouettes themselves, not footage with masks beside it.
-    pub fn pictures_are_silhouettes(self) -> bool {
-        self != Self::Cues
+    /// What its pictures are; `None` for footage with masks beside it.
+    pub fn drawn(self) -> Option<DrawnPictures> {
+        let drawn = match self.simulation() {
+            Simulation::Prediction => DrawnPictures::GreyLevels,
+            Simulation::Mask => DrawnPictures::Masks,
+        };
+        (self != Self::Cues).then_some(drawn)
     }
 
     /// Makes its take.
@@ -258,7 +261,7 @@ mod tests {
             let picture = take.frame(0, take.frame_count() - 1).unwrap();
             let dark = picture.pixels().filter(|pixel| pixel[0] < 128).count();
             let is_silhouette = dark > 30 && dark < picture.pixels().len() / 2;
-            assert!(is_silhouette || !demonstration.pictures_are_silhouettes(), "{demonstration:?}: {dark}");
+            assert!(is_silhouette || demonstration.drawn().is_none(), "{demonstration:?}: {dark}");
         }
     }
 }

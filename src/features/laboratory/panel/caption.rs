@@ -114,7 +114,7 @@ fn row(ui: &mut Ui, words: &str, paint: impl FnOnce(&Ui, Rect)) {
 /// What to try next, as a link.
 fn next(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
     let laboratory = bench.laboratory;
-    let demonstration = bench.context.session.take.as_ref().and_then(|take| take.demonstration());
+    let demonstration = bench.context.session.demonstration();
     let offered = StartChoice::offered(demonstration);
     let at = offered.iter().position(|start| *start == laboratory.start).unwrap_or(0);
     let other = offered[(at + offered.len() - 1) % offered.len()];

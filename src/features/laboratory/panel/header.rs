@@ -78,7 +78,7 @@ fn sentence(laboratory: &Laboratory, context: &Context<'_>) -> String {
         (Lineup::Presets, _) | (_, None) => String::new(),
         (_, Some(preset)) => format!(" Solver: {}.", preset.label()),
     };
-    format!("{}{frame}. {}{solver}", take.name, lineup.sentence())
+    format!("{}{frame}. {}{solver}", take.take().name(), lineup.sentence())
 }
 
 /// From right to left: start, stop, run, step, back, restart.
@@ -108,7 +108,7 @@ fn controls(
 }
 
 fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes: &mut Vec<Wish>) {
-    let demonstration = context.session.take.as_ref().and_then(|take| take.demonstration());
+    let demonstration = context.session.demonstration();
     let texts: Vec<(StartChoice, String)> =
         StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
     let choices: Vec<(StartChoice, &str, String)> =

@@ -204,7 +204,7 @@ fn names(
 /// The curve, stronger about the frame on the screen.
 fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, strength: f32) {
     let painter = ui.painter().with_clip_rect(sheet.area);
-    let rate = context.session.take.as_ref().map_or(30.0, |take| take.frame_rate);
+    let rate = context.session.take.as_ref().map_or(30.0, |take| take.take().frame_rate());
     let near = (NEAR_S * rate) as usize;
     let is_near = |place: &Place| place.frame.abs_diff(context.selection.frame) <= near;
     for strong in [false, true] {
@@ -231,7 +231,7 @@ fn dots(
     mut taken: Vec<Rect>,
 ) {
     let palette = theme::palette(ui);
-    let rate = context.session.take.as_ref().map_or(30.0, |take| take.frame_rate);
+    let rate = context.session.take.as_ref().map_or(30.0, |take| take.take().frame_rate());
     let [first, last] = [places.first(), places.last()].map(|place| place.map_or(0, |place| place.frame));
     let seconds = (last - first) as f64 / rate;
     let steps = [1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 3600.0];

@@ -47,7 +47,7 @@ pub fn run(
     cancel: &CancelToken,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<Report, ExperimentError> {
-    let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
+    let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
     let wanted = (0..footage.take().frame_count()).step_by(options.every.max(1));
     let mut seen = Vec::new();
     for frame in wanted {

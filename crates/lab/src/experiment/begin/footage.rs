@@ -40,7 +40,7 @@ pub fn run(
     cancel: &CancelToken,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<Report, ExperimentError> {
-    let all = footage.cameras().len();
+    let all = footage.cameras.len();
     let mut levels: Vec<Option<Level>> = frames.levels.iter().copied().map(Some).collect();
     if options.no_start {
         levels = vec![None];

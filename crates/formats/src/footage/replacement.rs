@@ -1,14 +1,15 @@
-//! What a user puts in the place of a take's own: the cameras of another calibration, plates, and silhouettes of single frames.
+//! What the user gives in place of a take's own: the cameras of another calibration, plates, and silhouettes of single frames.
 //! The take's files stay as they are.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use backlit_formats::calibration::{self, CalibrationOptions};
-use backlit_formats::{FileError, images};
 use backlit_tracking::camera::{Camera, CameraError, Rectification, Rig, RigError};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
 use thiserror::Error;
+
+use crate::calibration::{self, CalibrationOptions};
+use crate::{FileError, images};
 
 /// Cameras in the place of the take's.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,9 +119,9 @@ pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize,
         let stem = path.file_stem().map(|stem| stem.to_string_lossy());
         cameras.iter().position(|camera| stem.as_deref() == Some(camera.name()))
     };
-    let stranger = pictures.iter().find(|path| camera_of(path).is_none());
+    let unknown = pictures.iter().find(|path| camera_of(path).is_none());
     let mut masks: BTreeMap<usize, PathBuf> = BTreeMap::new();
-    match stranger {
+    match unknown {
         None => {
             for path in &pictures {
                 let camera = camera_of(path).unwrap_or_default();
@@ -176,12 +177,12 @@ pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError>
 
 #[cfg(test)]
 mod tests {
-    use backlit_formats::calibration::backlit;
     use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
     use glam::DVec3;
     use image::{DynamicImage, GrayImage, Luma};
 
     use super::*;
+    use crate::calibration::backlit;
 
     fn camera(name: &str, side: u64, x: f64) -> Camera {
         let intrinsics = Intrinsics { fx: 50.0, fy: 50.0, cx: 15.5, cy: 11.5 };

@@ -1,0 +1,148 @@
+//! One frame as the window shows it: what can be had of each camera, and why the rest cannot.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use backlit_tracking::cues::JointKeypoint;
+use backlit_tracking::fit::{DataView, Evidence};
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
+use image::{DynamicImage, RgbImage};
+use rayon::prelude::*;
+
+use super::Footage;
+use super::replacement::{Calibration, PlateFiles};
+
+/// Grey levels below this are the subject's.
+const HALF_GREY: u8 = 128;
+/// Grey level of unknown pixels in drawn masks.
+pub const UNKNOWN_GREY: u8 = 128;
+
+/// What pictures are that were drawn, not filmed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrawnPictures {
+    /// The renderer's grey levels.
+    GreyLevels,
+    /// Hard masks; [`UNKNOWN_GREY`] is unknown.
+    Masks,
+}
+
+/// What a frame's pictures and silhouettes depend on, besides the take.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MadeWith {
+    measurement: Arc<Vec<SegmentOptions>>,
+    calibration: Option<Arc<Calibration>>,
+    plates: Arc<PlateFiles>,
+    masks: BTreeMap<usize, PathBuf>,
+}
+
+/// One camera's picture of one frame, on the ideal pinhole grid.
+#[derive(Debug, Clone, Default)]
+pub struct CameraFrame {
+    /// The picture.
+    pub image: Option<Arc<RgbImage>>,
+    /// Its silhouette.
+    pub mask: Option<Arc<Mask>>,
+    distance: OnceLock<SignedDistance>,
+    /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
+    pub grey_levels: Option<Arc<Measurement>>,
+    /// Where another tool saw joints; empty where none has looked, or its file cannot be read.
+    pub keypoints: Vec<JointKeypoint>,
+    /// Why something is missing.
+    pub problem: Option<String>,
+}
+
+impl CameraFrame {
+    /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
+    pub fn distance(&self) -> Option<&SignedDistance> {
+        let mask = self.mask.as_ref()?;
+        Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
+    }
+
+    /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette. Grey levels of a simulation are
+    /// smooth as they are.
+    pub fn evidence(&self, data: DataView) -> Option<Evidence> {
+        match &self.grey_levels {
+            Some(levels) if data != DataView::Distance => Some(Evidence::Measurement(levels.clone())),
+            _ => self.mask.clone().map(Evidence::Mask),
+        }
+    }
+
+    /// Takes a drawn picture, whose grey levels are the silhouette: no segmentation.
+    fn take_drawn(&mut self, image: RgbImage, drawn: DrawnPictures) {
+        let grey = DynamicImage::ImageRgb8(image.clone()).into_luma8();
+        let label = |pixel: &u8| match *pixel {
+            UNKNOWN_GREY if drawn == DrawnPictures::Masks => Label::Unknown,
+            level if level < HALF_GREY => Label::Subject,
+            _ => Label::Background,
+        };
+        let labels = grey.as_raw().iter().map(label).collect();
+        match Mask::new(grey.width() as usize, grey.height() as usize, labels) {
+            Ok(mask) => self.mask = Some(Arc::new(mask)),
+            Err(problem) => self.problem = Some(problem.to_string()),
+        }
+        if drawn == DrawnPictures::GreyLevels {
+            self.grey_levels = Some(Arc::new(Measurement::from_gray(&grey)));
+        }
+        self.image = Some(Arc::new(image));
+    }
+}
+
+/// All cameras' pictures of one frame.
+#[derive(Debug, Clone)]
+pub struct FrameData {
+    /// The frame.
+    pub frame: usize,
+    /// By camera.
+    pub cameras: Vec<CameraFrame>,
+    /// What it depends on, besides the take.
+    pub made_with: MadeWith,
+}
+
+impl Footage {
+    /// What a frame's pictures and silhouettes depend on, besides the take.
+    #[must_use]
+    pub fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
+        MadeWith {
+            measurement: measurement.clone(),
+            calibration: self.calibration.clone(),
+            plates: self.plates.clone(),
+            masks: self.masks.get(&frame).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
+    /// cameras and the picture without its silhouette are still of use.
+    #[must_use]
+    pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
+        // The tracker says what is wrong with a file of keypoints.
+        let cues = self.camera_cues(camera, frame, None);
+        let keypoints = cues.map_or_else(|_| Vec::new(), |cues| cues.keypoints);
+        let mut result = CameraFrame { keypoints, ..CameraFrame::default() };
+        match (self.picture(camera, frame), self.drawn) {
+            (Ok(image), Some(drawn)) => result.take_drawn(image, drawn),
+            (Ok(image), None) => {
+                match self.mask(camera, frame, &image, options) {
+                    Ok(mask) => result.mask = Some(Arc::new(mask)),
+                    Err(problem) => result.problem = Some(problem.to_string()),
+                }
+                result.image = Some(Arc::new(image));
+            }
+            (Err(problem), _) => result.problem = Some(problem.to_string()),
+        }
+        result
+    }
+
+    /// The same of all cameras, each by its own options. The result does not depend on how cameras are shared out among
+    /// threads.
+    #[must_use]
+    pub fn load_frame(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> FrameData {
+        let load = |camera: usize| {
+            let options = measurement.get(camera).cloned().unwrap_or_default();
+            self.load(camera, frame, &options)
+        };
+        let cameras = (0..self.cameras.len()).into_par_iter().map(load).collect();
+        FrameData { frame, cameras, made_with: self.made_with(measurement, frame) }
+    }
+}

@@ -1,0 +1,136 @@
+//! Lanes that are there only where they have something to show: motions by name, and limbs that nothing holds. Clicks mean
+//! frames, as everywhere in the timeline.
+
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::UNSURE;
+use backlit_ui::style::theme::{motion_colours, size};
+use egui::{
+    Align2, Id, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, pos2,
+};
+
+use super::span::TimeScale;
+use crate::context::Context;
+
+/// Space about a motion's name.
+const BESIDE: f32 = 5.0;
+/// How much of its colour a stretch of an older track keeps.
+const STALE: f32 = 0.45;
+/// From this many unsure limbs on the colour has its full strength, and how much it has of one.
+const MANY: usize = 4;
+const OF_ONE: f32 = 0.45;
+
+/// What the lane of motions is, under the pointer.
+const MOTIONS: &str = "Motions: what the tracked motion is called, by what its joints do over time. Grey is like no \
+                           motion that was learnt. The stretch of this frame has an edge; the Motions tile (View › \
+                           Tiles) shows why it is called so.";
+
+/// What the lane of unsure limbs is, under the pointer.
+const UNSURE_LIMBS: &str = "Unsure: limbs that neither silhouettes nor a cue held in a frame. Their pose is what motion \
+                           and priors make of it. The stronger the colour, the more limbs; empty is none.";
+
+/// Height of the lane of motions: none where nothing is recognised.
+pub(super) fn motions_height(context: &Context<'_>) -> f32 {
+    if context.motions.stretches.is_empty() { 0.0 } else { size::MOTION_LANE }
+}
+
+/// Height of the lane of unsure limbs: none where no frame on the screen was tracked with cues.
+pub(super) fn unsure_height(context: &Context<'_>) -> f32 {
+    let document = context.document();
+    let mut held = context.session.held.iter();
+    let is_known = held.any(|(frame, held)| !held.holds.is_empty() && held.pose == *document.pose_at(*frame));
+    if is_known { size::MOTION_LANE } else { 0.0 }
+}
+
+/// The name and the ground of a lane.
+fn ground<'a>(ui: &'a Ui, text: &str, names: Rect, lane: Rect) -> &'a Painter {
+    let (palette, painter) = (theme::palette(ui), ui.painter());
+    let small = TextStyle::Small.resolve(ui.style());
+    let left = names.left() + 4.0;
+    painter.text(pos2(left, lane.center().y), Align2::LEFT_CENTER, text, small, palette.text2);
+    painter.rect_filled(lane, 0.0, palette.plot);
+    painter
+}
+
+/// What the name of a lane says to those who point at it.
+fn label(ui: &Ui, id: &str, names: Rect, lane: Rect, text: &str) -> Response {
+    let name = Rect::from_x_y_ranges(names.x_range(), lane.y_range());
+    let name = ui.interact(name, Id::unique(id), Sense::hover());
+    name.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+    name
+}
+
+/// The lane of motions: a stretch has the colour of its motion, and its name where there is room.
+pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale: &TimeScale) {
+    let (palette, frame) = (theme::palette(ui), context.selection.frame);
+    let small = TextStyle::Small.resolve(ui.style());
+    let painter = ground(ui, "Motions", names, lane);
+    let half = 0.5 * scale.step();
+    let inside = painter.with_clip_rect(lane.expand(1.0));
+    for (index, stretch) in context.motions.stretches.iter().enumerate() {
+        let [first, last] = [stretch.frames.start(), stretch.frames.end()].map(|at| scale.x(*at as f64));
+        let place =
+            Rect::from_x_y_ranges(first - half..=(last + half).max(first - half + 1.0), lane.y_range());
+        let place = place.intersect(lane);
+        if place.width() <= 0.0 {
+            continue;
+        }
+        let colours = motion_colours(stretch.class);
+        let strength = if context.motions.is_stale { STALE } else { 1.0 };
+        inside.rect_filled(place.shrink2(egui::vec2(0.5, 0.0)), 2.0, colours.fill.gamma_multiply(strength));
+        let text = if context.motions.is_stale { palette.text } else { colours.text };
+        let name = painter.layout_no_wrap(stretch.name.clone(), small.clone(), text);
+        if name.size().x + 2.0 * BESIDE <= place.width() {
+            inside.galley(Align2::CENTER_CENTER.anchor_size(place.center(), name.size()).min, name, text);
+        }
+        if stretch.frames.contains(&frame) {
+            inside.rect_stroke(place, 2.0, Stroke::new(1.5, palette.text), StrokeKind::Inside);
+        }
+        let mark = ui.interact(place, Id::unique(("motion's stretch", index)), Sense::hover());
+        mark.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, stretch.said()));
+    }
+    let now = context.motions.at(frame).map_or_else(|| "not named".to_owned(), |stretch| stretch.said());
+    label(ui, "motions' lane", names, lane, &format!("Motions: {now}")).on_hover_text(MOTIONS);
+}
+
+/// The limbs that nothing held in a frame, by name; `None` where the frame was not tracked with cues.
+fn limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
+    let document = context.document();
+    let held = context.session.held(frame, document.pose_at(frame));
+    let limbs = document.model.limbs();
+    let unsure = held.iter().filter(|hold| hold.is_unsure());
+    let names = unsure.filter_map(|hold| Some(limbs.get(hold.limb)?.name.as_str()));
+    (!held.is_empty()).then(|| names.collect())
+}
+
+/// The lane of limbs that neither silhouettes nor a cue hold.
+pub(super) fn unsure(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale: &TimeScale) {
+    let frame = context.selection.frame;
+    let painter = ground(ui, "Unsure", names, lane);
+    let inside = painter.with_clip_rect(lane);
+    let half = 0.5 * scale.step().max(1.0);
+    for (&at, held) in &context.session.held {
+        let count = held.holds.iter().filter(|hold| hold.is_unsure()).count();
+        let x = scale.x(at as f64);
+        if count == 0 || x + half < lane.left() || x - half > lane.right() {
+            continue;
+        }
+        if held.pose == *context.document().pose_at(at) {
+            let more = (count.min(MANY) - 1) as f32 / (MANY - 1) as f32;
+            let colour = UNSURE.gamma_multiply(OF_ONE + (1.0 - OF_ONE) * more);
+            inside.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, lane.y_range()), 0.0, colour);
+        }
+    }
+    let here = limbs(context, frame);
+    let now = match &here {
+        None => "not known".to_owned(),
+        Some(limbs) if limbs.is_empty() => "none".to_owned(),
+        Some(limbs) => limbs.join(", "),
+    };
+    if let Some(limbs) = here {
+        let at = pos2(names.right() - 6.0, lane.center().y);
+        let small = TextStyle::Small.resolve(ui.style());
+        painter.text(at, Align2::RIGHT_CENTER, limbs.len().to_string(), small, theme::palette(ui).text);
+    }
+    let label = label(ui, "unsure limbs’ lane", names, lane, &format!("Unsure limbs: {now}"));
+    label.on_hover_text(format!("{UNSURE_LIMBS}\nIn this frame: {now}."));
+}
