@@ -61,6 +61,8 @@ pub fn short_ramp(ramp: Ramp) -> String {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::render::RendererKind;
+
     use super::*;
 
     #[test]

@@ -62,7 +62,7 @@ impl Feature for Offsets {
             return None;
         }
         let take = context.session.take.as_ref();
-        let is_file = take.is_some_and(|take| context.session.take_path().is_some());
+        let is_file = context.session.take_path().is_some();
         let is_one = take.is_some_and(|take| take.original().full_rig().cameras().len() < 2);
         no_take(context)
             .or(because(
