@@ -6,7 +6,7 @@ use std::sync::Arc;
 use backlit_document::edit::Edit;
 use backlit_document::history::Gesture;
 use backlit_document::runs::{RunChange, StepRef};
-use backlit_jobs::Failure;
+use backlit_jobs::{Failure, News, Task};
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
 
@@ -241,6 +241,20 @@ impl Requests {
     /// Says what went wrong.
     pub(crate) fn complain(&mut self, text: impl Into<String>) {
         self.request(ShellRequest::Complain(text.into(), None));
+    }
+
+    /// What a task has sent since the last call. That it broke down is said, and what it was `doing`, as the beginning of a
+    /// sentence.
+    pub(crate) fn outputs<I, O>(&mut self, doing: &str, task: &mut Task<I, O>) -> Vec<O> {
+        let mut outputs = Vec::new();
+        for news in task.poll() {
+            match news {
+                News::Output(output) => outputs.push(output),
+                News::Ended => {}
+                News::Failed(failure) => self.failed(doing, &failure),
+            }
+        }
+        outputs
     }
 
     /// Says that a job broke down, and what it was doing, as the beginning of a sentence.

@@ -35,7 +35,6 @@ use crate::context::priority;
 use crate::context::{Context, Requests};
 use crate::session::prediction::{FitInputs, Predicted};
 
-/// The feature.
 #[derive(Debug)]
 pub(crate) struct Fit {
     task: Task<(), FitMessage>,
@@ -65,7 +64,6 @@ struct LiveRun {
     number: usize,
     frame: usize,
     inputs: FitInputs,
-    /// The mismatch of its start.
     before: f64,
     /// Accepted and rejected steps.
     steps: usize,
@@ -107,7 +105,6 @@ impl Fit {
         solver::ui(ui, context, requests, (open, &mut self.edits_stages), more);
     }
 
-    /// Whether steps are being made.
     pub(crate) const fn is_running(&self) -> bool {
         self.task.is_busy()
     }

@@ -1,24 +1,21 @@
-//! A take made of footage and a calibration: what lies in a folder, what is missing, and the take file that says so.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `card` | the card on which a take is put together |
-//! | `job` | looking at folders, learning backgrounds and writing the take |
-//! | `update` | asked for, found, written, opened |
+//! A take made of footage and a calibration: what lies in a folder, what is missing, and the take file that says so. `card` is
+//! the card on which a take is put together.
 
 mod card;
-mod job;
-mod update;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use backlit_formats::import::ImportOptions;
-use backlit_jobs::Task;
+use backlit_formats::images;
+use backlit_formats::import::{self, ImportOptions, ImportStep, ImportSurvey, WriteOptions};
+use backlit_jobs::{Outbox, Task, once, one_step};
+use egui::{ColorImage, Ui};
 
-use crate::context::file_dialog::FileDialogs;
+use crate::context::feature::Feature;
+use crate::context::file_dialog::{DialogKind, FileDialogs};
 use crate::context::priority;
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
 
-/// The feature.
 #[derive(Debug)]
 pub(crate) struct NewTake {
     /// Where the footage lies: folders, or files.
@@ -26,15 +23,13 @@ pub(crate) struct NewTake {
     options: ImportOptions,
     /// The frame rate as it is typed.
     rate: String,
-    /// Folder of the take.
     out: String,
-    state: State,
-    look: Task<(Vec<PathBuf>, ImportOptions), Result<job::Looked, String>>,
-    write: Task<(), job::Written>,
+    stage: ImportStage,
+    look: Task<(Vec<PathBuf>, ImportOptions), Result<Looked, String>>,
+    write: Task<(), Written>,
     dialogs: FileDialogs<Asked>,
 }
 
-/// What a dialog asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asked {
     Footage,
@@ -44,18 +39,16 @@ enum Asked {
 
 /// How far it is.
 #[derive(Debug, Default)]
-enum State {
+enum ImportStage {
     /// Nothing is chosen yet.
     #[default]
     Empty,
-    /// Folders are looked through.
     Looking,
-    /// This was found.
-    Found(Box<job::Looked>),
+    Found(Box<Looked>),
     /// It cannot be used; why not.
     Unusable(String),
     /// The take is being written; what is done just now.
-    Writing(Box<job::Looked>, String),
+    Writing(Box<Looked>, String),
 }
 
 impl Default for NewTake {
@@ -65,10 +58,197 @@ impl Default for NewTake {
             options: ImportOptions::default(),
             rate: String::new(),
             out: String::new(),
-            state: State::Empty,
+            stage: ImportStage::Empty,
             look: Task::new(priority::OPEN),
             write: Task::new(priority::EXPORT),
             dialogs: FileDialogs::default(),
         }
     }
+}
+
+/// Height of the pictures on the card, pixels.
+const PICTURE_HEIGHT: usize = 96;
+
+/// What was found, with a picture of each camera.
+#[derive(Debug, Clone)]
+struct Looked {
+    found: Arc<ImportSurvey>,
+    /// By camera; `None` where the first picture cannot be read.
+    pictures: Vec<Option<Arc<ColorImage>>>,
+}
+
+/// Looks through folders.
+///
+/// # Errors
+/// Why no take can be made, in a sentence.
+fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
+    let found = import::survey(paths, options).map_err(|error| error.to_string())?;
+    let picture = |camera: &import::ImportCamera| {
+        let picture = camera.pictures.picture(found.first).ok()?;
+        let divisor = (picture.height() as usize / PICTURE_HEIGHT).max(1);
+        let small = images::reduced(picture, divisor);
+        let size = [small.width() as usize, small.height() as usize];
+        Some(Arc::new(ColorImage::from_rgb(size, small.as_raw())))
+    };
+    let pictures = found.cameras.iter().map(picture).collect();
+    Ok(Looked { found: Arc::new(found), pictures })
+}
+
+/// What is heard of the writing.
+#[derive(Debug)]
+enum Written {
+    Step(String),
+    /// Something that was done and is to be known.
+    Said(String),
+    Done(PathBuf),
+    Failed(String),
+}
+
+/// Learns backgrounds and writes the take.
+fn write(found: &ImportSurvey, folder: &Path, out: &Outbox<Written>) {
+    let mut say = |step: ImportStep| match step {
+        ImportStep::Learning { camera } => {
+            out.send(Written::Step(format!("Learning the background of {camera}")));
+        }
+        ImportStep::Adjusted { median_px: [before, after] } => out.send(Written::Said(format!(
+            "The cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px. The take \
+             keeps both calibrations."
+        ))),
+        ImportStep::Measuring | ImportStep::Learnt { .. } => {}
+    };
+    let written = import::write(found, folder, WriteOptions::default(), out.cancel(), &mut say);
+    out.send(match written {
+        Ok(file) => Written::Done(file),
+        Err(error) => Written::Failed(error.to_string()),
+    });
+}
+
+/// Endings of calibrations, for the dialog.
+const CALIBRATIONS: &[&str] = &["toml", "json", "yml", "yaml", "xml", "xcp", "txt", "pickle"];
+
+impl Feature for NewTake {
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for (asked, path) in self.dialogs.answers() {
+            match asked {
+                Asked::Footage => self.look_at(vec![path], context),
+                Asked::Calibration => {
+                    self.options.calibration = Some(path);
+                    self.look_at(self.paths.clone(), context);
+                }
+                Asked::Out => self.out = path.display().to_string(),
+            }
+        }
+        for looked in requests.outputs("Looking through the folder", &mut self.look) {
+            match looked {
+                Ok(looked) => {
+                    if self.out.is_empty() {
+                        self.out = free_folder(&self.paths);
+                    }
+                    self.rate = looked.found.frame_rate.map_or_else(String::new, |rate| format!("{rate:.3}"));
+                    self.stage = ImportStage::Found(Box::new(looked));
+                }
+                Err(why) => self.stage = ImportStage::Unusable(why),
+            }
+        }
+        if self.look.failure().is_some() && matches!(self.stage, ImportStage::Looking) {
+            self.stage = ImportStage::Empty;
+        }
+        for written in requests.outputs("Writing the take", &mut self.write) {
+            match written {
+                Written::Step(text) => {
+                    if let ImportStage::Writing(_, said) = &mut self.stage {
+                        *said = text;
+                    }
+                }
+                Written::Said(text) => requests.inform(text, None),
+                Written::Done(file) => {
+                    *self = Self::default();
+                    requests.request(ShellRequest::CloseCard);
+                    requests.request(DesktopRequest::OpenPath(file.parent().unwrap_or(&file).to_owned()));
+                    return;
+                }
+                Written::Failed(why) => {
+                    requests.complain(format!("The take was not written: {why}."));
+                    self.back_to_found();
+                }
+            }
+        }
+        if self.write.failure().is_some() {
+            self.back_to_found();
+        }
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        self.show(ui, context, requests)
+    }
+}
+
+impl NewTake {
+    /// Lays the card over the window; folders or files that are named are looked at at once.
+    pub(crate) fn open(&mut self, paths: Vec<PathBuf>, context: &Context<'_>, requests: &mut Requests) {
+        requests.request(ShellRequest::OpenCard(FeatureCard::NewTake));
+        if !paths.is_empty() {
+            *self = Self::default();
+            self.look_at(paths, context);
+        }
+    }
+
+    /// Looks at what was chosen, again if it was changed.
+    fn look_at(&mut self, paths: Vec<PathBuf>, context: &Context<'_>) {
+        if paths != self.paths {
+            self.out.clear();
+        }
+        self.paths = paths;
+        self.stage = ImportStage::Looking;
+        let inputs = (self.paths.clone(), self.options.clone());
+        self.look.begin(context.pool, inputs, |(paths, options)| {
+            let (paths, options) = (paths.clone(), options.clone());
+            once(move |_| look(&paths, &options))
+        });
+    }
+
+    fn ask(&self, asked: Asked, context: &Context<'_>, requests: &mut Requests) {
+        let (title, wanted) = match asked {
+            Asked::Footage => ("Folder with the footage", DialogKind::Folder),
+            Asked::Calibration => ("Calibration", DialogKind::File(CALIBRATIONS)),
+            Asked::Out => ("Folder of the take", DialogKind::Folder),
+        };
+        if let Err(why) = self.dialogs.ask(context.egui, asked, title, wanted) {
+            requests.complain(why.to_string());
+        }
+    }
+
+    /// Writes the take that was put together.
+    fn create(&mut self, context: &Context<'_>) {
+        let ImportStage::Found(looked) = std::mem::take(&mut self.stage) else { return };
+        let (found, folder) = (looked.found.clone(), PathBuf::from(self.out.trim()));
+        self.stage = ImportStage::Writing(looked, "Writing the take".to_owned());
+        self.write.begin(context.pool, (), |()| one_step(move |out: &Outbox<_>| write(&found, &folder, out)));
+    }
+
+    fn stop(&self) {
+        self.write.stop();
+    }
+
+    fn back_to_found(&mut self) {
+        self.stage = match std::mem::take(&mut self.stage) {
+            ImportStage::Writing(looked, _) => ImportStage::Found(looked),
+            other => other,
+        };
+    }
+}
+
+/// A folder beside the footage that is not there yet.
+fn free_folder(paths: &[PathBuf]) -> String {
+    let first = paths.first().map_or(Path::new(""), PathBuf::as_path);
+    let beside = if first.is_dir() { first.parent() } else { first.parent().and_then(Path::parent) };
+    let name = if first.is_dir() { first } else { first.parent().unwrap_or(first) };
+    let name = name.file_name().map_or_else(|| "take".to_owned(), |name| name.to_string_lossy().into_owned());
+    let beside = beside.unwrap_or(Path::new(""));
+    let candidate = |number: usize| match number {
+        0 => beside.join(format!("{name} take")),
+        _ => beside.join(format!("{name} take {}", number + 1)),
+    };
+    let free = (0..100).map(candidate).find(|folder| !folder.exists());
+    free.unwrap_or_else(|| candidate(0)).display().to_string()
 }

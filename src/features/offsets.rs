@@ -1,28 +1,30 @@
-//! Cameras that were started apart: two of them side by side, one shifted by eye or all as the silhouettes say.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `card` | the card with both pictures and the shifts |
-//! | `job` | pictures read, and the search for the shifts |
-//! | `update` | opened, what was read and found taken in, written to the take |
+//! Cameras that were started apart: two of them side by side, one shifted by eye or all as the silhouettes say. `card` is the
+//! card with both pictures and the shifts.
 
 mod card;
-mod job;
 #[cfg(test)]
 mod tests;
-mod update;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use backlit_formats::synchronise::TakeClocks;
-use backlit_jobs::Task;
-use egui::ColorImage;
+use backlit_formats::Footage;
+use backlit_formats::synchronise::{self, OffsetShift, TakeClocks, TakeClocksError, shift_offsets};
+use backlit_formats::take::Take;
+use backlit_formats::video::Video;
+use backlit_jobs::{News, Outbox, Task, once, one_step};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::synchronise::SynchroniseOptions;
+use egui::{ColorImage, Ui};
 use glam::DVec2;
 
+use crate::context::command::Command;
+use crate::context::feature::Feature;
 use crate::context::priority;
+use crate::context::unavailable::{Why, because, no_take};
+use crate::context::write_advice::write_advice;
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
 
-/// The feature.
 #[derive(Debug)]
 pub(crate) struct Offsets {
     /// The cameras of the left and of the right picture.
@@ -31,10 +33,10 @@ pub(crate) struct Offsets {
     frame: usize,
     /// How many of its own frames each camera is shifted by, beside what the take says.
     shifts: Vec<i64>,
-    sides: [Side; 2],
+    sides: [PictureSide; 2],
     /// A place in a picture, and which: the other picture shows the line on which it can be.
     pointed_at: Option<(usize, DVec2)>,
-    find: Task<(), job::Said>,
+    find: Task<(), SearchMessage>,
     /// How far the search is: frames done, and in all.
     progress: Option<[usize; 2]>,
     found: Option<Result<Box<TakeClocks>, String>>,
@@ -43,17 +45,15 @@ pub(crate) struct Offsets {
     path: PathBuf,
 }
 
-/// One of the two pictures.
 #[derive(Debug)]
-struct Side {
-    task: Task<job::Wanted, job::Picture>,
+struct PictureSide {
+    task: Task<OffsetPicture, PictureRead>,
     /// The picture that was read last, and of what.
-    picture: Option<(job::Wanted, Arc<ColorImage>)>,
-    /// Why there is none.
+    picture: Option<(OffsetPicture, Arc<ColorImage>)>,
     problem: Option<String>,
 }
 
-impl Default for Side {
+impl Default for PictureSide {
     fn default() -> Self {
         Self { task: Task::new(priority::FRAME), picture: None, problem: None }
     }
@@ -74,4 +74,213 @@ impl Default for Offsets {
             path: PathBuf::new(),
         }
     }
+}
+
+/// Height of the pictures on the card, pixels, at least.
+const HEIGHT: usize = 360;
+
+/// A picture: what a camera shows so many of its own frames later.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct OffsetPicture {
+    camera: usize,
+    frame: usize,
+    shift: i64,
+}
+
+/// The picture, and by how much it is reduced; nothing where the camera has none then; or why it cannot be read.
+type PictureRead = Result<Option<Arc<ColorImage>>, String>;
+
+/// By how much pictures of this height are reduced.
+fn divisor(height: usize) -> usize {
+    (height / HEIGHT).max(1)
+}
+
+fn read(footage: &Footage, wanted: OffsetPicture) -> PictureRead {
+    let height =
+        footage.original().full_rig().cameras().get(wanted.camera).map_or(HEIGHT, |camera| camera.height());
+    let picture = footage.take().shifted_frame(wanted.camera, wanted.frame, wanted.shift, divisor(height));
+    let picture = picture.map_err(|error| error.to_string())?;
+    Ok(picture.map(|picture| {
+        let size = [picture.width() as usize, picture.height() as usize];
+        Arc::new(ColorImage::from_rgb(size, picture.as_raw()))
+    }))
+}
+
+#[derive(Debug)]
+enum SearchMessage {
+    /// So many frames are done, of so many.
+    At([usize; 2]),
+    Found(Box<TakeClocks>),
+    Refused(String),
+}
+
+fn find(footage: &Footage, out: &Outbox<SearchMessage>) {
+    let (options, tell) =
+        (SynchroniseOptions::default(), |done, all| out.send(SearchMessage::At([done, all])));
+    match synchronise::find(footage, synchronise::USUAL_FRAMES, &options, out.cancel(), tell) {
+        Ok(found) => out.send(SearchMessage::Found(Box::new(found))),
+        Err(TakeClocksError::Cancelled) => {}
+        Err(error) => out.send(SearchMessage::Refused(error.to_string())),
+    }
+}
+
+impl Feature for Offsets {
+    fn update(&mut self, _: &Context<'_>, requests: &mut Requests) {
+        for side in &mut self.sides {
+            side.update(requests);
+        }
+        for news in self.find.poll() {
+            match news {
+                News::Output(SearchMessage::At(progress)) => self.progress = Some(progress),
+                News::Output(SearchMessage::Found(found)) => {
+                    for (shift, found) in self.shifts.iter_mut().zip(&found.shifts) {
+                        *shift = found.as_ref().map_or(*shift, |found| found.frames);
+                    }
+                    self.found = Some(Ok(found));
+                }
+                News::Output(SearchMessage::Refused(why)) => self.found = Some(Err(why)),
+                News::Ended => self.progress = None,
+                News::Failed(failure) => requests.failed("The search for the offsets", &failure),
+            }
+        }
+        for written in requests.outputs("Writing the offsets", &mut self.write) {
+            match written {
+                Ok(()) => {
+                    requests.request(ShellRequest::CloseCard);
+                    requests
+                        .inform("The offsets are in the take; its frames were read again.".to_owned(), None);
+                    requests.request(DesktopRequest::OpenPath(std::mem::take(&mut self.path)));
+                }
+                Err(why) => requests.complain(why),
+            }
+        }
+    }
+
+    fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let is_own = command == Command::Offsets;
+        if is_own {
+            self.open(context, requests);
+        }
+        is_own
+    }
+
+    fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
+        if command != Command::Offsets {
+            return None;
+        }
+        let take = context.session.take.as_ref();
+        let is_file = context.session.take_path().is_some();
+        let is_one = take.is_some_and(|take| Self::full_cameras(take).len() < 2);
+        no_take(context)
+            .or(because(
+                !is_file,
+                "This take comes with the program and cannot be changed: open one of your own",
+            ))
+            .or(because(is_one, "The take has one camera only"))
+    }
+
+    fn card(&mut self, ui: &Ui, context: &Context<'_>, _: &mut Requests) -> bool {
+        self.show(ui, context)
+    }
+}
+
+impl Offsets {
+    /// The cameras with their lenses, for pictures as large as on the disk.
+    fn full_cameras(take: &Footage) -> &[Camera] {
+        take.original().full_rig().cameras()
+    }
+
+    /// Lays the card over the window.
+    pub(crate) fn open(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let Some(take) = &context.session.take else { return };
+        let Some(path) = context.session.take_path() else { return };
+        let count = Self::full_cameras(take).len();
+        let left = context.selection.camera.min(count.saturating_sub(1));
+        *self = Self {
+            shown: [left, if left == 0 { 1 } else { 0 }],
+            frame: context.selection.frame,
+            shifts: vec![0; count],
+            path: path.clone(),
+            ..Self::default()
+        };
+        requests.request(ShellRequest::OpenCard(FeatureCard::Offsets));
+    }
+
+    /// What a side is to show.
+    fn wanted(&self, side: usize) -> OffsetPicture {
+        let camera = self.shown[side];
+        OffsetPicture { camera, frame: self.frame, shift: self.shifts.get(camera).copied().unwrap_or(0) }
+    }
+
+    fn read_pictures(&mut self, context: &Context<'_>) {
+        let Some(take) = &context.session.take else { return };
+        for side in 0..2 {
+            let wanted = self.wanted(side);
+            if self.sides[side].picture.as_ref().is_some_and(|(of, _)| *of == wanted) {
+                continue;
+            }
+            let take = take.clone();
+            self.sides[side].task.ask(context.pool, wanted, |&wanted| once(move |_| read(&take, wanted)));
+        }
+    }
+
+    /// Looks for the shifts in the silhouettes.
+    fn find(&mut self, context: &Context<'_>) {
+        let Some(take) = context.session.take.clone() else { return };
+        (self.progress, self.found) = (None, None);
+        self.find.begin(context.pool, (), |()| one_step(move |out: &Outbox<_>| find(&take, out)));
+    }
+
+    fn stop(&self) {
+        self.find.stop();
+    }
+
+    const fn is_finding(&self) -> bool {
+        self.find.is_busy()
+    }
+
+    /// Writes the shifts into the take.
+    fn write(&mut self, context: &Context<'_>) {
+        let Some(take) = &context.session.take else { return };
+        let shifts = shifts_of(take, &self.shifts);
+        let path = self.path.clone();
+        self.write.begin(context.pool, (), |()| {
+            once(move |_| {
+                shift_offsets(&path, &shifts)
+                    .map(|_| ())
+                    .map_err(|error| format!("Not written: {error}. {}", write_advice(&error)))
+            })
+        });
+    }
+}
+
+impl PictureSide {
+    fn update(&mut self, requests: &mut Requests) {
+        for read in requests.outputs("Reading a picture", &mut self.task) {
+            self.problem = match read {
+                Ok(Some(picture)) => {
+                    self.picture = self.task.inputs().map(|of| (*of, picture));
+                    None
+                }
+                Ok(None) => Some("This camera has no picture of that moment.".to_owned()),
+                Err(why) => Some(format!("{why}.")),
+            };
+        }
+    }
+}
+
+/// The shifts of the cameras that are shifted.
+fn shifts_of(take: &Footage, shifts: &[i64]) -> Vec<OffsetShift> {
+    let shift = |(camera, &frames): (usize, &i64)| {
+        let rate = frame_rate(take.take(), camera);
+        let camera = Offsets::full_cameras(take).get(camera)?.name().to_owned();
+        (frames != 0).then(|| OffsetShift { camera, frames, seconds: frames as f64 / rate })
+    };
+    shifts.iter().enumerate().filter_map(shift).collect()
+}
+
+/// A camera's own frames per second.
+fn frame_rate(take: &Take, camera: usize) -> f64 {
+    let own = take.footage().get(camera).and_then(|footage| footage.video()).and_then(Video::frame_rate);
+    own.unwrap_or(take.frame_rate())
 }

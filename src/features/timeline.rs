@@ -51,7 +51,6 @@ const MENU: [Command; 7] = [
     Command::Timeline(TimelineCommand::WholeTake),
 ];
 
-/// The feature.
 #[derive(Debug)]
 pub(crate) struct Timeline {
     /// Whether there are lanes, kept from start to start.
@@ -110,7 +109,6 @@ impl Timeline {
         });
     }
 
-    /// Everything below the transport.
     fn frames(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, lanes: &[Lane]) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = context.session.frame_count();
@@ -203,7 +201,6 @@ impl Timeline {
         Some(FrameRange::between(self.marks_from?, area.frame_at(response.interact_pointer_pos()?)))
     }
 
-    /// Clicks, drags and the wheel.
     fn act(
         &mut self,
         area: &Area,

@@ -42,7 +42,6 @@ use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_trac
 use crate::context::{Context, Requests};
 use update::{joined, keys_around};
 
-/// The feature.
 #[derive(Debug)]
 pub(crate) struct Tracking {
     task: Task<(), Applied>,
@@ -64,7 +63,6 @@ pub(crate) struct Tracking {
     tracks_next: bool,
 }
 
-/// What is being done.
 #[derive(Debug, Clone)]
 enum TrackingWork {
     Track(TrackingProgress),
@@ -95,7 +93,6 @@ fn told(text: String) -> Applied {
 #[derive(Debug, Clone)]
 struct OtherPose {
     pose: Pose,
-    /// Where it comes from.
     origin: Origin,
     /// Root mean square residual in grey levels, as the views and the timeline measure it.
     rms: Option<f64>,
@@ -210,7 +207,6 @@ impl Tracking {
         self.task.is_busy()
     }
 
-    /// How far the tracker is.
     pub(crate) fn progress(&self) -> Option<TrackingProgress> {
         if let Some(TrackingWork::Track(progress)) = self.work { Some(progress) } else { None }
     }

@@ -24,7 +24,7 @@ pub(crate) fn spinner() -> ProgressBar {
 pub(crate) fn each_frame<R: FrameReader>(
     reader: &Arc<R>,
     frames: &[usize],
-    mut use_frame: impl FnMut(usize, &Arc<R::Frame>) -> anyhow::Result<()>,
+    mut use_frame: impl FnMut(usize, &Arc<R::Data>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let progress = bar(frames.len());
     let mut ahead = ReadAhead::new(reader.clone(), frames.to_vec().into(), CancelToken::new());

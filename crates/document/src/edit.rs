@@ -15,51 +15,31 @@ use crate::{CameraUse, Document, Estimate, Origin};
 
 /// A change of the document. [`Document::apply`] makes it, [`Edit::text`] names it for the undo menu.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the names say what each field is")]
 pub enum Edit {
     /// The pose of a frame, by hand: it becomes a key pose and replaces what was found there.
     SetPose {
-        /// The frame.
         frame: usize,
-        /// Its pose.
         pose: Pose,
         /// What the user did, for the undo menu: "Move right forearm".
         what: String,
     },
     /// Makes the pose of a frame a key pose.
-    SetKey {
-        /// The frame.
-        frame: usize,
-    },
+    SetKey { frame: usize },
     /// Forgets the key pose of a frame.
-    ClearKey {
-        /// The frame.
-        frame: usize,
-    },
+    ClearKey { frame: usize },
     /// What a fit or the tracker found for a frame.
-    AddEstimate {
-        /// The frame.
-        frame: usize,
-        /// What was found.
-        estimate: Arc<Estimate>,
-    },
+    AddEstimate { frame: usize, estimate: Arc<Estimate> },
     /// What the tracker found, frame by frame; it replaces what was found there before.
     AddTrack(Vec<(usize, Arc<Estimate>)>),
     /// Forgets everything that was found; key poses stay.
     ClearEstimates,
     /// Forgets what was found from one frame to another, both included; key poses stay.
-    ClearRange {
-        /// The first frame.
-        first: usize,
-        /// The last frame.
-        last: usize,
-    },
+    ClearRange { first: usize, last: usize },
     /// Length and radius of a limb, in metres, and of its mirror image if wanted.
     SetSize {
-        /// The limb.
         limb: usize,
-        /// Metres.
         length: f64,
-        /// Metres.
         radius: f64,
         /// Also the limb on the other side of the body.
         both_sides: bool,
@@ -73,26 +53,20 @@ pub enum Edit {
     },
     /// Whether a camera counts in the fit.
     UseCamera {
-        /// The camera.
         camera: usize,
         /// Whether it counts.
         used: bool,
     },
     /// Which cameras count in the fit: these and no others.
-    UseOnly {
-        /// The cameras, in order.
-        cameras: Vec<usize>,
-    },
+    UseOnly { cameras: Vec<usize> },
     /// The weight of a camera's pixels.
     WeighCamera {
-        /// The camera.
         camera: usize,
         /// From 0 on; 1 as a rule.
         weight: f64,
     },
     /// How poses are fitted.
     SetFit {
-        /// All choices.
         options: Box<FitOptions>,
         /// What the user did, for the undo menu: "Switch to cylinder".
         what: String,
@@ -106,15 +80,9 @@ pub enum Edit {
     /// Plates in the place of the take's, by camera; without any they are the take's own again.
     SetPlates(BTreeMap<usize, PathBuf>),
     /// Silhouettes of a frame, by camera, in the place of those that are measured.
-    SetMasks {
-        /// The frame.
-        frame: usize,
-        /// By camera.
-        masks: BTreeMap<usize, PathBuf>,
-    },
+    SetMasks { frame: usize, masks: BTreeMap<usize, PathBuf> },
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
-        /// The limb.
         limb: usize,
         /// Whether it is held.
         pinned: bool,

@@ -36,3 +36,21 @@ impl<O, F: FnOnce(&CancelToken) -> O + Send> Job<O> for Once<F> {
         Turn::Done
     }
 }
+
+/// Work that is done in one step, see [`one_step`].
+#[derive(Debug)]
+pub struct OneStep<F>(Option<F>);
+
+/// A job of one step, which sends what it likes.
+pub const fn one_step<O, F: FnOnce(&Outbox<O>) + Send>(work: F) -> OneStep<F> {
+    OneStep(Some(work))
+}
+
+impl<O, F: FnOnce(&Outbox<O>) + Send> Job<O> for OneStep<F> {
+    fn step(&mut self, out: &Outbox<O>) -> Turn {
+        if let Some(work) = self.0.take() {
+            work(out);
+        }
+        Turn::Done
+    }
+}

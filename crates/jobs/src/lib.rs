@@ -27,7 +27,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 
-pub use job::{Job, Turn, once};
+pub use job::{Job, Turn, once, one_step};
 pub use outbox::{Failure, News, Outbox};
 pub use pool::Pool;
 pub use priority::Priority;

@@ -188,7 +188,7 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Tracks the next frame, or ends. After [`TrackMessage::Done`] there is nothing left to do.
-    pub fn step(&mut self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+    pub fn step(&mut self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         if cancel.is_cancelled() {
             return self.end(TrackEnding::Cancelled, tell);
         }
@@ -212,9 +212,9 @@ impl<R: FrameReader> TrackRun<R> {
     /// Tracks the next frame, which somebody else has read.
     pub fn step_with(
         &mut self,
-        read: &Arc<R::Frame>,
+        read: &Arc<R::Data>,
         cancel: &CancelToken,
-        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+        tell: &mut impl FnMut(TrackMessage<R::Data>),
     ) {
         if let Some(frame) = self.plan.legs.front_mut().and_then(|leg| leg.frames.pop_front()) {
             self.take_up(frame, read, cancel, tell);
@@ -222,12 +222,12 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Ends the run: smooths what has not been smoothed yet.
-    pub fn end(&mut self, ending: TrackEnding, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+    pub fn end(&mut self, ending: TrackEnding, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         self.end_leg(tell);
         tell(TrackMessage::Done(ending));
     }
 
-    fn read(&mut self, frame: usize, cancel: &CancelToken) -> Result<Arc<R::Frame>, FootageError> {
+    fn read(&mut self, frame: usize, cancel: &CancelToken) -> Result<Arc<R::Data>, FootageError> {
         let to_come = || self.plan.legs.iter().flat_map(|leg| leg.frames.iter().copied());
         let ahead = self.ahead.get_or_insert_with(|| {
             let order = std::iter::once(frame).chain(to_come()).collect();
@@ -239,9 +239,9 @@ impl<R: FrameReader> TrackRun<R> {
     fn take_up(
         &mut self,
         frame: usize,
-        read: &Arc<R::Frame>,
+        read: &Arc<R::Data>,
         cancel: &CancelToken,
-        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+        tell: &mut impl FnMut(TrackMessage<R::Data>),
     ) {
         tell(TrackMessage::Taken(frame, read.clone()));
         match self.track(frame, read, cancel) {
@@ -263,7 +263,7 @@ impl<R: FrameReader> TrackRun<R> {
     fn track(
         &mut self,
         frame: usize,
-        read: &R::Frame,
+        read: &R::Data,
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, TrackError> {
         let (plan, views) = (&self.plan, self.reader.views(read));
@@ -297,7 +297,7 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Tells of a frame, and of earlier ones that are smoothed by it.
-    fn keep(&mut self, estimate: FrameEstimate, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+    fn keep(&mut self, estimate: FrameEstimate, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         // A key pose that was set by hand is not smoothed.
         let is_key = self.plan.at_keys == KeyUse::Keep && self.plan.keys.contains_key(&estimate.frame);
         if self.joins && !is_key {
@@ -316,7 +316,7 @@ impl<R: FrameReader> TrackRun<R> {
     fn revise(
         &mut self,
         known: Result<Vec<FrameEstimate>, SmoothingError>,
-        tell: &mut impl FnMut(TrackMessage<R::Frame>),
+        tell: &mut impl FnMut(TrackMessage<R::Data>),
     ) {
         match known {
             Err(error) => tell(TrackMessage::NotSmoothed(error)),
@@ -330,7 +330,7 @@ impl<R: FrameReader> TrackRun<R> {
         }
     }
 
-    fn end_leg(&mut self, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+    fn end_leg(&mut self, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         if let Some(mut smoother) = self.smoother.take() {
             self.waiting = self.remembers.then(|| smoother.waiting());
             self.revise(smoother.finish(), tell);
@@ -341,7 +341,7 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Joins the two legs. What lies between them is fitted again.
-    fn join(&self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Frame>)) {
+    fn join(&self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         let [forward, backward] = &self.whole[..] else { return };
         let Some(join) = join::join(&self.plan.model, forward, backward) else { return };
         let mut joined = Vec::with_capacity(join.sources.len());

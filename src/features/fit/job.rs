@@ -10,23 +10,19 @@ use backlit_tracking::fit::{Fit, FitError, FitOptions, Stage};
 
 use crate::session::prediction::{FitInputs, Predicted};
 
-/// What came of it.
 #[derive(Debug)]
 pub(super) enum FitMessage {
     /// The start or a step, with what the pose after it predicts.
     Step(Box<RunStep>, Arc<Predicted>),
-    /// It cannot begin.
     Refused(FitError),
     /// The steps are done, with the ending if there are no more to come, and the fit if it may go on.
     Paused(Option<RunEnding>, Option<Box<PausedFit>>),
 }
 
-/// What a fit begins with.
 #[derive(Debug)]
 pub(super) struct FitStart {
     /// The frame's data and the choices of the fit.
     pub(super) inputs: FitInputs,
-    /// Where it begins.
     pub(super) pose: Pose,
     /// The choices, at the scale of what is seen.
     pub(super) options: FitOptions,
@@ -46,7 +42,6 @@ pub(super) struct PausedFit {
     last: Arc<Predicted>,
 }
 
-/// Steps of a fit.
 #[derive(Debug)]
 pub(super) struct FitJob {
     /// Begins a new fit; otherwise the one that runs goes on.
@@ -62,7 +57,6 @@ impl FitJob {
         Self { start: Some(start), fit: None, left: steps }
     }
 
-    /// Goes on with a fit.
     pub(super) fn go_on(fit: Option<Box<PausedFit>>, steps: Option<usize>) -> Self {
         Self { start: None, fit, left: steps }
     }

@@ -14,7 +14,6 @@ use crate::context::{Context, Requests, ShellRequest};
 const MEMORY_NAME: f32 = 78.0;
 const MEMORY_FIELD: f32 = 84.0;
 
-/// The Measurement section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     // Cameras differ in their regions only.
     let Some(options) = context.document().measurement.first() else { return };

@@ -12,14 +12,12 @@ use crate::context::command::{BodyPart, Command, FitCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
 
-/// A refit that has ended.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Refitted {
     /// What was fitted: "Refit right forearm".
     pub(crate) what: String,
     /// Mismatch before, squared grey levels.
     pub(crate) before: f64,
-    /// Mismatch after.
     pub(crate) after: f64,
     /// Accepted and rejected steps.
     pub(crate) steps: usize,

@@ -28,7 +28,6 @@ pub(crate) fn kind_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Reques
     }
 }
 
-/// The Renderer section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let fit = &*context.document().fit;
     let name = command_of(fit.renderer).text().to_lowercase();

@@ -85,7 +85,6 @@ pub(super) fn ui(ui: &mut Ui, options: &mut FitOptions) {
     }
 }
 
-/// The numbers of a stage.
 fn fields(ui: &mut Ui, index: usize, stage: &mut Stage) {
     let name = |column: usize| format!("Stage {}, {}", index + 1, COLUMNS[column].0);
     match &mut stage.ramp {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use backlit_formats::import::{ImportCamera, MatchedBy, PictureSize, Pictures};
+use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
@@ -13,8 +14,7 @@ use egui::{
     Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::job::Looked;
-use super::{Asked, NewTake, State};
+use super::{Asked, ImportStage, Looked, NewTake};
 use crate::context::{Context, Requests};
 
 /// Width of the card, and of the names in it.
@@ -27,7 +27,7 @@ const CAMERAS: f32 = 330.0;
 
 /// What was asked for on the card.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Wish {
+enum CardAction {
     Ask(Asked),
     Look,
     Pictures(PictureSize),
@@ -47,27 +47,27 @@ impl NewTake {
             self.contents(ui)
         });
         match modal.inner {
-            Some(Wish::Ask(asked)) => self.ask(asked, context, requests),
-            Some(Wish::Look) => self.look_at(self.paths.clone(), context),
-            Some(Wish::Pictures(chosen)) => {
+            Some(CardAction::Ask(asked)) => self.ask(asked, context, requests),
+            Some(CardAction::Look) => self.look_at(self.paths.clone(), context),
+            Some(CardAction::Pictures(chosen)) => {
                 self.options.picture_size = Some(chosen);
                 self.look_at(self.paths.clone(), context);
             }
-            Some(Wish::Create) => self.create(context),
-            Some(Wish::Stop) => self.stop(),
-            Some(Wish::Close) => return false,
+            Some(CardAction::Create) => self.create(context),
+            Some(CardAction::Stop) => self.stop(),
+            Some(CardAction::Close) => return false,
             None => {}
         }
         // What is being written is not lost by a click beside the card.
-        matches!(self.state, State::Writing(..)) || !modal.should_close()
+        matches!(self.stage, ImportStage::Writing(..)) || !modal.should_close()
     }
 
-    fn contents(&mut self, ui: &mut Ui) -> Option<Wish> {
-        let mut wish = None;
+    fn contents(&mut self, ui: &mut Ui) -> Option<CardAction> {
+        let mut action = None;
         row(ui, "Footage", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if button(ui, "Choose folder…") {
-                    wish = Some(Wish::Ask(Asked::Footage));
+                    action = Some(CardAction::Ask(Asked::Footage));
                 }
                 let path = self.paths.first().map_or_else(String::new, |path| path.display().to_string());
                 let mut typed = path.clone();
@@ -75,38 +75,39 @@ impl NewTake {
                 if typed != path {
                     self.paths = vec![PathBuf::from(&typed)];
                 }
-                if response.lost_focus() && !typed.is_empty() && !matches!(self.state, State::Found(_)) {
-                    wish = Some(Wish::Look);
+                if response.lost_focus() && !typed.is_empty() && !matches!(self.stage, ImportStage::Found(_))
+                {
+                    action = Some(CardAction::Look);
                 }
             });
         });
         let palette = theme::palette(ui);
-        match &self.state {
-            State::Empty => {
+        match &self.stage {
+            ImportStage::Empty => {
                 let text = "Videos or numbered pictures of calibrated cameras, and their calibration. Projects of Pose2Sim, \
                             EasyMocap, Anipose, FreeMoCap, Caliscope and OpenCap are known. Nothing is copied.";
                 ui.label(RichText::new(text).color(palette.text2));
             }
-            State::Looking => {
+            ImportStage::Looking => {
                 ui.label(RichText::new("Looking through the folder…").color(palette.text2));
             }
-            State::Unusable(why) => {
+            ImportStage::Unusable(why) => {
                 ui.label(RichText::new(why).color(palette.warn));
-                wish = calibration_row(ui, None).or(wish);
+                action = calibration_row(ui, None).or(action);
             }
-            State::Found(looked) | State::Writing(looked, _) => {
+            ImportStage::Found(looked) | ImportStage::Writing(looked, _) => {
                 let looked = (**looked).clone();
-                wish = found(ui, &looked).or(wish);
-                wish = self.settings(ui, &looked).or(wish);
+                action = found(ui, &looked).or(action);
+                action = self.settings(ui, &looked).or(action);
             }
         }
         ui.add_space(space::WIDGET);
-        self.buttons(ui).or(wish)
+        self.buttons(ui).or(action)
     }
 
     /// Frame rate, and the folder of the take.
-    fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<Wish> {
-        let mut wish = None;
+    fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
+        let mut action = None;
         row(ui, "Frames a second", |ui| {
             let field = vec2(76.0, size::BUTTON);
             let rate = |ui: &mut Ui| text_field(ui, "Frames a second", "", &mut self.rate);
@@ -114,7 +115,7 @@ impl NewTake {
             let typed = self.rate.trim().parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
             if response.lost_focus() && typed != looked.found.frame_rate && typed.is_some() {
                 self.options.frame_rate = typed;
-                wish = Some(Wish::Look);
+                action = Some(CardAction::Look);
             }
             if looked.found.frame_rate.is_none() {
                 hint(ui, "the footage does not say it");
@@ -123,41 +124,43 @@ impl NewTake {
         row(ui, "Take goes to", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if button(ui, "Choose…") {
-                    wish = Some(Wish::Ask(Asked::Out));
+                    action = Some(CardAction::Ask(Asked::Out));
                 }
                 text_field(ui, "Take goes to", "a new folder", &mut self.out);
             });
         });
-        wish
+        action
     }
 
-    fn buttons(&self, ui: &mut Ui) -> Option<Wish> {
-        let mut wish = None;
+    fn buttons(&self, ui: &mut Ui) -> Option<CardAction> {
+        let mut action = None;
         let problem = self.problem();
-        if let State::Writing(_, said) = &self.state {
+        if let ImportStage::Writing(_, said) = &self.stage {
             ui.label(RichText::new(format!("{said}…")).color(theme::palette(ui).text2));
         }
         button_row(ui, |ui| {
-            if matches!(self.state, State::Writing(..)) {
+            if matches!(self.stage, ImportStage::Writing(..)) {
                 if button(ui, "Stop") {
-                    wish = Some(Wish::Stop);
+                    action = Some(CardAction::Stop);
                 }
                 return;
             }
             let create = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Create take")).inner;
             if create.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
-                wish = Some(Wish::Create);
+                action = Some(CardAction::Create);
             }
             if button(ui, "Cancel") {
-                wish = Some(Wish::Close);
+                action = Some(CardAction::Close);
             }
         });
-        wish
+        action
     }
 
     /// Why no take can be written as it is.
     fn problem(&self) -> Option<&'static str> {
-        let State::Found(looked) = &self.state else { return Some("Choose a folder with footage first") };
+        let ImportStage::Found(looked) = &self.stage else {
+            return Some("Choose a folder with footage first");
+        };
         if looked.found.frame_rate.is_none() {
             return Some("Say how many frames a second there are");
         }
@@ -170,12 +173,12 @@ impl NewTake {
 }
 
 /// What was found: the calibration, each camera, and what there is to know about them.
-fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
+fn found(ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
     let (found, palette) = (&looked.found, theme::palette(ui));
-    let mut wish = calibration_row(ui, Some(&found.calibration));
+    let mut action = calibration_row(ui, Some(&found.calibration));
     let of = format!(
         "{}, {} frames of {} cameras",
-        capital(&found.project.to_string()),
+        format::capitalised(&found.project.to_string()),
         found.count,
         found.cameras.len()
     );
@@ -201,7 +204,7 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
                     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                     ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
                 }
-                ui.vertical(|ui| wish = words(ui, camera).or(wish));
+                ui.vertical(|ui| action = words(ui, camera).or(action));
             });
         }
         for (name, why) in &found.left_out {
@@ -213,12 +216,12 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
                     pictures.";
         ui.label(RichText::new(text).small().color(palette.warn));
     }
-    wish
+    action
 }
 
 /// A camera: its footage, its size, its background.
-fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<Wish> {
-    let mut wish = None;
+fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<CardAction> {
+    let mut action = None;
     let palette = theme::palette(ui);
     let (path, [width, height]) = (camera.pictures.path(), [camera.camera.width(), camera.camera.height()]);
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -254,22 +257,22 @@ fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<Wish> {
                     }
                 });
             if chosen != camera.picture_size {
-                wish = Some(Wish::Pictures(chosen));
+                action = Some(CardAction::Pictures(chosen));
             }
         });
     }
     for note in &camera.notes {
         ui.label(RichText::new(note).small().color(palette.warn));
     }
-    wish
+    action
 }
 
-fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<Wish> {
-    let mut wish = None;
+fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<CardAction> {
+    let mut action = None;
     row(ui, "Calibration", |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             if button(ui, "Choose file…") {
-                wish = Some(Wish::Ask(Asked::Calibration));
+                action = Some(CardAction::Ask(Asked::Calibration));
             }
             let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
@@ -277,7 +280,7 @@ fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<Wish> {
             });
         });
     });
-    wish
+    action
 }
 
 fn button(ui: &mut Ui, text: &str) -> bool {
@@ -289,9 +292,4 @@ fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
         row_name(ui, name, NAMES);
         contents(ui);
     });
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

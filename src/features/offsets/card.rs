@@ -32,7 +32,7 @@ const DEPTH_STEP: f64 = 0.1;
 
 /// What was asked for on the card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wish {
+enum CardAction {
     Find,
     Stop,
     Write,
@@ -52,17 +52,18 @@ impl Offsets {
                         can be at that moment.";
             ui.label(RichText::new(text).color(theme::palette(ui).text2));
             ui.add_space(space::ROW);
-            self.pictures(ui, take.original().full_rig().cameras());
+            let cameras = Self::full_cameras(&take);
+            self.pictures(ui, cameras);
             self.frame_row(ui, context.session.frame_count());
-            let wish = self.shift_rows(ui, take.original().full_rig().cameras());
+            let action = self.shift_rows(ui, cameras);
             ui.add_space(space::WIDGET);
-            self.buttons(ui).or(wish)
+            self.buttons(ui).or(action)
         });
         match modal.inner {
-            Some(Wish::Find) => self.find(context),
-            Some(Wish::Stop) => self.stop(),
-            Some(Wish::Write) => self.write(context),
-            Some(Wish::Close) => return false,
+            Some(CardAction::Find) => self.find(context),
+            Some(CardAction::Stop) => self.stop(),
+            Some(CardAction::Write) => self.write(context),
+            Some(CardAction::Close) => return false,
             None => {}
         }
         if modal.should_close() {
@@ -170,8 +171,8 @@ impl Offsets {
     }
 
     /// The shift of each camera, and what the silhouettes say of it.
-    fn shift_rows(&mut self, ui: &mut Ui, cameras: &[Camera]) -> Option<Wish> {
-        let mut wish = None;
+    fn shift_rows(&mut self, ui: &mut Ui, cameras: &[Camera]) -> Option<CardAction> {
+        let mut action = None;
         ScrollArea::vertical().max_height(130.0).min_scrolled_height(130.0).show(ui, |ui| {
             for (index, camera) in cameras.iter().enumerate() {
                 ui.horizontal(|ui| {
@@ -200,14 +201,14 @@ impl Offsets {
         named_row(ui, "Silhouettes", NAMES, |ui| {
             if self.is_finding() {
                 if ui.add(Button::new("Stop").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                    wish = Some(Wish::Stop);
+                    action = Some(CardAction::Stop);
                 }
                 let [done, all] = self.progress.unwrap_or_default();
                 hint(ui, &format!("{done} of {all} frames looked at"));
                 return;
             }
             if ui.add(Button::new("Find offsets").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                wish = Some(Wish::Find);
+                action = Some(CardAction::Find);
             }
             match &self.found {
                 None => hint(ui, "from the motion of the silhouettes; the person must move"),
@@ -217,7 +218,7 @@ impl Offsets {
                 }
             }
         });
-        wish
+        action
     }
 
     /// A camera that is shifted is shown.
@@ -245,21 +246,21 @@ impl Offsets {
         }
     }
 
-    fn buttons(&self, ui: &mut Ui) -> Option<Wish> {
-        let mut wish = None;
+    fn buttons(&self, ui: &mut Ui) -> Option<CardAction> {
+        let mut action = None;
         button_row(ui, |ui| {
             let is_shifted = self.shifts.iter().any(|shift| *shift != 0);
             let write = ui.add_enabled_ui(is_shifted, |ui| primary_button(ui, "Write to the take")).inner;
             let write = write.on_disabled_hover_text("No camera is shifted");
             let tooltip = "Changes the offsets in take.toml and nothing else in it, and opens the take again";
             if write.on_hover_text(tooltip).clicked() {
-                wish = Some(Wish::Write);
+                action = Some(CardAction::Write);
             }
             if ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                wish = Some(Wish::Close);
+                action = Some(CardAction::Close);
             }
         });
-        wish
+        action
     }
 }
 

@@ -21,7 +21,6 @@ const MOST_MEDIANS: f64 = 4.0;
 /// From this height on both ends of an axis stand at their places; below, beside each other.
 const BOTH_ENDS_FROM: f32 = 30.0;
 
-/// What a lane shows.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Lane {
     Rms,

@@ -14,7 +14,6 @@ use super::span::{Span, TimeScale};
 use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::FrameRange;
 
-/// Height of the ruler.
 pub(crate) const RULER: f32 = 18.0;
 /// Thickness of the bar of fitted frames.
 const BAR: f32 = 3.0;
@@ -32,7 +31,6 @@ const HALF_HOVERED: f32 = 6.5;
 /// Half the square that takes the pointer.
 const TARGET: f32 = 8.0;
 
-/// Numbers and grid.
 pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000]
@@ -210,7 +208,6 @@ pub(crate) fn key_poses(
     hovered
 }
 
-/// The frame on the screen.
 pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &TimeScale) {
     let palette = theme::palette(ui);
     let at = scale.x(context.selection.frame as f64);

@@ -14,7 +14,6 @@ use crate::context::Context;
 /// Width that words may take.
 const WIDTH: f32 = 210.0;
 
-/// What a key pose is.
 const KEY_POSE: &str = "Key pose: set by hand. The tracker starts again from it; K clears it.";
 
 /// The card above the timeline, over a frame.

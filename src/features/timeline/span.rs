@@ -9,14 +9,11 @@ const LEAST: f64 = 4.0;
 /// zooms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Span {
-    /// At the left end.
     pub(crate) first: f64,
-    /// At the right end.
     pub(crate) last: f64,
 }
 
 impl Span {
-    /// All frames.
     pub(crate) fn whole(count: usize) -> Self {
         Self { first: 0.0, last: count.saturating_sub(1).max(1) as f64 }
     }
@@ -57,7 +54,6 @@ impl Span {
     }
 }
 
-/// A span on the screen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TimeScale {
     pub(crate) span: Span,

@@ -28,7 +28,6 @@ const SPEED: f32 = 58.0;
 /// Width of the button that sets and clears a key pose.
 const KEY: f32 = 72.0;
 
-/// The row.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let row = vec2(ui.available_width(), HEIGHT);
     ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {

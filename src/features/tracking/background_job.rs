@@ -23,7 +23,6 @@ const MOST_FOLDERS: usize = 1000;
 /// Of fewer frames a pixel is not free often enough.
 const FEWEST_POSES: usize = 2;
 
-/// Plates that were learnt.
 #[derive(Debug, Default)]
 struct Plates {
     /// By camera.
@@ -32,7 +31,6 @@ struct Plates {
     unknown: Vec<(String, f64)>,
 }
 
-/// The background of some cameras.
 #[derive(Debug)]
 pub(super) struct BackgroundJob {
     footage: Arc<Footage>,

@@ -171,29 +171,19 @@ fn take_in_spheres(body: &SphereBody, context: &Context<'_>, requests: &mut Requ
     requests.inform(format!("{said}. Run or track again with it."), UNDO);
 }
 
-/// A person found from nothing but silhouettes: a start, and the body's own sizes.
-#[derive(Debug)]
-pub(super) struct PersonJob {
-    pub(super) reader: WindowReader,
-    pub(super) search: Option<PersonSearch>,
-}
-
-impl Job<Applied> for PersonJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
-        let Some(search) = self.search.take() else { return Turn::Done };
-        let (frame, reader) = (search.frames[0], &self.reader);
-        match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
-            _ if out.cancel().is_cancelled() => {}
-            Ok(person) => out.send(applied(move |tracking, context, requests| {
-                take_in_person(frame, &person, context, requests);
-                tracking.tracks_next = std::mem::take(&mut tracking.tracks_then);
-            })),
-            Err(PersonSearchError::Keypoints(error)) => {
-                out.send(refused(format!("The keypoints cannot be read: {error}.")));
-            }
-            Err(error) => out.send(refused(format!("Nobody was found: {error}."))),
+/// Finds a person from nothing but silhouettes: a start, and the body's own sizes.
+pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Outbox<Applied>) {
+    let frame = search.frames[0];
+    match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
+        _ if out.cancel().is_cancelled() => {}
+        Ok(person) => out.send(applied(move |tracking, context, requests| {
+            take_in_person(frame, &person, context, requests);
+            tracking.tracks_next = std::mem::take(&mut tracking.tracks_then);
+        })),
+        Err(PersonSearchError::Keypoints(error)) => {
+            out.send(refused(format!("The keypoints cannot be read: {error}.")));
         }
-        Turn::Done
+        Err(error) => out.send(refused(format!("Nobody was found: {error}."))),
     }
 }
 

@@ -74,7 +74,6 @@ const CUES: [(CueChoice, &str, &str); 4] = [
     (CueChoice::All, "All", "Keypoints where the take has them, optic flow and stereo points; slower"),
 ];
 
-/// The rows.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
     let mut chosen = choices;

@@ -39,7 +39,7 @@ pub(super) struct WindowReader {
 }
 
 impl FrameReader for WindowReader {
-    type Frame = FitInputs;
+    type Data = FitInputs;
 
     fn read(&self, frame: usize) -> Result<FitInputs, FootageError> {
         let data = self.footage.load_frame(&self.measurement, frame);
@@ -65,7 +65,6 @@ impl FrameReader for WindowReader {
     }
 }
 
-/// What is tracked.
 pub(super) struct TrackOrder {
     /// Tracked one after the other.
     pub(super) legs: Vec<Leg>,

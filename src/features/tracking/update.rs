@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
 use backlit_document::{Document, Estimate};
-use backlit_jobs::{Job, News, Outbox, Turn};
+use backlit_jobs::{Job, News, Outbox, one_step};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::Leg;
 use backlit_tracking::body::Pose;
@@ -16,7 +16,7 @@ use backlit_tracking::search::{self, SearchOptions};
 use backlit_ui::style::format;
 
 use super::background_job::BackgroundJob;
-use super::body::{self, BodyJob, PersonJob};
+use super::body::{self, BodyJob};
 use super::job::{TrackJob, TrackOrder, WindowReader, measured};
 use super::{Applied, OtherPose, OtherPoses, Tracking, TrackingWork, applied, refused};
 use crate::context::activity::TrackingProgress;
@@ -129,7 +129,8 @@ impl Tracking {
     pub(crate) fn search_poses(&mut self, context: &Context<'_>) {
         let Some(fit) = context.fit_inputs() else { return };
         let start = context.shown_pose().clone();
-        self.begin(TrackingWork::Search(context.selection.frame), context, SearchJob { fit, start });
+        let job = one_step(move |out: &Outbox<_>| search_from(&fit, &start, out));
+        self.begin(TrackingWork::Search(context.selection.frame), context, job);
     }
 
     /// Fits lengths and radii to the frames that have poses of their own, or makes a body of spheres from them.
@@ -180,8 +181,9 @@ impl Tracking {
         let frames = (context.selection.frame..context.session.frame_count()).collect();
         let what = if start.is_some() { "Finding the person’s sizes" } else { "Looking for the person" };
         let (model, fit) = (reader.fit.model.clone(), (*reader.fit.fit).clone());
-        let search = Some(PersonSearch { model, fit, start, frames, sizes });
-        self.begin(TrackingWork::Make(what.to_owned()), context, PersonJob { reader, search });
+        let search = PersonSearch { model, fit, start, frames, sizes };
+        let job = one_step(move |out: &Outbox<_>| body::find_person(search, &reader, out));
+        self.begin(TrackingWork::Make(what.to_owned()), context, job);
         requests.request(SessionRequest::LeaveStep);
     }
 
@@ -213,7 +215,6 @@ impl Tracking {
         }
     }
 
-    /// A frame was tracked.
     pub(super) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
         self.tracked.push((frame, estimate));
         self.newest = Some(frame);
@@ -261,32 +262,20 @@ impl Tracking {
     }
 }
 
-/// The search for other poses that fit one frame.
-#[derive(Debug)]
-struct SearchJob {
-    /// The frame's data and the choices of the fit.
-    fit: FitInputs,
-    /// Where it begins.
-    start: Pose,
-}
-
-impl Job<Applied> for SearchJob {
-    fn step(&mut self, out: &Outbox<Applied>) -> Turn {
-        let fit = &self.fit;
-        let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Turn::Done };
-        let (effort, views) = (SearchOptions::default(), fit.views());
-        match search::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
-            // Half a search has looked at half of the body.
-            Ok(_) if out.cancel().is_cancelled() => {}
-            Ok(found) => {
-                let poses = measured(fit, &found.found);
-                out.send(applied(move |tracking, context, requests| {
-                    tracking.poses_found(frame, poses, context, requests);
-                }));
-            }
-            Err(error) => out.send(refused(format!("Other poses cannot be looked for: {error}."))),
+/// Looks for other poses that fit the frame of these inputs.
+fn search_from(fit: &FitInputs, start: &Pose, out: &Outbox<Applied>) {
+    let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return };
+    let (effort, views) = (SearchOptions::default(), fit.views());
+    match search::search(&fit.model, views, start, &fit.fit, &effort, out.cancel()) {
+        // Half a search has looked at half of the body.
+        Ok(_) if out.cancel().is_cancelled() => {}
+        Ok(found) => {
+            let poses = measured(fit, &found.found);
+            out.send(applied(move |tracking, context, requests| {
+                tracking.poses_found(frame, poses, context, requests);
+            }));
         }
-        Turn::Done
+        Err(error) => out.send(refused(format!("Other poses cannot be looked for: {error}."))),
     }
 }
 

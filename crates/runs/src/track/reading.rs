@@ -17,25 +17,25 @@ const AHEAD: usize = 3;
 /// Reads the frames of a take for a fit. Threads share it.
 pub trait FrameReader: Send + Sync + 'static {
     /// What is read of a frame.
-    type Frame: std::fmt::Debug + Send + Sync + 'static;
+    type Data: std::fmt::Debug + Send + Sync + 'static;
 
     /// Reads and segments a frame.
     ///
     /// # Errors
     /// A picture that cannot be read, where a frame is of no use without it.
-    fn read(&self, frame: usize) -> Result<Self::Frame, FootageError>;
+    fn read(&self, frame: usize) -> Result<Self::Data, FootageError>;
 
     /// The cameras that a fit uses, with their evidence.
-    fn views(&self, frame: &Self::Frame) -> Vec<FitView>;
+    fn views(&self, frame: &Self::Data) -> Vec<FitView>;
 
     /// What the frame has beside the silhouettes, in the order of its views.
     ///
     /// # Errors
     /// A file that holds no keypoints.
-    fn cues(&self, frame: &Self::Frame) -> Result<FrameCues, FootageError>;
+    fn cues(&self, frame: &Self::Data) -> Result<FrameCues, FootageError>;
 
     /// Root mean square residual of a pose, grey levels, where it is measured in another way than the tracker does.
-    fn rms(&self, frame: &Self::Frame, pose: &Pose, tracked: Option<f64>) -> Option<f64> {
+    fn rms(&self, frame: &Self::Data, pose: &Pose, tracked: Option<f64>) -> Option<f64> {
         let _ = (frame, pose);
         tracked
     }
@@ -61,9 +61,9 @@ impl TakeReader {
 }
 
 impl FrameReader for TakeReader {
-    type Frame = (Vec<FitView>, FrameCues);
+    type Data = (Vec<FitView>, FrameCues);
 
-    fn read(&self, frame: usize) -> Result<Self::Frame, FootageError> {
+    fn read(&self, frame: usize) -> Result<Self::Data, FootageError> {
         let views = self.footage.fit_views(&self.cameras, frame)?;
         let pictures = self.cues.iter().any(|cue| *cue != Cue::Keypoints);
         let cues = match self.cues[..] {
@@ -73,11 +73,11 @@ impl FrameReader for TakeReader {
         Ok((views, cues))
     }
 
-    fn views(&self, frame: &Self::Frame) -> Vec<FitView> {
+    fn views(&self, frame: &Self::Data) -> Vec<FitView> {
         frame.0.clone()
     }
 
-    fn cues(&self, frame: &Self::Frame) -> Result<FrameCues, FootageError> {
+    fn cues(&self, frame: &Self::Data) -> Result<FrameCues, FootageError> {
         Ok(frame.1.clone())
     }
 }
@@ -87,7 +87,7 @@ impl FrameReader for TakeReader {
 pub struct ReadAhead<R: FrameReader> {
     reader: Arc<R>,
     frames: VecDeque<usize>,
-    coming: VecDeque<(usize, Receiver<Result<R::Frame, FootageError>>)>,
+    coming: VecDeque<(usize, Receiver<Result<R::Data, FootageError>>)>,
     cancel: CancelToken,
 }
 
@@ -102,7 +102,7 @@ impl<R: FrameReader> ReadAhead<R> {
     ///
     /// # Errors
     /// As [`FrameReader::read`].
-    pub fn get(&mut self, frame: usize) -> Result<Arc<R::Frame>, FootageError> {
+    pub fn get(&mut self, frame: usize) -> Result<Arc<R::Data>, FootageError> {
         if self.coming.is_empty() {
             // Nothing else is read while the caller waits for this frame.
             self.frames.pop_front_if(|next| *next == frame);
@@ -143,7 +143,7 @@ mod tests {
     struct Empty(std::sync::Mutex<Vec<usize>>);
 
     impl FrameReader for Empty {
-        type Frame = usize;
+        type Data = usize;
 
         fn read(&self, frame: usize) -> Result<usize, FootageError> {
             let mut read = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
