@@ -15,9 +15,6 @@ pub const EXIT_CODE: u8 = 130;
 pub struct Interrupted;
 
 /// Listens from now on; the token is cancelled by the first Ctrl+C.
-///
-/// # Errors
-/// The system does not let it.
 pub fn listen() -> anyhow::Result<CancelToken> {
     static TOKEN: OnceLock<CancelToken> = OnceLock::new();
     if let Some(token) = TOKEN.get() {

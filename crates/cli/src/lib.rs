@@ -78,10 +78,6 @@ pub enum Command {
 
 impl Command {
     /// Does it.
-    ///
-    /// # Errors
-    /// An option that is out of range, a file that cannot be read or written; a [`clap::Error`] where the command line
-    /// itself is wrong.
     pub fn run(&self) -> anyhow::Result<()> {
         match self {
             Self::Import(arguments) => import::run(arguments),

@@ -22,9 +22,6 @@ macro_rules! object {
 pub(crate) use object;
 
 /// Prints text as it is. A reader that has heard enough (`| head`) is no error.
-///
-/// # Errors
-/// Standard output cannot be written to.
 pub fn print(text: &str) -> anyhow::Result<()> {
     let mut out = stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -34,9 +31,6 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 }
 
 /// Prints a value as JSON.
-///
-/// # Errors
-/// Standard output cannot be written to.
 pub fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
@@ -67,17 +61,11 @@ pub fn complain(line: &str) {
 }
 
 /// Makes sure that a folder is there.
-///
-/// # Errors
-/// It cannot be made; the message names it.
 pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))
 }
 
 /// Checks that a file's folder is there, before work is done that the file is to hold.
-///
-/// # Errors
-/// It is not there; the message names file and folder.
 pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
@@ -90,9 +78,6 @@ pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
 }
 
 /// Checks that a camera's name can be a file's.
-///
-/// # Errors
-/// It has a path separator or another character that file systems refuse.
 pub fn check_file_stem(camera: &str) -> anyhow::Result<()> {
     let is_bad = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
     if camera.contains(is_bad) || camera.starts_with('.') {

@@ -353,9 +353,6 @@ pub(crate) fn measure_overlaps(
 
 /// A take tracked with the robust preset and judged in words, for a terminal without a display: the built-in one without a
 /// path.
-///
-/// # Errors
-/// It cannot be opened, or has nothing that can be tracked.
 pub fn print_robust_track(path: Option<&Path>) -> anyhow::Result<()> {
     let footage = match path {
         Some(path) => take_options::open(path)?,

@@ -156,10 +156,7 @@ impl Document {
         after.apply(edit.clone()).is_ok() && after != *self
     }
 
-    /// Makes a change.
-    ///
-    /// # Errors
-    /// The document cannot be changed in this way; it stays as it was.
+    /// Makes a change. A document that cannot be changed so stays as it was.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         match edit {
             Edit::SetPose { frame, pose, .. } => self.set_pose(frame, &pose)?,

@@ -130,9 +130,6 @@ impl History {
     }
 
     /// Makes a change that can be undone. With the gesture of the change before, both are one entry.
-    ///
-    /// # Errors
-    /// See [`Document::apply`]; nothing has changed then.
     pub fn apply(&mut self, edit: Edit, gesture: Option<Gesture>) -> Result<(), EditError> {
         let before = self.document.clone();
         let what = edit.text();

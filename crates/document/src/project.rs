@@ -90,9 +90,6 @@ pub enum ProjectProblem {
 }
 
 /// Writes a document and the runs of the fit, each of these in one line. The file appears whole or not at all.
-///
-/// # Errors
-/// The file system says no.
 pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
     let json = |error| ProjectError::Json { path: path.to_owned(), error };
     let file = ProjectFile::of(document, runs);
@@ -108,9 +105,6 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
 }
 
 /// Reads a project; it is equal to the one that was written.
-///
-/// # Errors
-/// The first thing that is wrong, with the file and the field.
 pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
     let text = DiskFiles.read(path, MAX_BYTES)?;
     let wrong = |problem| ProjectError::Content { path: path.to_owned(), problem };

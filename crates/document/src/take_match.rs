@@ -23,9 +23,6 @@ pub enum MatchError {
 
 /// Brings the cameras of a document into the order of the take's, and says what else there is to know: a sentence where
 /// poses lie beyond the last frame. A document that names no cameras uses all of the take's.
-///
-/// # Errors
-/// The take has other cameras.
 pub fn match_take(
     document: &mut Document,
     names: &[&str],

@@ -132,9 +132,6 @@ impl Footage {
     }
 
     /// A camera's picture of a frame, on the ideal grid.
-    ///
-    /// # Errors
-    /// No such camera or frame, or the picture cannot be read; the message names file and frame.
     pub fn picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
         let picture = self.take().frame(camera, frame)?;
         self.prepared.rectified(camera, &picture)
@@ -166,18 +163,12 @@ impl Footage {
 
     /// The silhouette of a frame that the take has from elsewhere, on the ideal grid; `None` for a camera without masks. It is
     /// reduced and rectified by area before it is decided which pixels are subject.
-    ///
-    /// # Errors
-    /// No such camera or frame, or the mask cannot be read or understood; the message names file and frame.
     pub fn given_mask(&self, camera: usize, frame: usize) -> Result<Option<Mask>, FootageError> {
         self.prepared.given_mask(camera, frame)
     }
 
     /// The evidence of some cameras in a frame, by the take's own measurement settings. Cameras are shared out
     /// among threads; the result does not depend on how.
-    ///
-    /// # Errors
-    /// The first camera's, in the order asked for, whose picture or silhouette cannot be had.
     pub fn fit_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
         let one = |&camera: &usize| {
             let mask = match self.given_mask(camera, frame)? {
@@ -211,9 +202,6 @@ impl Footage {
     }
 
     /// The same of one camera, whose [`picture`](Self::picture) this is if it is to be looked at.
-    ///
-    /// # Errors
-    /// A file that is not one of keypoints.
     pub fn camera_cues(
         &self,
         camera: usize,

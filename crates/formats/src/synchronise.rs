@@ -51,9 +51,6 @@ fn seconds(take: &Take, camera: usize, frame: usize) -> f64 {
 }
 
 /// The silhouettes of every `every`th frame of all cameras. `on_frame` hears how many frames are done, of how many.
-///
-/// # Errors
-/// A silhouette that cannot be had, or `cancel`.
 pub fn record(
     footage: &Footage,
     every: usize,

@@ -41,9 +41,6 @@ pub enum PersonSearchError {
 
 impl PersonSearch {
     /// Looks for the person; `tell` hears in words how far the search is.
-    ///
-    /// # Errors
-    /// A picture or keypoints that cannot be read, nobody is seen, or `cancel`.
     pub fn run<R: FrameReader>(
         self,
         take: &Take,

@@ -155,9 +155,6 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Goes on from the frames of an earlier run, as if nothing had stopped it.
-    ///
-    /// # Errors
-    /// Other options than the earlier run's, or pictures of its last frame that cannot be read.
     pub fn resuming(mut self, earlier: EarlierFrames) -> Result<Self, TrackError> {
         let Some(leg) = self.plan.legs.front() else { return Ok(self) };
         let EarlierFrames { memory, waiting } = earlier;

@@ -11,9 +11,6 @@ use include_dir::{Dir, include_dir};
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/take");
 
 /// Opens the built-in take.
-///
-/// # Errors
-/// None, unless the program was built with files that are not a take; a test opens it.
 pub fn open() -> Result<Take, TakeError> {
     let mut files = Vec::new();
     collect(&FILES, &mut files);

@@ -34,9 +34,6 @@ impl TakeSource {
     }
 
     /// Opens the take.
-    ///
-    /// # Errors
-    /// It is not there or no take, or a demonstration's footage is not there.
     pub fn open(&self) -> anyhow::Result<Take> {
         match self {
             Self::BuiltIn => Ok(builtin::open()?),
@@ -46,9 +43,6 @@ impl TakeSource {
     }
 
     /// Opens the take with its footage.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
     pub fn footage(&self) -> anyhow::Result<Footage> {
         let mut footage = Footage::new(self.open()?);
         footage.drawn = self.demonstration().and_then(Demonstration::drawn);

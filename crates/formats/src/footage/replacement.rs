@@ -59,9 +59,6 @@ pub enum ReplacementError {
 
 /// Reads a calibration of any of the formats for cameras of a take: by their names if it has them all, else by their
 /// order if it has as many.
-///
-/// # Errors
-/// It cannot be read, has another number of cameras, or is for pictures of another size.
 pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, ReplacementError> {
     let size_of = |camera: &Camera| [camera.width(), camera.height()];
     let first = cameras.first().map(size_of);
@@ -102,9 +99,6 @@ pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, 
 }
 
 /// Tells which picture is for which camera: NAME.png by the cameras' names, or one for each in the order of their names.
-///
-/// # Errors
-/// A name that no camera has, two for one camera, or a picture of another size.
 pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize, PathBuf>, ReplacementError> {
     let mut pictures = Vec::new();
     for path in paths {
@@ -156,9 +150,6 @@ fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ReplacementError> {
 }
 
 /// Reads a silhouette and takes the lens out of it. Where the lens saw nothing it is unknown.
-///
-/// # Errors
-/// It cannot be read, or is of another size than the camera's pictures.
 pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError> {
     let picture = images::read_grey(path)?;
     let found = [picture.width() as usize, picture.height() as usize];

@@ -90,9 +90,6 @@ impl TrackPlan {
     }
 
     /// A tracker that begins with this pose.
-    ///
-    /// # Errors
-    /// A pose that is not the body's, or options out of range.
     pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
         let tracker = Tracker::new(self.model.clone(), (*self.fit).clone(), start)?;
         let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
@@ -104,9 +101,6 @@ impl TrackPlan {
 
     /// Tracks some frames once to find the noise that makes them most likely. `None` if there are too few of them, or the run
     /// was cancelled.
-    ///
-    /// # Errors
-    /// A frame that cannot be tracked.
     pub fn tune<R: FrameReader>(
         &self,
         reader: Arc<R>,

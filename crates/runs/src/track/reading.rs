@@ -20,18 +20,12 @@ pub trait FrameReader: Send + Sync + 'static {
     type Data: std::fmt::Debug + Send + Sync + 'static;
 
     /// Reads and segments a frame.
-    ///
-    /// # Errors
-    /// A picture that cannot be read, where a frame is of no use without it.
     fn read(&self, frame: usize) -> Result<Self::Data, FootageError>;
 
     /// The cameras that a fit uses, with their evidence.
     fn views(&self, frame: &Self::Data) -> Vec<FitView>;
 
     /// What the frame has beside the silhouettes, in the order of its views.
-    ///
-    /// # Errors
-    /// A file that holds no keypoints.
     fn cues(&self, frame: &Self::Data) -> Result<FrameCues, FootageError>;
 
     /// Root mean square residual of a pose, grey levels, where it is measured in another way than the tracker does.
@@ -99,9 +93,6 @@ impl<R: FrameReader> ReadAhead<R> {
     }
 
     /// A frame; the next ones are begun. It is read here if it is out of order, or if reading it ahead panicked.
-    ///
-    /// # Errors
-    /// As [`FrameReader::read`].
     pub fn get(&mut self, frame: usize) -> Result<Arc<R::Data>, FootageError> {
         if self.coming.is_empty() {
             // Nothing else is read while the caller waits for this frame.
