@@ -65,7 +65,6 @@ pub enum FootageError {
 
 impl Footage {
     /// Prepares a take. Backgrounds are read when they are first needed.
-    #[must_use]
     pub fn new(take: Take) -> Self {
         let prepared = Arc::new(PreparedTake::new(take));
         Self {
@@ -81,7 +80,6 @@ impl Footage {
 
     /// The same seen by the cameras of a calibration, or by the take's own again, and with these plates in the place of the
     /// take's. A calibration of other cameras than the take's changes nothing but [`calibration`](Self::calibration).
-    #[must_use]
     pub fn with_replacements(&self, calibration: Option<Arc<Calibration>>, plates: Arc<PlateFiles>) -> Self {
         let own = &self.original.take;
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
@@ -94,32 +92,27 @@ impl Footage {
     }
 
     /// The take, with the calibration and the plates that replace its own.
-    #[must_use]
     pub fn take(&self) -> &Take {
         &self.prepared.take
     }
 
     /// The take as its files have it.
-    #[must_use]
     pub fn original(&self) -> &Take {
         &self.original.take
     }
 
     /// Whether both are of the very same take, whatever replaces parts of it.
-    #[must_use]
     pub fn shares_take_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.original, &other.original)
     }
 
     /// Number of frames.
-    #[must_use]
     pub fn frame_count(&self) -> usize {
         self.take().frame_count()
     }
 
     /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
     /// one at rest before the cameras.
-    #[must_use]
     pub fn start(&self) -> Pose {
         let (take, model) = (self.take(), self.take().model());
         let from_reference =

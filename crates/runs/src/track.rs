@@ -131,7 +131,6 @@ pub struct TrackRun<R: FrameReader> {
 
 impl<R: FrameReader> TrackRun<R> {
     /// A run that has not begun.
-    #[must_use]
     pub fn new(reader: Arc<R>, plan: TrackPlan) -> Self {
         Self {
             joins: plan.legs.len() > 1,
@@ -149,7 +148,6 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Remembers after every frame what is needed to go on after it.
-    #[must_use]
     pub fn remembering(self) -> Self {
         Self { remembers: true, ..self }
     }
@@ -176,7 +174,6 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// What is needed to go on after the newest frame, if there is one.
-    #[must_use]
     pub fn resume_point(&self) -> Option<Resume> {
         let waiting = self.waiting.clone().or_else(|| Some(self.smoother.as_ref()?.waiting()));
         let lag = self.plan.smoothing.and_then(|smoothing| smoothing.lag);

@@ -102,7 +102,6 @@ pub struct FrameData {
 
 impl Footage {
     /// What a frame's pictures and silhouettes depend on, besides the take.
-    #[must_use]
     pub fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
         MadeWith {
             measurement: measurement.clone(),
@@ -114,7 +113,6 @@ impl Footage {
 
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
     /// cameras and the picture without its silhouette are still of use.
-    #[must_use]
     pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
         // The tracker says what is wrong with a file of keypoints.
         let cues = self.camera_cues(camera, frame, None);
@@ -136,7 +134,6 @@ impl Footage {
 
     /// The same of all cameras, each by its own options. The result does not depend on how cameras are shared out among
     /// threads.
-    #[must_use]
     pub fn load_frame(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> FrameData {
         let load = |camera: usize| {
             let options = measurement.get(camera).cloned().unwrap_or_default();

@@ -73,7 +73,6 @@ pub struct Leg {
 
 impl TrackPlan {
     /// Follows these frames of a take from a pose as the robust preset does.
-    #[must_use]
     pub fn of_frames(take: &Take, start: Pose, frames: VecDeque<usize>) -> Self {
         Self {
             model: Arc::clone(take.model()),

@@ -48,7 +48,6 @@ pub struct TakeReader {
 
 impl TakeReader {
     /// Reads silhouettes alone.
-    #[must_use]
     pub fn of_silhouettes(footage: Arc<Footage>, cameras: Vec<usize>) -> Self {
         Self { footage, cameras, cues: Vec::new() }
     }
@@ -87,7 +86,6 @@ pub struct ReadAhead<R: FrameReader> {
 
 impl<R: FrameReader> ReadAhead<R> {
     /// The frames in this order, until `cancel`.
-    #[must_use]
     pub fn new(reader: Arc<R>, frames: VecDeque<usize>, cancel: CancelToken) -> Self {
         Self { reader, frames, coming: VecDeque::new(), cancel }
     }
