@@ -144,16 +144,6 @@ impl TrackReport {
         self.jitter_mm = metrics::jitter_mm(take.model(), poses);
     }
 
-    /// Frames in which nothing held a limb, by limb.
-    fn unsure(&self) -> BTreeMap<String, usize> {
-        let mut counts = BTreeMap::new();
-        let holds = self.track.frames.values().flat_map(|frame| &frame.holds);
-        for hold in holds.filter(|hold| hold.is_unsure()) {
-            *counts.entry(self.limbs[hold.limb].clone()).or_default() += 1;
-        }
-        counts
-    }
-
     /// Everything in numbers.
     pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
@@ -163,17 +153,12 @@ impl TrackReport {
         let cameras = self.cameras.iter().enumerate();
         let times = Statistics::of(&self.times_ms);
         let by_joint = self.errors.by_joint();
+        let unsure = frames().flat_map(|frame| &frame.holds).filter(|hold| hold.is_unsure());
         TrackSummary {
             frames: frames().count(),
             lost: frames().filter(|frame| frame.is_lost()).count(),
-            left_out: frames().flat_map(|frame| &frame.empty_cameras).fold(
-                BTreeMap::new(),
-                |mut counts, name| {
-                    *counts.entry(name.clone()).or_default() += 1;
-                    counts
-                },
-            ),
-            unsure: self.unsure(),
+            left_out: counts(frames().flat_map(|frame| &frame.empty_cameras)),
+            unsure: counts(unsure.map(|hold| &self.limbs[hold.limb])),
             iou: IouSummary {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
@@ -239,4 +224,11 @@ impl TrackReport {
         out.push_str(&format!("\ntime of a frame: median {median:.0} ms, 95 % within {p95:.0} ms\n"));
         out
     }
+}
+
+/// How often each name stands there.
+fn counts<'a>(names: impl Iterator<Item = &'a String>) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    names.for_each(|name| *counts.entry(name.clone()).or_default() += 1);
+    counts
 }

@@ -1,6 +1,5 @@
 //! The row above the lanes: going, playing, tracking, key poses, worst frames.
 
-use backlit_document::Document;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
@@ -52,7 +51,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
             icon(ui, context, requests, Command::Timeline(TimelineCommand::NextPoor), Icon::Next);
         }
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            let (full, short) = (summary(context), short_summary(context));
+            let [full, short] = summaries(context);
             let colour = theme::palette(ui).text3;
             fitting_label(ui, &[&full, &short], TextStyle::Small, colour);
         });
@@ -123,43 +122,29 @@ fn speed_text(speed: f64) -> String {
     format!("{}×", format::number(speed, decimals))
 }
 
-/// The mean overlap of the frames that are fitted.
-fn mean_overlap(document: &Document) -> Option<f64> {
-    let overlaps: Vec<f64> = document.estimates.values().filter_map(|estimate| estimate.iou).collect();
-    (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64)
-}
-
-/// What is known of the take, in two words.
-fn short_summary(context: &Context<'_>) -> String {
-    let document = context.document();
-    let lost = document.estimates.values().filter(|estimate| estimate.lost).count();
-    match mean_overlap(document) {
-        None => String::new(),
-        Some(mean) if lost == 0 => format!("IoU {}", format::ratio(mean)),
-        Some(mean) => format!("IoU {}, {lost} lost", format::ratio(mean)),
-    }
-}
-
-/// What is known of the take, in a line.
-fn summary(context: &Context<'_>) -> String {
+/// What is known of the take, in a line and in two words.
+fn summaries(context: &Context<'_>) -> [String; 2] {
     let document = context.document();
     let found = &document.estimates;
     let (Some((first, _)), Some((last, _))) = (found.first_key_value(), found.last_key_value()) else {
-        return "No frame is fitted yet".to_owned();
+        return ["No frame is fitted yet".to_owned(), String::new()];
     };
-    let mean = mean_overlap(document);
+    let overlaps: Vec<f64> = found.values().filter_map(|estimate| estimate.iou).collect();
+    let mean = (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64);
+    let lost = match found.values().filter(|estimate| estimate.lost).count() {
+        0 => String::new(),
+        lost => format!(", {lost} lost"),
+    };
+    let short = mean.map_or_else(String::new, |mean| format!("IoU {}{lost}", format::ratio(mean)));
     let mean = mean.map_or_else(String::new, |mean| format!(", mean IoU {}", format::ratio(mean)));
-    let lost = found.values().filter(|estimate| estimate.lost).count();
-    let lost = if lost > 0 { format!(", {lost} lost") } else { String::new() };
     let keys = match document.keys.len() {
         0 => String::new(),
         1 => ", 1 key pose".to_owned(),
         keys => format!(", {keys} key poses"),
     };
-    let count = found.len();
-    if count == 1 {
-        format!("Frame {first} fitted{mean}{lost}{keys}")
-    } else {
-        format!("{count} frames fitted, {first} to {last}{mean}{lost}{keys}")
-    }
+    let frames = match found.len() {
+        1 => format!("Frame {first} fitted"),
+        count => format!("{count} frames fitted, {first} to {last}"),
+    };
+    [format!("{frames}{mean}{lost}{keys}"), short]
 }
