@@ -10,9 +10,6 @@ use tempfile::TempPath;
 use super::{FileError, FileProblem};
 
 /// Writes a file by a closure. On any failure the file is as it was before.
-///
-/// # Errors
-/// The folder is missing or not writable, or the closure failed. The error names the file.
 pub fn write_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -23,9 +20,6 @@ pub fn write_with(
 }
 
 /// Writes these bytes as [`write_with`] does.
-///
-/// # Errors
-/// The folder is missing or not writable. The error names the file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_with(path, |out| out.write_all(bytes))
 }
@@ -35,9 +29,6 @@ pub type Fill<'a> = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// Writes files into a folder, by name: each is whole before the first takes its place. If one cannot be written, all are as
 /// they were before.
-///
-/// # Errors
-/// The folder is missing or not writable. The error names the file.
 pub fn write_all(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<(), FileError> {
     let mut written = Vec::with_capacity(files.len());
     for (name, fill) in files {
@@ -62,9 +53,6 @@ pub struct NewFile {
 
 impl NewFile {
     /// Begins a file.
-    ///
-    /// # Errors
-    /// The folder is missing or not writable. The error names the file.
     pub fn create(path: &Path) -> Result<Self, FileError> {
         Self::begin(path).map_err(|error| FileError::new(path, FileProblem::Write { error }))
     }
@@ -112,9 +100,6 @@ impl NewFile {
     }
 
     /// It is whole: it takes its place.
-    ///
-    /// # Errors
-    /// The file system says no. The error names the file.
     pub fn finish(mut self) -> Result<(), FileError> {
         let Some(temporary) = self.temporary.take() else { return Ok(()) };
         self.replace(temporary).map_err(|error| self.error(error))

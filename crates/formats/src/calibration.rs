@@ -119,7 +119,7 @@ enum Content {
 /// one are left out, as are those that do not film.
 ///
 /// # Errors
-/// None of the formats, or not valid, or only half a calibration (see [`read_pair`]). The error names line, camera and
+/// None of the formats, or not valid, or only half a calibration (see [`load_pair`]). The error names line, camera and
 /// field.
 pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig, FileError> {
     Ok(finish(path, content(path, bytes, options)?, options)?.rig)
@@ -137,16 +137,7 @@ pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration, Fil
     load_from(&DiskFiles, path, options)
 }
 
-/// Reads a calibration whose lenses and places are in two files.
-pub fn read_pair(
-    intrinsics: &Path,
-    extrinsics: &Path,
-    options: CalibrationOptions,
-) -> Result<Rig, FileError> {
-    Ok(load_pair(intrinsics, extrinsics, options)?.rig)
-}
-
-/// As [`read_pair`], and tells what was left out.
+/// Reads a calibration whose lenses and places are in two files. It is an error if no camera has both.
 pub fn load_pair(
     intrinsics: &Path,
     extrinsics: &Path,

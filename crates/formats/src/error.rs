@@ -196,14 +196,7 @@ pub enum TextFormat {
 
 impl fmt::Display for TextFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Csv => "CSV",
-            Self::Json => "JSON",
-            Self::Toml => "TOML",
-            Self::Xml => "XML",
-            Self::Yaml => "YAML",
-            Self::Pickle => "pickle of arrays",
-        })
+        f.write_str(["CSV", "JSON", "TOML", "XML", "YAML", "pickle of arrays"][*self as usize])
     }
 }
 

@@ -61,9 +61,6 @@ fn ending_of_text(text: &str) -> Option<Termination> {
 }
 
 /// Writes `track.json`, `poses.csv`, `joints.csv` and `frames.csv` and these other files into a folder: all of them, or none.
-///
-/// # Errors
-/// The folder is missing or not writable. The error names the file.
 pub fn write(folder: &Path, export: &TrackExport<'_>, others: &[(&str, &[u8])]) -> Result<(), FileError> {
     let track = track_json::to_text(export);
     let mut files: Vec<(&str, Fill<'_>)> = vec![

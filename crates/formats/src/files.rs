@@ -15,9 +15,6 @@ pub const MAX_TEXT_BYTES: u64 = 64 << 20;
 /// A set of files that a take reads from.
 pub trait TakeFiles: Debug + Send + Sync {
     /// All bytes of a file.
-    ///
-    /// # Errors
-    /// No such file, not readable, or more than `limit` bytes. The error names the file.
     fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError>;
 
     /// Whether there is a file (not a folder) at `path`.
@@ -29,9 +26,6 @@ pub trait TakeFiles: Debug + Send + Sync {
     }
 
     /// A file to be read in parts, as videos are. Files that lie on the disk should not be read as a whole for it.
-    ///
-    /// # Errors
-    /// As [`read`](Self::read).
     fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
         Ok(FileParts::in_memory(self.read(path, MAX_BYTES_IN_MEMORY)?))
     }
@@ -76,9 +70,6 @@ impl FileParts {
     }
 
     /// At most `count` bytes from `offset` on; fewer where the file ends. Memory is taken for what is there only.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn read_up_to(&mut self, offset: u64, count: usize) -> std::io::Result<Vec<u8>> {
         let there = self.length.saturating_sub(offset).min(count as u64) as usize;
         let mut bytes = Vec::with_capacity(there);

@@ -16,9 +16,6 @@ const MAX_DECODED_BYTES: u64 = 480 << 20;
 const TURNED_BYTES: u64 = 4;
 
 /// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
-///
-/// # Errors
-/// Not PNG, JPEG, TIFF, WebP or BMP, truncated or damaged, or too large. The error names `path`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
@@ -36,9 +33,6 @@ pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
 }
 
 /// Width and height in pixels, from the head of the file alone.
-///
-/// # Errors
-/// Not PNG, JPEG, TIFF, WebP or BMP, or its head is damaged.
 pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
     let (width, height) =
         reader(path, bytes)?.into_dimensions().map_err(|error| broken(path, &error.to_string()))?;
@@ -67,9 +61,6 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 }
 
 /// Writes a PNG; see [`atomic`].
-///
-/// # Errors
-/// The folder is missing or not writable, or the picture is empty.
 pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
     let mut bytes = Cursor::new(Vec::new());
     picture

@@ -16,9 +16,6 @@ use super::text::{decode, line_at};
 use super::{FileError, FileProblem, TextFormat, plain_words};
 
 /// Checks the `format` field, then parses the whole text.
-///
-/// # Errors
-/// Not JSON, another format, or not such a value. The error names the line and the field.
 pub fn parse_versioned<T: DeserializeOwned>(
     path: &Path,
     text: &str,
@@ -38,9 +35,6 @@ pub fn parse_versioned<T: DeserializeOwned>(
 }
 
 /// Parses a text; `path` is for the error's message.
-///
-/// # Errors
-/// Not JSON, or not such a value. The error names the line and the field.
 pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T, FileError> {
     serde_json::from_str(text).map_err(|error| {
         let start =
@@ -61,17 +55,11 @@ pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T,
 }
 
 /// Parses a file's content, for files that are not this crate's own.
-///
-/// # Errors
-/// No text, no JSON, or a field that is wrong. The error names the line and the field.
 pub fn parse_bytes<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, FileError> {
     parse(path, decode(path, bytes)?)
 }
 
 /// A map for `#[serde(deserialize_with = …)]` whose keys must differ: of two values for one key neither is the right one.
-///
-/// # Errors
-/// A key given twice, or one that cannot be read.
 pub fn unique_keys<'de, D, K, V>(deserializer: D) -> Result<BTreeMap<K, V>, D::Error>
 where
     D: Deserializer<'de>,

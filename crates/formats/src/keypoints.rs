@@ -73,9 +73,6 @@ pub fn to_text(people: &[Person]) -> String {
 }
 
 /// Parses a file of one frame: x, y and score of each keypoint; a zero stands for one that was not found.
-///
-/// # Errors
-/// Not JSON, no `people`, more than 512 keypoints of one person, or numbers that do not come in threes. The error names the line or the field.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
     let frame: OpenPoseFrame = json_text::parse(path, text::decode(path, bytes)?)?;
     let person = |(index, person): (usize, PersonSpec)| {
@@ -105,9 +102,6 @@ pub fn read(path: &Path) -> Result<Vec<Person>, FileError> {
 
 /// The files of a folder by the number of their frame: the last one in their name, as in `cam01.0007.json` and
 /// `cam01_000000000007_keypoints.json`. In order; files without a number are left out.
-///
-/// # Errors
-/// The folder cannot be read.
 pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>, FileError> {
     let failed = |error| FileError::new(folder, FileProblem::Read { error });
     let mut found = Vec::new();
@@ -125,9 +119,6 @@ pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>, FileError> {
 
 /// The names of a folder's files with `%03d`, or as many digits as they have, in the place of the number, and the first
 /// number. `None` for a folder without such files, or where names differ otherwise.
-///
-/// # Errors
-/// The folder cannot be read.
 pub fn pattern_of(folder: &Path) -> Result<Option<(String, u64)>, FileError> {
     let files = files_of(folder)?;
     let Some((first, path)) = files.first() else { return Ok(None) };

@@ -84,9 +84,6 @@ fn wrong(path: &Path, error: MeshProblem) -> FileError {
 }
 
 /// Reads a mesh by its content, or by its name's ending where the content does not tell.
-///
-/// # Errors
-/// No such file, not such a file, or a surface that bounds no solid. The error names the line or the byte.
 pub fn read(path: &Path) -> Result<ClosedMesh, FileError> {
     let beside = |name: &str| DiskFiles.read(&path.with_file_name(name), MAX_BYTES);
     parse_with(path, &DiskFiles.read(path, MAX_BYTES)?, &beside)
@@ -98,9 +95,6 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<ClosedMesh, FileError> {
 }
 
 /// Reads the first skinned mesh of a .gltf or .glb file, with its skeleton, in the pose in which the file has it.
-///
-/// # Errors
-/// No such file, not such a file, or no skinned mesh in it.
 pub fn read_skin(path: &Path) -> Result<Skin, FileError> {
     let beside = |name: &str| DiskFiles.read(&path.with_file_name(name), MAX_BYTES);
     gltf::parse_skin(path, &DiskFiles.read(path, MAX_BYTES)?, &beside)

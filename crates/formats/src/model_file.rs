@@ -11,9 +11,6 @@ use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, text};
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Parses the content of a model file; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or not a valid body. The error names the line and the limb.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Model, FileError> {
     let text = text::decode(path, bytes)?;
     let spec: ModelSpec = toml_text::parse_versioned(path, text, FORMAT)?;
@@ -61,9 +58,6 @@ pub(super) fn is_built_in(argument: &str) -> bool {
 }
 
 /// The model that a `--model` argument means: a built-in name ([`builtin::NAMES`]), else a path.
-///
-/// # Errors
-/// Neither; or as [`parse`].
 pub fn resolve(argument: &str) -> Result<Model, FileError> {
     resolve_in(&DiskFiles, Path::new(""), argument)
 }

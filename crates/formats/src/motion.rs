@@ -197,9 +197,6 @@ pub fn to_bytes(
 }
 
 /// Writes a motion, whole or not at all.
-///
-/// # Errors
-/// As [`to_bytes`], or the folder is missing or not writable. The error names the file.
 pub fn write(
     path: &Path,
     format: MotionFormat,

@@ -7,9 +7,6 @@ use npyz::WriterBuilder;
 use super::{FileError, atomic};
 
 /// Writes an array, row-major (the last index runs fastest).
-///
-/// # Errors
-/// The folder is missing or not writable, or the count of `values` is not the product of `shape`.
 pub fn write(path: &Path, shape: &[usize], values: &[f64]) -> Result<(), FileError> {
     atomic::write_with(path, |out| {
         let count = shape.iter().try_fold(1_usize, |product, &side| product.checked_mul(side));

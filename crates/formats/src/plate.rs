@@ -51,9 +51,6 @@ impl Plate {
     }
 
     /// Writes it as a PNG whose alpha channel says what is known.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         let mut picture = RgbaImage::new(self.picture.width(), self.picture.height());
         for ((pixel, seen), known) in picture.pixels_mut().zip(self.picture.pixels()).zip(&self.known) {

@@ -119,9 +119,6 @@ pub fn to_text(model: &Model, pose: &Pose) -> String {
 }
 
 /// Writes a pose file; see [`atomic`].
-///
-/// # Errors
-/// A number of the pose is not finite, or the folder is missing or not writable.
 pub fn write(path: &Path, model: &Model, pose: &Pose) -> Result<(), FileError> {
     pose.check(model).map_err(|error| FileError::new(path, FileProblem::Pose { error }))?;
     atomic::write(path, to_text(model, pose).as_bytes())

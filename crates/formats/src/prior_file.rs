@@ -64,9 +64,6 @@ pub fn read(path: &Path) -> Result<PosePrior, FileError> {
 }
 
 /// Parses the content of a prior's file; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or numbers that make no distribution. The error names the part, the field, and the line where there is one.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
     let text = text::decode(path, bytes)?;
     let spec: PriorSpec = json_text::parse_versioned(path, text, FORMAT)?;
@@ -84,9 +81,6 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
 }
 
 /// The content of a prior's file, six digits of each number.
-///
-/// # Errors
-/// Never for a prior that was trained or read.
 pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
     let part = |part: &PriorPart| PartSpec {
         name: part.name().to_owned(),
@@ -139,9 +133,6 @@ pub fn write(path: &Path, prior: &PosePrior) -> Result<(), FileError> {
 }
 
 /// The people in the BVH files of a folder and its folders, in the order of their names, to be learnt from.
-///
-/// # Errors
-/// A folder or a file that cannot be read, a file that is no BVH or has no person in it, or no file at all.
 pub fn clips(folder: &Path) -> Result<Vec<Clip>, FileError> {
     let mut open = vec![folder.to_owned()];
     let mut files = Vec::new();

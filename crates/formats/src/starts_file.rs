@@ -107,9 +107,6 @@ struct StartJson {
 type Cameras = BTreeMap<usize, Vec<Arc<Camera>>>;
 
 /// Reads all starts.
-///
-/// # Errors
-/// The first thing that is wrong, by field.
 pub fn read(path: &Path) -> Result<Vec<Start>, FileError> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }

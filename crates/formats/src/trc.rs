@@ -110,9 +110,6 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 }
 
 /// Parses a table. Of its numbers of frames and markers none is believed: the rows and columns that are there count.
-///
-/// # Errors
-/// The heads are missing, a unit is unknown, or a field is no number. The error names line and field.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<MarkerTable, FileError> {
     let content = text::decode(path, bytes)?;
     let mut lines = content.lines().enumerate().map(|(index, line)| (index + 1, line));

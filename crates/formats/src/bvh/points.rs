@@ -35,9 +35,6 @@ struct JointIndices {
 
 impl BvhMotion {
     /// The motion of a person's joints. `path` is for the error's message.
-    ///
-    /// # Errors
-    /// A joint whose name is not among those that are known. The error says which.
     pub fn body_points(&self, path: &Path) -> Result<Clip, FileError> {
         let places = JointIndices::of(self).map_err(|problem| FileError::new(path, problem))?;
         let at = |frame: usize| {

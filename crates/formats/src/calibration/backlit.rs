@@ -35,25 +35,28 @@ struct CameraSpec {
     translation: [f64; 3],
 }
 
+/// Names of the coefficients, in `OpenCV`'s order.
+const COEFFICIENTS: [&str; 8] = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
+
 #[derive(Serialize, Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct DistortionSpec {
     model: Lens,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k1: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k2: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     p1: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     p2: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k3: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k4: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k5: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     k6: Option<f64>,
 }
 
@@ -81,29 +84,16 @@ impl Lens {
 
 impl DistortionSpec {
     fn new(distortion: &Distortion) -> Self {
-        let mut spec = Self {
-            model: match distortion {
-                Distortion::None => Lens::None,
-                Distortion::OpenCv { .. } => Lens::OpenCv,
-                Distortion::Rational { .. } => Lens::Rational,
-                Distortion::Fisheye { .. } => Lens::Fisheye,
-            },
-            ..Self::default()
+        let named = distortion.coefficients();
+        let value = |name| named.iter().find(|(found, _)| *found == name).map(|(_, value)| *value);
+        let [k1, k2, p1, p2, k3, k4, k5, k6] = COEFFICIENTS.map(value);
+        let model = match distortion {
+            Distortion::None => Lens::None,
+            Distortion::OpenCv { .. } => Lens::OpenCv,
+            Distortion::Rational { .. } => Lens::Rational,
+            Distortion::Fisheye { .. } => Lens::Fisheye,
         };
-        for (name, value) in distortion.coefficients() {
-            let place = match name {
-                "k1" => &mut spec.k1,
-                "k2" => &mut spec.k2,
-                "p1" => &mut spec.p1,
-                "p2" => &mut spec.p2,
-                "k3" => &mut spec.k3,
-                "k4" => &mut spec.k4,
-                "k5" => &mut spec.k5,
-                _ => &mut spec.k6,
-            };
-            *place = Some(value);
-        }
-        spec
+        Self { model, k1, k2, p1, p2, k3, k4, k5, k6 }
     }
 
     fn distortion(&self) -> Distortion {
@@ -118,35 +108,21 @@ impl DistortionSpec {
         }
     }
 
-    /// What the model has no place for, if the file gives it.
+    /// The first coefficient of the file that the model does not have.
     fn stray(&self) -> Option<&'static str> {
-        let given = [
-            ("k1", self.k1),
-            ("k2", self.k2),
-            ("k3", self.k3),
-            ("p1", self.p1),
-            ("p2", self.p2),
-            ("k4", self.k4),
-            ("k5", self.k5),
-            ("k6", self.k6),
-        ];
-        let places: &[&str] = match self.model {
+        let given = [self.k1, self.k2, self.p1, self.p2, self.k3, self.k4, self.k5, self.k6];
+        let own: &[&str] = match self.model {
             Lens::None => &[],
-            Lens::OpenCv => &["k1", "k2", "k3", "p1", "p2"],
-            Lens::Rational => &["k1", "k2", "k3", "p1", "p2", "k4", "k5", "k6"],
+            Lens::OpenCv => &COEFFICIENTS[..5],
+            Lens::Rational => &COEFFICIENTS,
             Lens::Fisheye => &["k1", "k2", "k3", "k4"],
         };
-        given
-            .into_iter()
-            .find(|(name, value)| value.is_some() && !places.contains(name))
-            .map(|(name, _)| name)
+        let stray = COEFFICIENTS.into_iter().zip(given);
+        stray.filter(|(_, value)| value.is_some()).map(|(name, _)| name).find(|name| !own.contains(name))
     }
 }
 
 /// Parses the content of such a file; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or not valid cameras. The error names the camera and the field.
 pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
     let spec: RigSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let mut cameras = Vec::with_capacity(spec.cameras.len());
@@ -247,24 +223,19 @@ mod tests {
     fn errors_name_line_camera_and_field() {
         let good = to_text(&sample());
         let cases = [
-            (good.replacen("\"fx\": 420.25", "\"fx\": -1.0", 1), "camera \"b\": `fx` is -1"),
-            (
-                good.replacen("\"fx\": 420.25", "\"fx\": null", 1),
-                "line 8: `cameras[0].fx` is null; expected a number",
-            ),
-            (good.replacen("\"fx\": 420.25,", "", 1), "missing field `fx`"),
-            (good.replacen("\"b\"", "\"a\"", 1), "camera name \"a\" is used twice"),
-            (good.replacen("\"fy\"", "\"f_y\"", 1), "unknown field `f_y`"),
-            (good.replacen("\"opencv\"", "\"none\"", 1), "`cameras[0].distortion.model` is \"none\" beside"),
-            (
-                good.replacen("\"opencv\"", "\"fish\"", 1),
-                "in `cameras[0].distortion.model`: unknown word `fish`",
-            ),
-            (good.replacen("\"opencv\"", "\"fisheye\"", 1), "is \"fisheye\" beside `p1`; expected no `p1`"),
-            (good.replacen("cameras 1", "cameras 9", 1), "line 2: `format` is \"backlit-cameras 9\""),
-            ("{\"format\": \"backlit-cameras 1\", \"cameras\": []}".to_owned(), "there is no camera"),
+            ("\"fx\": 420.25", "\"fx\": -1.0", "camera \"b\": `fx` is -1"),
+            ("\"fx\": 420.25", "\"fx\": null", "line 8: `cameras[0].fx` is null; expected a number"),
+            ("\"fx\": 420.25,", "", "missing field `fx`"),
+            ("\"b\"", "\"a\"", "camera name \"a\" is used twice"),
+            ("\"fy\"", "\"f_y\"", "unknown field `f_y`"),
+            ("\"opencv\"", "\"none\"", "`cameras[0].distortion.model` is \"none\" beside"),
+            ("\"opencv\"", "\"fish\"", "in `cameras[0].distortion.model`: unknown word `fish`"),
+            ("\"opencv\"", "\"fisheye\"", "is \"fisheye\" beside `p1`; expected no `p1`"),
+            ("cameras 1", "cameras 9", "line 2: `format` is \"backlit-cameras 9\""),
+            (good.as_str(), "{\"format\": \"backlit-cameras 1\", \"cameras\": []}", "there is no camera"),
         ];
-        for (text, expected) in cases {
+        for (from, to, expected) in cases {
+            let text = good.replacen(from, to, 1);
             let result =
                 super::super::parse(Path::new("c.json"), text.as_bytes(), CalibrationOptions::default());
             let message = result.unwrap_err().to_string();

@@ -233,18 +233,20 @@ mod tests {
     #[test]
     fn errors_name_line_and_field() {
         let cases = [
-            (GOOD.replace("\"2000\"", "\"two\""), "line 5: `transform.x` is \"two\"; expected a number"),
-            (GOOD.replace("r33=\"0\" ", ""), "line 5: `transform.r33` is missing"),
-            (GOOD.replace("r33=\"0\"", "r33=\"5\""), "line 3: camera \"cam01\": `rotation`"),
-            (GOOD.replace("right=\"1087\"", "right=\"-7\""), "line 3: camera \"cam01\": `width` is 0"),
-            (GOOD.replace("</cameras>", ""), "line 10: is not valid XML"),
+            ("\"2000\"", "\"two\"", "line 5: `transform.x` is \"two\"; expected a number"),
+            ("r33=\"0\" ", "", "line 5: `transform.r33` is missing"),
+            ("r33=\"0\"", "r33=\"5\"", "line 3: camera \"cam01\": `rotation`"),
+            ("right=\"1087\"", "right=\"-7\"", "line 3: camera \"cam01\": `width` is 0"),
+            ("</cameras>", "", "line 10: is not valid XML"),
             (
-                GOOD.replace("viewrotation=\"0\"", "viewrotation=\"45\""),
+                "viewrotation=\"0\"",
+                "viewrotation=\"45\"",
                 "line 3: `camera.viewrotation` is \"45\"; expected 0, 90, 180 or 270",
             ),
-            ("<calibration/>".to_owned(), "there is no camera"),
+            (GOOD, "<calibration/>", "there is no camera"),
         ];
-        for (text, expected) in cases {
+        for (from, to, expected) in cases {
+            let text = GOOD.replace(from, to);
             let message = parse(Path::new("c.txt"), text.as_bytes(), CalibrationOptions::default())
                 .unwrap_err()
                 .to_string();

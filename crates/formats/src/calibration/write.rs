@@ -59,18 +59,8 @@ impl Format {
     /// What it is called on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Backlit => "backlit",
-            Self::OpenCvYaml => "opencv-yaml",
-            Self::OpenCvXml => "opencv-xml",
-            Self::OpenCvJson => "opencv-json",
-            Self::Pose2Sim => "pose2sim",
-            Self::Anipose => "anipose",
-            Self::Kalibr => "kalibr",
-            Self::EasyMocap => "easymocap",
-            Self::Matrices => "matrices",
-            Self::Transforms => "transforms",
-        }
+        const NAMES: &str = "backlit opencv-yaml opencv-xml opencv-json pose2sim anipose kalibr easymocap matrices transforms";
+        NAMES.split(' ').nth(self as usize).unwrap_or_default()
     }
 
     /// The format of this name.
@@ -94,9 +84,6 @@ pub enum Refusal {
 
 /// The content of such a file; of [`Format::EasyMocap`] of two, `intri.yml` and `extri.yml`. Reading them gives the
 /// same rig again, but for rounding.
-///
-/// # Errors
-/// The format cannot hold a camera's lens, name or place.
 pub fn to_text(rig: &Rig, format: Format) -> Result<Vec<String>, Refusal> {
     let text = match format {
         Format::Backlit => backlit::to_text(rig),

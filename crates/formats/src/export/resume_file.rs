@@ -176,9 +176,6 @@ pub fn read(path: &Path, model: &Model) -> Result<Resume, FileError> {
 }
 
 /// The same from bytes; `path` is for the error's message.
-///
-/// # Errors
-/// Not such a file, or numbers that are not of this body or no numbers at all. The error names the field.
 pub fn parse(path: &Path, bytes: &[u8], model: &Model) -> Result<Resume, FileError> {
     let spec: ResumeSpec = json_text::parse_versioned(path, text::decode(path, bytes)?, FORMAT)?;
     resume(spec, model).map_err(|problem| FileError::new(path, problem))

@@ -7,9 +7,6 @@ use backlit_tracking::body::{Kinematics, Model};
 use super::{ROOT, TrackExport, ending_text};
 
 /// Writes `frame,root x,root y,root z` (metres) and, per rotation, `LIMB w,LIMB x,LIMB y,LIMB z`.
-///
-/// # Errors
-/// What `out` says.
 pub fn write_poses(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     table(out, |rows| {
         let names =
@@ -27,9 +24,6 @@ pub fn write_poses(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<
 }
 
 /// Writes `frame,joint,x,y,z` (metres): the root and every limb's second joint. A take reads it as its reference.
-///
-/// # Errors
-/// What `out` says.
 pub fn write_joints(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     let model: &Model = export.model;
     table(out, |rows| {
@@ -49,9 +43,6 @@ pub fn write_joints(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
 }
 
 /// Writes `frame,seconds,cost,rms,iterations,lost,termination` and, per camera, `iou CAMERA`.
-///
-/// # Errors
-/// What `out` says.
 pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     table(out, |rows| {
         let columns = ["frame", "seconds", "cost", "rms", "iterations", "lost", "termination"];

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::matching::MatchedBy;
-use super::matching::{Candidate, best_group};
+use super::matching::{FootageCandidate, best_group};
 use super::pictures::Pictures;
 use super::{ImportCamera, ImportError, plates};
 use crate::FileError;
@@ -46,8 +46,11 @@ fn is_called_mask(path: &Path, roots: &[PathBuf]) -> bool {
 }
 
 /// Parts masks from footage. Masks are then known by their names without the words that say what they are.
-pub(super) fn parted(all: Vec<Candidate>, roots: &[PathBuf]) -> (Vec<Candidate>, Vec<Candidate>) {
-    let is_mask = |one: &Candidate| {
+pub(super) fn parted(
+    all: Vec<FootageCandidate>,
+    roots: &[PathBuf],
+) -> (Vec<FootageCandidate>, Vec<FootageCandidate>) {
+    let is_mask = |one: &FootageCandidate| {
         // A name may deceive ("seg" is also a segment), so the first picture has to look like a mask.
         is_called_mask(one.footage.path(), roots)
             && one
@@ -56,7 +59,8 @@ pub(super) fn parted(all: Vec<Candidate>, roots: &[PathBuf]) -> (Vec<Candidate>,
                 .and_then(|pictures| numbers(&pictures, 0))
                 .is_ok_and(|mask| mask.is_likely())
     };
-    let (mut masks, footage): (Vec<Candidate>, Vec<Candidate>) = all.into_iter().partition(is_mask);
+    let (mut masks, footage): (Vec<FootageCandidate>, Vec<FootageCandidate>) =
+        all.into_iter().partition(is_mask);
     for mask in &mut masks {
         let names: Vec<String> = mask.names.iter().map(|name| without_words(name)).collect();
         if names.iter().any(|name| !name.is_empty()) {
@@ -72,13 +76,16 @@ fn without_words(name: &str) -> String {
 }
 
 /// For each camera its masks, by names or numbers.
-pub(super) fn of_cameras<'a>(cameras: &[&str], masks: &'a [Candidate]) -> Vec<Option<&'a Candidate>> {
+pub(super) fn of_cameras<'a>(
+    cameras: &[&str],
+    masks: &'a [FootageCandidate],
+) -> Vec<Option<&'a FootageCandidate>> {
     let (own, how) = best_group(cameras, masks);
     own.into_iter().map(|own| own.filter(|_| how != MatchedBy::Order).map(|own| &masks[own])).collect()
 }
 
 /// Gives a camera its masks if they go with its footage; if not, a note says why.
-pub(super) fn add(camera: &mut ImportCamera, masks: Option<&Candidate>, are_alone: bool) {
+pub(super) fn add(camera: &mut ImportCamera, masks: Option<&FootageCandidate>, are_alone: bool) {
     let Some(candidate) = masks else { return };
     let place = candidate.footage.path().display().to_string();
     let (found, pictures) = match found(camera, candidate, are_alone) {
@@ -99,7 +106,7 @@ type Values = Result<MaskValues, String>;
 
 fn found(
     camera: &ImportCamera,
-    candidate: &Candidate,
+    candidate: &FootageCandidate,
     are_alone: bool,
 ) -> Result<(Values, Pictures), String> {
     let pictures = candidate.footage.open().map_err(|error| error.to_string())?;

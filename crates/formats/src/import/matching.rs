@@ -91,7 +91,7 @@ pub(super) const PLATES: [&str; 4] = ["background", "plate", "empty", "bg"];
 const PARENTS: usize = 4;
 
 /// A file or folder of footage and the names that it is known by.
-pub(super) struct Candidate {
+pub(super) struct FootageCandidate {
     pub(super) footage: FootageFiles,
     pub(super) names: Vec<String>,
     /// FootageFiles of one recording lies together.
@@ -126,7 +126,7 @@ impl FootageFiles {
 }
 
 /// All videos and numbered pictures but plates.
-pub(super) fn footage_of(listing: &Listing) -> Vec<Candidate> {
+pub(super) fn footage_of(listing: &Listing) -> Vec<FootageCandidate> {
     let parents = |path: &Path| -> Vec<String> {
         let names = path.ancestors().skip(1).take(PARENTS).filter_map(Path::file_name);
         names.map(|name| name.to_string_lossy().into_owned()).collect()
@@ -134,13 +134,13 @@ pub(super) fn footage_of(listing: &Listing) -> Vec<Candidate> {
     let videos = listing.videos.iter().map(|path| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let names = std::iter::once(stem).chain(parents(path)).collect();
-        Candidate { footage: FootageFiles::Video(path.clone()), names, group: group_of(path) }
+        FootageCandidate { footage: FootageFiles::Video(path.clone()), names, group: group_of(path) }
     });
     let sequences = listing.sequences.iter().filter(|sequence| !is_plate(&sequence.folder)).map(|sequence| {
         let before = sequence.pattern.split('%').next().unwrap_or_default().to_owned();
         let names = parents(&sequence.example).into_iter().take(1).chain([before]);
         let names = names.chain(parents(&sequence.folder)).collect();
-        Candidate {
+        FootageCandidate {
             footage: FootageFiles::Numbered(sequence.clone()),
             names,
             group: group_of(&sequence.folder),
@@ -154,7 +154,7 @@ fn group_of(path: &Path) -> PathBuf {
 }
 
 /// For each camera its footage: of the folder whose files go with most cameras, else of all.
-pub(super) fn best_group(cameras: &[&str], footage: &[Candidate]) -> (Vec<Option<usize>>, MatchedBy) {
+pub(super) fn best_group(cameras: &[&str], footage: &[FootageCandidate]) -> (Vec<Option<usize>>, MatchedBy) {
     let mut groups: Vec<Option<&Path>> = vec![None];
     for one in footage {
         if !groups.contains(&Some(&one.group)) {

@@ -64,9 +64,6 @@ impl Pictures {
     }
 
     /// One of them, counted from 0.
-    ///
-    /// # Errors
-    /// It cannot be read or decoded.
     pub fn picture(&self, index: usize) -> Result<RgbImage, FileError> {
         self.reduced(index, 1)
     }
@@ -114,13 +111,7 @@ impl PictureSize {
     /// The word for it on the command line.
     #[must_use]
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Same => "same",
-            Self::Scaled => "scaled",
-            Self::Letterboxed => "letterboxed",
-            Self::CutAtCorner => "cut-at-corner",
-            Self::CutAround => "cut-around",
-        }
+        ["same", "scaled", "letterboxed", "cut-at-corner", "cut-around"][self as usize]
     }
 
     /// What a picture tells of how it was made: its proportions, else dark bars at two of its sides, else a cut.
@@ -142,9 +133,6 @@ impl PictureSize {
     }
 
     /// The camera of pictures of `size`, width first, that were made so.
-    ///
-    /// # Errors
-    /// The numbers make no camera.
     pub fn camera(self, camera: &Camera, size: [usize; 2]) -> Result<Camera, CameraError> {
         let [width, height] = size.map(|side| side as u64);
         let (old, new) = (size_of(camera), DVec2::new(width as f64, height as f64));

@@ -6,7 +6,7 @@ use backlit_tracking::camera::{Camera, CameraError};
 use thiserror::Error;
 
 use super::masks::{self, ImportMasks};
-use super::matching::{Candidate, FootageFiles, PLATES, best_group, footage_of, is_plate};
+use super::matching::{FootageCandidate, FootageFiles, PLATES, best_group, footage_of, is_plate};
 use super::matching::{MatchedBy, matched};
 use super::pictures::PictureSize;
 use super::pictures::Pictures;
@@ -126,9 +126,6 @@ pub enum ImportError {
 }
 
 /// Looks at folders and files: footage, calibration, plates, keypoints, markers.
-///
-/// # Errors
-/// There is no footage or no calibration, or they do not go together.
 pub fn survey(paths: &[PathBuf], options: &ImportOptions) -> Result<ImportSurvey, ImportError> {
     let listing = scan(paths)?;
     let pointed = paths.first().cloned().unwrap_or_default();
@@ -212,7 +209,7 @@ fn range_of(cameras: &[ImportCamera], folder: Option<&Path>) -> Result<(usize, u
 /// The calibration, and its cameras: the one that is named, else the one that goes with most of the footage.
 fn calibration_of(
     listing: &Listing,
-    footage: &[Candidate],
+    footage: &[FootageCandidate],
     options: &ImportOptions,
     pointed: &Path,
 ) -> Result<(PathBuf, Vec<Camera>), ImportError> {

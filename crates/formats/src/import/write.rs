@@ -64,9 +64,6 @@ pub enum ImportStep {
 }
 
 /// Writes the take and returns its file. The footage stays where it is.
-///
-/// # Errors
-/// There is a take already, no frame rate is known, a picture cannot be read, or the folder cannot be written.
 pub fn write(
     found: &ImportSurvey,
     out: &Path,

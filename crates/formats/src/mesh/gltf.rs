@@ -291,9 +291,8 @@ impl GltfReader<'_> {
         room("vertices", first, accessor.count)?;
         let mut places = Vec::new();
         self.rows(accessor, 12, |row| {
-            let number =
-                |i: usize| f64::from(f32::from_le_bytes([row[i], row[i + 1], row[i + 2], row[i + 3]]));
-            places.push(world_from_mesh.transform_point3(DVec3::new(number(0), number(4), number(8))));
+            let place = DVec3::from_array(std::array::from_fn(|axis| float(row, axis)));
+            places.push(world_from_mesh.transform_point3(place));
         })?;
         let count = places.len() as u32;
         self.soup.vertices.extend(places);
@@ -349,4 +348,10 @@ impl GltfReader<'_> {
         }
         Ok(())
     }
+}
+
+/// The number at a place of a row of floats.
+fn float(row: &[u8], place: usize) -> f64 {
+    let at = 4 * place;
+    f64::from(f32::from_le_bytes([row[at], row[at + 1], row[at + 2], row[at + 3]]))
 }

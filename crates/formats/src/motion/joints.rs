@@ -92,9 +92,6 @@ fn with_own_names(mut track: JointTrack) -> JointTrack {
 }
 
 /// Reads a BVH file, or a `track.json` of a built-in body or of `model`: which of both, the name's end says.
-///
-/// # Errors
-/// No such file, or as [`parse_bvh`] or [`track_read::read`]. The error names the file, and the line or field.
 pub fn read_joints(
     path: &Path,
     model: Option<&backlit_tracking::body::Model>,
@@ -107,9 +104,6 @@ pub fn read_joints(
 
 /// Parses a BVH file; `path` is for the error's message. Frames count from 0. Joints of a BVH that this program wrote have the names
 /// that tracks have.
-///
-/// # Errors
-/// As [`bvh::parse`], or more than 16 million places. The error names the line.
 pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack, FileError> {
     let motion = bvh::parse(path, bytes)?;
     let (joints, frames) = (motion.joints(), motion.frame_count());

@@ -28,9 +28,6 @@ pub fn read_labels(path: &Path) -> Result<Vec<MotionLabel>, FileError> {
 
 /// Parses such a table; `path` is for the error's message. Its columns are `file`, `class`, `subject` and, where there is one, `description`, in any
 /// order; others are not looked at.
-///
-/// # Errors
-/// A column is missing, a row has other fields, a field is empty, or a file is named twice or lies elsewhere. The error names the line.
 pub fn parse_labels(path: &Path, bytes: &[u8]) -> Result<Vec<MotionLabel>, FileError> {
     let text = decode(path, bytes)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());

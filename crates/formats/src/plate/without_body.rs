@@ -42,13 +42,10 @@ pub enum PlateError {
 }
 
 /// One frame: where the body may be, and where it is for sure.
-type Seen = (Mask, Vec<bool>);
+type BodyMasks = (Mask, Vec<bool>);
 
 /// Learns a camera's plate from the frames of a take in which the body's pose is known, spread over them. It is of the take's
 /// reduced size, with the lens's distortion, as a take's plates are.
-///
-/// # Errors
-/// No such camera or frame, a picture that cannot be read, fewer than two poses, or `cancel`.
 pub fn plate_without_body(
     take: &Take,
     camera: usize,
@@ -76,7 +73,7 @@ pub fn plate_without_body(
         let covered = covered(&view);
         places.iter().map(|place| place.is_some_and(|place| covered[place])).collect()
     };
-    let look = |&(_, pose): &(usize, &Pose)| -> Result<Seen, TakeError> {
+    let look = |&(_, pose): &(usize, &Pose)| -> Result<BodyMasks, TakeError> {
         let labels = drawn(&stout, pose).into_iter();
         let labels = labels.map(|near| if near { Label::Subject } else { Label::Background }).collect();
         let mask = Mask::new(seen_by.width(), seen_by.height(), labels);
@@ -84,8 +81,8 @@ pub fn plate_without_body(
         Ok((mask, drawn(&core, pose)))
     };
     let pictures = pictures(take, camera, &chosen, cancel)?;
-    let seen: Vec<Result<Seen, TakeError>> = chosen.par_iter().map(look).collect();
-    let seen = seen.into_iter().collect::<Result<Vec<Seen>, TakeError>>()?;
+    let seen: Vec<Result<BodyMasks, TakeError>> = chosen.par_iter().map(look).collect();
+    let seen = seen.into_iter().collect::<Result<Vec<BodyMasks>, TakeError>>()?;
     let mut always = Covered::default();
     seen.iter().for_each(|(_, sure)| always.add(sure.iter().copied()));
     let frames: Vec<LearningFrame<'_>> = pictures

@@ -55,9 +55,6 @@ impl CameraFootage {
 impl Take {
     /// The people whose keypoints a camera's frame (counted from 0) has, in pixels of the picture on the disk. None where the
     /// camera has no keypoints, or this frame no file.
-    ///
-    /// # Errors
-    /// No such camera or frame, or a file that is not one of keypoints.
     pub fn people(&self, camera: usize, frame: usize) -> Result<Vec<Person>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(path) = footage.keypoint_path(frame).filter(|path| self.files.exists(path)) else {

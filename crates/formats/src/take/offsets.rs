@@ -22,9 +22,6 @@ pub struct OffsetShift {
 
 /// Shifts cameras in a take file: `offset` and `offset_seconds` grow by the shift, and where there is neither, `offset` is
 /// written, counted from `first`. Cameras whose shift is 0 frames stay as they are. Returns whether the file changed.
-///
-/// # Errors
-/// Not a take file, a camera that it does not have, or a file that cannot be written; then it is as it was.
 pub fn shift_offsets(take: &Path, shifts: &[OffsetShift]) -> Result<bool, FileError> {
     let path = file_of(take);
     let bytes = DiskFiles.read(&path, MAX_BYTES)?;

@@ -37,9 +37,6 @@ pub enum PatternError {
 
 impl FramePattern {
     /// Parses `%d`, `%03d`, `{}` or `{:03}` somewhere in a path; `%%` is a percent sign.
-    ///
-    /// # Errors
-    /// No number, more than one, or one that is written in another way.
     pub fn new(text: &str) -> Result<Self, PatternError> {
         let mut parts = vec![String::new()];
         let mut digits = 0;

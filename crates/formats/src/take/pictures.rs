@@ -21,9 +21,6 @@ impl Take {
     }
 
     /// A camera's picture of a frame (counted from 0), as it is on the disk: not reduced and not rectified.
-    ///
-    /// # Errors
-    /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
     pub fn full_frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
         self.frame_reduced(camera, frame, 1)
     }
@@ -45,9 +42,6 @@ impl Take {
     /// What a camera shows `shift` of its own frames later than in a frame of the take, also before the first frame and after
     /// the last one that all cameras have; as large as [`frame_reduced`](Self::frame_reduced) has it. `None` where the camera
     /// has no such picture.
-    ///
-    /// # Errors
-    /// No such camera, or a picture that cannot be read or is not of the camera's size.
     pub fn shifted_frame(
         &self,
         camera: usize,
@@ -87,9 +81,6 @@ impl Take {
 
     /// What the numbers of a camera's masks mean; `None` for a camera without any. Where the take does not say it, masks
     /// that are spread over the take are looked at, once.
-    ///
-    /// # Errors
-    /// No such camera, or a mask that cannot be read or understood or is of another size.
     pub fn mask_values(&self, camera: usize) -> Result<Option<&MaskValues>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(own) = &footage.masks else { return Ok(None) };
@@ -148,9 +139,6 @@ impl Take {
 
     /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
     /// not rectified.
-    ///
-    /// # Errors
-    /// No such camera, no file, not a whole picture, or not of the camera's size.
     pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
         let footage = self.footage_of(camera)?;
         let divisor = self.reduction as usize;

@@ -63,9 +63,6 @@ pub(super) fn file_of(path: &Path) -> PathBuf {
 
 impl Take {
     /// Opens a take of the disk: its folder or its take file.
-    ///
-    /// # Errors
-    /// A file is missing or wrong; the error names it, and the camera and frame where it is a picture.
     pub fn open(path: &Path) -> Result<Self, TakeError> {
         Self::read(Arc::new(DiskFiles), &file_of(path), None)
     }
@@ -272,9 +269,6 @@ impl Take {
     /// The same take with other keypoints to compare with: a TRC, or a table whose markers have joints' names. Where no `axes`
     /// are given, those are taken that put most markers into the cameras' pictures: the file's own, or those of a file for
     /// `OpenSim`, Y up. The first row belongs to the first frame unless `first_frame` gives its number.
-    ///
-    /// # Errors
-    /// No such file, or not a table of keypoints of this body.
     pub fn with_reference(
         &self,
         path: &Path,

@@ -67,9 +67,6 @@ impl Drop for Inner {
 
 impl Video {
     /// Opens a video of the disk, with a cache of its own.
-    ///
-    /// # Errors
-    /// No such file, not a video, no frame in it, or a program is needed that is not there.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         Self::from_files(&DiskFiles, path, Arc::default())
     }
@@ -88,9 +85,6 @@ impl Video {
     }
 
     /// Whether a file's content is that of a video; its name does not matter.
-    ///
-    /// # Errors
-    /// The file cannot be read.
     pub fn is_video(files: &dyn TakeFiles, path: &Path) -> Result<bool, FileError> {
         let head = files.parts(path)?.read_up_to(0, HEAD_BYTES);
         let head = head.map_err(|error| FileError::new(path, FileProblem::Read { error }))?;
@@ -224,9 +218,6 @@ impl Video {
     }
 
     /// A frame, counted from 0 in the order in which they are shown.
-    ///
-    /// # Errors
-    /// There is no such frame, or it cannot be decoded. Others may still be.
     pub fn frame(&self, frame: usize) -> Result<Arc<RgbImage>, FileError> {
         self.frame_reduced(frame, 1)
     }

@@ -5,7 +5,7 @@ use backlit_tracking::body_spheres::{Skin, SkinJoint};
 use glam::{DAffine3, DMat4, DVec3};
 use serde::Deserialize;
 
-use super::{GltfReader, MAX_DEPTH, MeshProblem, Primitive, Soup, entry, room};
+use super::{GltfReader, MAX_DEPTH, MeshProblem, Primitive, Soup, entry, float, room};
 
 /// Most joints of a skeleton.
 const MAX_JOINTS: usize = 4096;
@@ -188,10 +188,4 @@ impl SkinSkeleton {
             None => Err(MeshProblem::Lacks { what: "joint" }),
         }
     }
-}
-
-/// The number at a place of a row of floats.
-fn float(row: &[u8], place: usize) -> f64 {
-    let at = 4 * place;
-    f64::from(f32::from_le_bytes([row[at], row[at + 1], row[at + 2], row[at + 3]]))
 }
