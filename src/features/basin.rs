@@ -1,34 +1,28 @@
 //! The basin of the frame on the screen: how far off a start may be, and still end where it should.
 //!
-//! The experiment itself is the lab's (`backlit_lab::experiment::{frame_basin, basin_map}`), the same that
-//! `backlit experiment basin` runs, and so are its results and their files (`backlit_results::basin`). Here is what the window adds: settings as they are typed, results as they
-//! arrive, and files of both.
+//! The experiment, its results and their files are [`backlit_runs::basin`]'s, the same that `backlit experiment basin` runs.
+//! Here is what the window adds: settings as they are typed, results as they arrive.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `settings` | [`BasinSettings`]: what is typed and chosen, and the options that follow |
-//! | `preferences` | `BasinPreferences`: the settings and what is shown, kept from start to start |
-//! | `results` | `BasinResults`: what came of it |
-//! | `update` | begun, stopped, its starts taken, its files written |
-//! | `job` | the fits, one a step |
+//! | `update` | begun, one fit a step, stopped, its starts taken, its files written |
 //! | `panel` | the pane and the section of the right panel |
 
-mod job;
 mod panel;
-pub(crate) mod preferences;
-pub(crate) mod results;
 pub(crate) mod settings;
 #[cfg(test)]
 mod tests;
 mod update;
 
-use backlit_jobs::Task;
-use job::Fitted;
-pub(crate) use preferences::{BasinPreferences, MapColour};
-pub(crate) use results::{BasinResults, Running, ShownMap};
-pub use settings::{BasinProblem, BasinSettings, MapDirection, Reference};
 use std::time::Instant;
 
+use backlit_jobs::Task;
+use backlit_runs::basin::{BasinError, BasinResult, FitCount, StartGrid, Trial};
+use serde::{Deserialize, Serialize};
+pub use settings::{BasinProblem, BasinSettings, MapDirection, Reference};
+
+use crate::context::command::BasinView;
 use crate::context::file_dialog::FileDialogs;
 use crate::context::priority;
 
@@ -43,6 +37,113 @@ pub enum FileKind {
     Json,
 }
 
+impl FileKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Json];
+
+    /// The ending of its files.
+    pub const fn extension(self) -> &'static str {
+        self.endings()[0]
+    }
+
+    const fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Csv => &["csv"],
+            Self::Png => &["png"],
+            Self::Json => &["json"],
+        }
+    }
+
+    /// What is in it, on the menu.
+    const fn text(self) -> &'static str {
+        match self {
+            Self::Csv => "Table as CSV…",
+            Self::Png => "Picture as PNG…",
+            Self::Json => "Numbers as JSON…",
+        }
+    }
+}
+
+/// What the cells of the map are coloured by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MapColour {
+    /// How far from the target the fit ended.
+    #[default]
+    Error,
+    /// Whether it found it.
+    Success,
+}
+
+/// What is chosen, kept from start to start.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BasinPreferences {
+    /// What is tried.
+    pub settings: BasinSettings,
+    /// What is shown.
+    pub view: BasinView,
+    /// What cells are coloured by.
+    pub(crate) colour: MapColour,
+}
+
+/// How far an experiment is that is going on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasinProgress {
+    /// Which of the two.
+    pub(crate) view: BasinView,
+    /// Fits done.
+    pub done: usize,
+    /// Fits in all.
+    pub(crate) total: usize,
+    /// Seconds that are left, as far as can be told.
+    pub seconds_left: Option<f64>,
+}
+
+/// What came of the experiments, and what is shown of it.
+#[derive(Debug, Clone, Default)]
+pub struct BasinResults {
+    /// Success over angle.
+    pub angles: Option<BasinResult>,
+    /// The map.
+    pub map: Option<BasinResult>,
+    /// The one choice whose map is shown; `None` shows those of all, side by side.
+    shown_choice: Option<usize>,
+    /// The cell of the map whose start was taken.
+    taken: Option<[usize; 2]>,
+    /// What is going on.
+    pub running: Option<BasinProgress>,
+}
+
+impl BasinResults {
+    /// What came of a view's experiment.
+    fn of(&self, view: BasinView) -> Option<&BasinResult> {
+        match view {
+            BasinView::Angles => self.angles.as_ref(),
+            BasinView::Map => self.map.as_ref(),
+        }
+    }
+
+    fn of_mut(&mut self, view: BasinView) -> &mut Option<BasinResult> {
+        match view {
+            BasinView::Angles => &mut self.angles,
+            BasinView::Map => &mut self.map,
+        }
+    }
+
+    /// The map with its grid.
+    fn map_and_grid(&self) -> Option<(&BasinResult, &StartGrid)> {
+        let map = self.map.as_ref()?;
+        Some((map, map.grid()?))
+    }
+
+    /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
+    fn partial(&self, view: BasinView) -> Option<FitCount> {
+        let is_coming = self.running.is_some_and(|running| running.view == view);
+        self.of(view).map(BasinResult::fits).filter(|fits| !fits.is_whole() && !is_coming)
+    }
+}
+
 /// The feature.
 #[derive(Debug)]
 pub struct Basin {
@@ -52,7 +153,7 @@ pub struct Basin {
     pub results: BasinResults,
     /// Why nothing could be begun, until something else is tried.
     pub problem: Option<BasinProblem>,
-    task: Task<(), Fitted>,
+    task: Task<(), Result<Trial, BasinError>>,
     began: Option<Instant>,
     dialogs: FileDialogs<FileKind>,
 }

@@ -1,12 +1,17 @@
 //! The demonstration that is open: its fits in the laboratory, its sentences, and what to try next.
 
-mod explanation;
 mod next;
 
 use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
-use egui::Ui;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, icon_button};
+use egui::{
+    Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Role, Sense, Ui, WidgetInfo,
+    vec2,
+};
 
 use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
 use crate::context::feature::Feature;
@@ -67,7 +72,7 @@ impl Demonstrations {
 
     /// What the demonstration shows and what to try, above the cameras' views or the laboratory, until it is closed.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        if self.explained.is_some_and(|which| explanation::ui(ui, which, context, requests)) {
+        if self.explained.is_some_and(|which| explanation(ui, which, context, requests)) {
             self.explained = None;
         }
     }
@@ -98,4 +103,34 @@ const fn opening(which: Demonstration) -> Opening {
         Demonstration::Spheres => Opening::Tiles(None, Command::Fit(FitCommand::MakeSpheres)),
         Demonstration::Cues => Opening::Tiles(None, Command::Tracking(TrackingCommand::Forward)),
     }
+}
+
+/// The sentences with a button for each thing to try, as wide as the centre; whether they are closed.
+fn explanation(ui: &mut Ui, which: Demonstration, context: &Context<'_>, requests: &mut Requests) -> bool {
+    let mut is_closed = false;
+    let palette = theme::palette(ui);
+    let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(10, 6));
+    Panel::top("explanation").resizable(false).show_separator_line(true).frame(frame).show(ui, |ui| {
+        ui.with_layout(Direction::right_to_left(Align::Min), |ui| {
+            is_closed = icon_button(ui, Icon::Close, "Close explanation", "Close").clicked();
+            ui.with_layout(Direction::left_to_right(Align::Min), |ui| {
+                let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, size::BUTTON), Sense::hover());
+                mark.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Explanation"));
+                Icon::Info.paint(ui.painter(), rect, palette.info);
+                ui.add_space(space::ROW);
+                ui.vertical(|ui| {
+                    ui.add(Label::new(RichText::new(which.explanation()).color(palette.text)).wrap());
+                    ui.horizontal_wrapped(|ui| {
+                        for suggestion in next::of(which) {
+                            let button = ui.add(Button::new(suggestion.text));
+                            if button.on_hover_text(suggestion.tooltip).clicked() {
+                                suggestion.request(which, context, requests);
+                            }
+                        }
+                    });
+                });
+            });
+        });
+    });
+    is_closed
 }

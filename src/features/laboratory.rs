@@ -11,7 +11,6 @@
 //! | `update` | begun again, stepped, what its pictures lack |
 //! | `job` | the steps, the pictures, the checks |
 //! | `panel` | the centre of its layout |
-//! | [`story`] | the caption: told from the numbers |
 //! | `table` | the curves as text and as a figure |
 
 pub(crate) mod check;
@@ -22,7 +21,6 @@ pub(crate) mod lineup;
 mod panel;
 pub(crate) mod push;
 pub(crate) mod start;
-pub mod story;
 pub(crate) mod table;
 #[cfg(test)]
 mod tests;

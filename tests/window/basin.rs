@@ -1,6 +1,9 @@
 //! The basin through the real window: tried in the background, the same as the core's, cancelled, its map clicked.
 
-use backlit_results::basin::{Compared, ComparedWay};
+use backlit_runs::basin::{
+    Angle, BasinOptions, BasinResult, ComparedFit, ComparedMethod, FitChoice, RandomStarts, Starts, Subject,
+    Target,
+};
 use backlit_take::source::TakeSource;
 
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
@@ -11,13 +14,10 @@ use backlit::app::{App, AppOptions, Opening};
 use backlit::context::command::BasinView;
 use backlit::context::preferences::Layout;
 use backlit::features::basin::{FileKind, MapDirection, Reference};
-use backlit_lab::experiment::FitChoice;
-use backlit_lab::experiment::basin_map::Angle;
-use backlit_lab::experiment::frame_basin::{self, Frame, Options, Target};
-use backlit_lab::experiment::starts::Level;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_tracking::search::start::Level;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, Vec2, pos2, vec2};
@@ -75,20 +75,18 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     let footage = state.inspector.state.session.take.as_ref().unwrap();
     let take = backlit_formats::Footage::new(backlit_take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
-    let frame = Frame { model: footage.take().model().clone(), views, reference: footage.start() };
+    let subject = Subject { model: footage.take().model().clone(), views, reference: footage.start() };
     let level = |degrees, metres| Level { degrees, metres };
-    let options = Options {
+    let levels = vec![level(5, 0.0), level(40, 0.2)];
+    let options = BasinOptions {
         choices: vec![FitChoice::downhill("Robust", fit)],
-        rotation: None,
-        levels: vec![level(5, 0.0), level(40, 0.2)],
-        starts: 2,
-        seed: 7,
+        starts: Starts::Random(RandomStarts { rotation: None, levels, starts: 2, seed: 7 }),
         target: Target::Fit,
         success_mm: 20.0,
     };
-    let expected = frame_basin::run(frame, options, &CancelToken::new(), |_| {}).unwrap();
-    assert_eq!(found, expected);
-    assert!(found.choices[0].levels[0].found == 2, "{found:?}");
+    let expected = BasinResult::new(0, String::new(), options, subject).run(&CancelToken::new(), |_| {});
+    assert_eq!(found, expected.unwrap().report);
+    assert!(found.choices[0].levels[0].rate.found == 2, "{found:?}");
 }
 
 #[test]
@@ -135,7 +133,7 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     harness.get_all_by_role_and_label(Role::Button, "Cancel basin").next().unwrap().click();
     settle(&mut harness);
     let result = harness.state().inspector.features.basin.results.angles.as_ref().unwrap();
-    let tried: usize = result.report.choices[0].levels.iter().map(|level| level.tried).sum();
+    let tried: usize = result.report.choices[0].levels.iter().map(|level| level.rate.tried).sum();
     assert!((10..2500).contains(&tried), "{tried}");
     harness.get_by_label_contains("The basin was stopped after");
 }
@@ -182,7 +180,8 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let table = std::fs::read_to_string(path(FileKind::Csv)).unwrap();
     assert_eq!(table.lines().count(), 1001);
     assert_eq!(table.lines().filter(|line| line.ends_with(",,")).count(), 1000 - done);
-    let figure = harness.state().inspector.features.basin.results.angles.as_ref().unwrap().figure();
+    let result = harness.state().inspector.features.basin.results.angles.as_ref().unwrap();
+    let figure = result.figure(result.random().unwrap());
     assert!(figure.subtitle.starts_with(&partial), "{}", figure.subtitle);
 }
 
@@ -216,7 +215,8 @@ fn what_is_chosen_is_there_at_the_next_start() {
 fn the_windows_map_is_the_commands() {
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), Opening::Take(TakeSource::BuiltIn));
     let mut settings = harness.state().inspector.settings().basin.settings.clone();
-    let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Cylinder };
+    let report =
+        ComparedFit { method: ComparedMethod::Preset(Preset::Report), renderer: RendererKind::Cylinder };
     settings.compared = vec![report];
     settings.reference = Reference::Truth;
     (settings.cells, settings.map_degrees) = (2, 30.0);
@@ -283,15 +283,16 @@ fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
     harness.state_mut().inspector.features.basin.set(settings);
     run_map(&mut harness);
     let map = harness.state().inspector.features.basin.results.map.clone().unwrap();
-    assert_eq!(map.directions[0], "right forearm, flexion");
-    assert_eq!(map.cells.iter().flatten().count(), 49);
-    assert_eq!(map.cell(0, [3, 3]).unwrap().error_mm, 0.0);
+    let grid = map.grid().unwrap();
+    assert_eq!(map.directions(grid)[0], "right forearm, flexion");
+    assert_eq!(map.fits().done, 49);
+    assert_eq!(map.trial(0, [3, 3]).unwrap().error_mm, 0.0);
     let before = harness.state().inspector.document().pose_at(0).clone();
     let cell = harness.get_by_label_contains("Start 20°, 40°: from");
     cell.click();
     settle(&mut harness);
     let taken = harness.state().inspector.document().pose_at(0).clone();
-    assert_eq!(taken, map.options.start(&map.frame, [4, 5]).normalized());
+    assert_eq!(taken, grid.pose(&map.subject, [4, 5]).normalized());
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(*harness.state().inspector.document().pose_at(0), before);
 }

@@ -19,8 +19,7 @@
 //! | [`acquire`] | `backlit experiment acquire` |
 //! | [`begin`] | `backlit experiment begin` |
 //! | [`basin`] | `backlit experiment basin` |
-//! | [`frame_basin`] | `backlit experiment basin --take` |
-//! | [`basin_map`] | `backlit experiment basin --take --map` |
+//! | [`frame_basin`] | `backlit experiment basin --take`, with and without `--map` |
 //! | [`footage`] | `backlit experiment footage` |
 //! | [`sync`] | `backlit experiment sync` |
 //! | [`no_start`] | `backlit experiment no-start` |
@@ -28,7 +27,6 @@
 pub(crate) mod acquire;
 pub(crate) mod arguments;
 pub(crate) mod basin;
-pub(crate) mod basin_map;
 pub(crate) mod begin;
 pub(crate) mod bias;
 pub(crate) mod fig51;

@@ -10,7 +10,7 @@ use backlit_recognition::{
     Evaluation, JointMotion, LearnOptions, LeftOut, NamedMotion, Recognition, Recognizer, confusion_picture,
     evaluate, leave_out,
 };
-use backlit_results::motions::{joints, model};
+use backlit_runs::motions::{joint_motion, read_recognizer};
 use clap::Args;
 use glam::DVec3;
 use indicatif::ProgressBar;
@@ -114,7 +114,7 @@ impl Source<'_> {
             true => motion::read_joints(path, None)?,
             false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
         };
-        joints::motion_of(&track, &track.frames, self.up).with_context(|| path.display().to_string())
+        joint_motion(&track, &track.frames, self.up).with_context(|| path.display().to_string())
     }
 
     /// The motions of a folder and what its labels.csv calls them.
@@ -171,7 +171,7 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
         bar.finish_and_clear();
         found
     } else {
-        let recognizer = model::read(arguments.model.as_deref())?;
+        let recognizer = read_recognizer(arguments.model.as_deref())?;
         evaluate(&recognizer, &motions, noise)
     };
     let evaluation = evaluation.with_context(|| folder.display().to_string())?;
@@ -249,7 +249,7 @@ fn unknown_text(evaluation: &Evaluation) -> String {
 }
 
 fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
-    let recognizer = model::read(arguments.model.as_deref())?;
+    let recognizer = read_recognizer(arguments.model.as_deref())?;
     let mut all = Vec::new();
     for path in &arguments.tracks {
         let motion = source.read(path)?;

@@ -7,6 +7,7 @@ pub mod edit;
 pub mod fit_words;
 pub mod history;
 pub mod likely_poses;
+pub mod observability_words;
 pub mod project;
 pub mod run;
 pub mod run_names;

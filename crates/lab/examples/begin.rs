@@ -14,9 +14,10 @@ use std::path::Path;
 
 use backlit_formats::{Footage, Take, starts_file};
 use backlit_lab::experiment::begin::{self, Options, Report, footage};
-use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
+use backlit_lab::experiment::starts::Draw;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::particles::ParticleOptions;
+use backlit_tracking::search::start::{LEVELS, Level};
 
 type Answer<T> = Result<T, Box<dyn Error>>;
 

@@ -12,14 +12,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::{Footage, Take, prior_file};
-use backlit_lab::experiment::FitChoice;
-use backlit_lab::experiment::frame_basin::{Frame, FrameBasin, Options, Target};
-use backlit_lab::experiment::starts::Level;
+use backlit_runs::basin::{Basin, BasinOptions, FitChoice, RandomStarts, Starts, Subject, Target};
 use backlit_tracking::body::builtin;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitOptions};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
-use backlit_tracking::search::start;
+use backlit_tracking::search::start::{self, Level};
 
 const FRAMES: [usize; 4] = [0, 20, 40, 60];
 const CAMERAS: [&[usize]; 2] = [&[0, 1], &[0, 1, 2, 3]];
@@ -53,20 +51,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             let views = footage.fit_views(cameras, frame)?;
             let start = start::from_joints(model, &reference.joints(frame)).ok_or("too few keypoints")?;
             let mut fit = Fit::new(Arc::clone(model), views.clone(), start, FitOptions::default())?;
-            let frame = Frame { model: Arc::clone(model), views, reference: fit.run(&cancel, |_| {}).pose };
-            let options = Options {
+            let subject =
+                Subject { model: Arc::clone(model), views, reference: fit.run(&cancel, |_| {}).pose };
+            let levels = LEVELS.to_vec();
+            let options = BasinOptions {
                 choices: choices.clone(),
-                rotation: None,
-                levels: LEVELS.to_vec(),
-                starts: STARTS,
-                seed: 1,
+                starts: Starts::Random(RandomStarts { rotation: None, levels, starts: STARTS, seed: 1 }),
                 target: Target::Reference,
                 success_mm: FOUND_MM,
             };
-            let basin = FrameBasin::new(frame, options, &cancel)?;
-            for trial in 0..basin.len() {
+            let basin = Basin::new(subject, &options, &cancel)?;
+            for trial in 0..basin.trials() {
                 let trial = basin.run(trial, &cancel)?;
-                found[trial.choice][trial.level] += usize::from(trial.error_mm < FOUND_MM);
+                found[trial.choice][trial.place[0]] += usize::from(trial.error_mm < FOUND_MM);
             }
         }
         for (choice, found) in choices.iter().zip(&found) {

@@ -14,14 +14,9 @@
 //! | [`looks`] | D and Λ of a pose as pictures |
 //! | [`inverse`] | (4.10) as written, the pseudo-inverse, and dampings |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
-//! | [`basin`] | how far off a start may be, and still end at the truth |
-//! | [`frame_basin`] | the same about one frame's pose, on its own evidence |
 //! | [`acquire`] | first bodies, grown from nothing known, beside fitted ones |
 //! | [`begin`] | ways to begin: downhill, particles, templates, the search, from given starts and without |
 //! | [`no_start`] | a take's frames without a start, by sets of cameras |
-//! | [`basin_map`] | the same as a map of two angles |
-//! | [`fit_choice`] | how every start of such an experiment is fitted |
-//! | [`interval`] | how sure a share of successes is |
 //! | [`track`] | the upper body at several speeds through noise, squats before two telephones: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
 //! | [`shadow`] | simulated rooms with shadows: pixels found and joints, by test; noise that passes for a subject |
@@ -36,8 +31,6 @@
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
 pub mod acquire;
-pub mod basin;
-pub mod basin_map;
 pub mod begin;
 pub mod bias;
 pub mod cues;
@@ -46,9 +39,6 @@ pub mod fig51;
 pub mod fig52;
 pub mod fig54;
 pub mod fig55;
-pub mod fit_choice;
-pub mod frame_basin;
-pub mod interval;
 pub mod inverse;
 pub mod looks;
 pub mod no_start;
@@ -65,6 +55,5 @@ pub mod sync;
 pub mod track;
 
 pub use curve::Curve;
-pub use fit_choice::FitChoice;
 pub use progress::{ExperimentError, Progress};
 pub use scene::Simulation;

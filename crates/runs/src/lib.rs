@@ -1,4 +1,6 @@
 //! Long work on a take, without a window: what the command line and the inspector both drive.
 
+pub mod basin;
+pub mod motions;
 pub mod person;
 pub mod track;

@@ -82,6 +82,17 @@ pub fn jitter_mm<'a>(model: &Model, poses: impl IntoIterator<Item = &'a Pose>) -
     Statistics::of(&lengths.collect::<Vec<f64>>()).map(|statistics| statistics.mean)
 }
 
+/// Mean distance of all leaf joints and the root of two poses, millimetres.
+#[must_use]
+pub fn leaf_error_mm(model: &Model, a: &Pose, b: &Pose) -> f64 {
+    let is_leaf = |limb: &usize| model.limbs().iter().all(|other| other.parent != Some(*limb));
+    let (found, truth) = (Kinematics::new(model, a), Kinematics::new(model, b));
+    let mut distances = vec![a.root.distance(b.root)];
+    let leaves = (0..model.limbs().len()).filter(is_leaf);
+    distances.extend(leaves.map(|limb| found.ends()[limb].distance(truth.ends()[limb])));
+    1e3 * distances.iter().sum::<f64>() / distances.len() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,14 +4,14 @@ mod map;
 mod section;
 mod success;
 
-use backlit_results::basin::FitCount;
+use backlit_runs::basin::FitCount;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::segmented;
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
-use super::{Basin, FileKind, MapColour, Running, ShownMap};
+use super::{Basin, BasinProgress, FileKind};
 use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
@@ -23,15 +23,6 @@ const ONE_ROW: f32 = 470.0;
 /// Height of the bar that says how far it is.
 const BAR: f32 = 2.0;
 
-/// What is asked for in the pane, done when it is drawn.
-enum Wish {
-    View(BasinView),
-    Colour(MapColour),
-    ShowChoice(Option<usize>),
-    TakeStart([usize; 2]),
-    Export(FileKind),
-}
-
 impl Basin {
     /// The pane, in all of the space that is left.
     pub(super) fn show(
@@ -41,109 +32,88 @@ impl Basin {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let mut wishes = Vec::new();
-        pane(ui, self, context, siblings, requests, &mut wishes);
-        for wish in wishes {
-            match wish {
-                Wish::View(view) => self.preferences.view = view,
-                Wish::Colour(colour) => self.preferences.colour = colour,
-                Wish::ShowChoice(choice) => {
-                    if let Some(map) = &mut self.results.map {
-                        map.choice = choice;
+        pane_title::ground(ui, |ui| {
+            self.header(ui, context, siblings, requests);
+            progress_bar(ui, self);
+            conditions(ui, self);
+            let view = self.preferences.view;
+            match (view, self.results.of(view)) {
+                (BasinView::Angles, Some(result)) => success::ui(ui, result),
+                (BasinView::Map, Some(_)) => {
+                    if let Some(place) = map::ui(ui, &self.results, &mut self.preferences.colour) {
+                        self.take_start(place, requests);
                     }
                 }
-                Wish::TakeStart(place) => self.take_start(place, requests),
-                Wish::Export(kind) => self.ask_for_file(kind, context, requests),
+                (_, None) => empty(ui, self, context, requests),
+            }
+        });
+    }
+
+    /// The name and all that can be done: in one row, or in two where the pane is a narrow column.
+    fn header(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        let is_narrow = ui.available_width() < ONE_ROW;
+        let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+            let size = vec2(ui.available_width(), size::TILE_HEADER);
+            ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
+                ui.set_min_height(size::TILE_HEADER);
+                add(ui);
+            });
+        };
+        row(ui, &mut |ui| {
+            pane_title::show(ui, Pane::Basin, siblings, requests);
+            if !is_narrow {
+                ui.add_space(space::ROW);
+                self.controls(ui, context, requests);
+                self.choice_of_map(ui);
+            }
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                ui.add_space(HEADER_BUTTONS);
+                self.export(ui, context, requests);
+                progress(ui, self);
+            });
+        });
+        if is_narrow {
+            row(ui, &mut |ui| self.controls(ui, context, requests));
+            if self.has_several_maps() {
+                row(ui, &mut |ui| self.choice_of_map(ui));
             }
         }
     }
-}
 
-fn pane(
-    ui: &mut Ui,
-    basin: &Basin,
-    context: &Context<'_>,
-    siblings: &[Pane],
-    requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
-) {
-    pane_title::ground(ui, |ui| {
-        head(ui, basin, context, siblings, requests, wishes);
-        progress_bar(ui, basin);
-        conditions(ui, basin);
-        match (basin.preferences.view, &basin.results.angles, &basin.results.map) {
-            (BasinView::Angles, Some(result), _) => success::ui(ui, result),
-            (BasinView::Map, _, Some(result)) => map::ui(ui, result, basin.preferences.colour, wishes),
-            _ => empty(ui, basin, context, requests),
+    /// Whether there is more than one map to choose from.
+    fn has_several_maps(&self) -> bool {
+        let is_map = self.preferences.view == BasinView::Map;
+        is_map && self.results.map.as_ref().is_some_and(|map| map.options.choices.len() > 1)
+    }
+
+    fn choice_of_map(&mut self, ui: &mut Ui) {
+        if self.has_several_maps() {
+            map::choice_box(ui, &mut self.results);
         }
-    });
-}
+    }
 
-/// The name and all that can be done: in one row, or in two where the pane is a narrow column.
-fn head(
-    ui: &mut Ui,
-    basin: &Basin,
-    context: &Context<'_>,
-    siblings: &[Pane],
-    requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
-) {
-    let is_narrow = ui.available_width() < ONE_ROW;
-    let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-        let size = vec2(ui.available_width(), size::TILE_HEADER);
-        ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
-            ui.set_min_height(size::TILE_HEADER);
-            add(ui);
+    fn controls(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let shown = self.preferences.view;
+        segmented(ui, &mut self.preferences.view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
+            .on_hover_text("How often fits succeed, by how far starts are off, or a map of two angles");
+        run_or_cancel(ui, self, context, requests, shown);
+    }
+
+    fn export(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        ui.add_enabled_ui(self.results.of(self.preferences.view).is_some(), |ui| {
+            ui.menu_button("Export", |ui| {
+                for kind in FileKind::ALL {
+                    if ui.add(Button::new(kind.text())).clicked() {
+                        self.ask_for_file(kind, context, requests);
+                        ui.close();
+                    }
+                }
+            })
+            .response
+            .on_hover_text("Write what is shown to a file")
+            .on_disabled_hover_text("There is nothing to write yet");
         });
-    };
-    row(ui, &mut |ui| {
-        pane_title::show(ui, Pane::Basin, siblings, requests);
-        if !is_narrow {
-            ui.add_space(space::ROW);
-            controls(ui, basin, context, requests, wishes);
-            choice_of_map(ui, basin, wishes);
-        }
-        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            ui.add_space(HEADER_BUTTONS);
-            export(ui, basin, wishes);
-            progress(ui, basin);
-        });
-    });
-    if is_narrow {
-        row(ui, &mut |ui| controls(ui, basin, context, requests, wishes));
-        if several_maps(basin).is_some() {
-            row(ui, &mut |ui| choice_of_map(ui, basin, wishes));
-        }
     }
-}
-
-/// The maps that are shown, where there is more than one to choose from.
-fn several_maps(basin: &Basin) -> Option<&ShownMap> {
-    let map = basin.results.map.as_ref().filter(|map| map.options.choices.len() > 1);
-    map.filter(|_| basin.preferences.view == BasinView::Map)
-}
-
-fn choice_of_map(ui: &mut Ui, basin: &Basin, wishes: &mut Vec<Wish>) {
-    if let Some(map) = several_maps(basin) {
-        map::choice_box(ui, map, wishes);
-    }
-}
-
-fn controls(
-    ui: &mut Ui,
-    basin: &Basin,
-    context: &Context<'_>,
-    requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
-) {
-    let shown = basin.preferences.view;
-    let mut view = shown;
-    segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
-        .on_hover_text("How often fits succeed, by how far starts are off, or a map of two angles");
-    if view != shown {
-        wishes.push(Wish::View(view));
-    }
-    run_or_cancel(ui, basin, context, requests, shown);
 }
 
 fn progress(ui: &mut Ui, basin: &Basin) {
@@ -169,28 +139,8 @@ fn run_or_cancel(
     named_button(ui, context, requests, Command::Basin(command), text);
 }
 
-fn export(ui: &mut Ui, basin: &Basin, wishes: &mut Vec<Wish>) {
-    let has_result = match basin.preferences.view {
-        BasinView::Angles => basin.results.angles.is_some(),
-        BasinView::Map => basin.results.map.is_some(),
-    };
-    ui.add_enabled_ui(has_result, |ui| {
-        ui.menu_button("Export", |ui| {
-            for kind in FileKind::ALL {
-                if ui.add(Button::new(kind.text())).clicked() {
-                    wishes.push(Wish::Export(kind));
-                    ui.close();
-                }
-            }
-        })
-        .response
-        .on_hover_text("Write what is shown to a file")
-        .on_disabled_hover_text("There is nothing to write yet");
-    });
-}
-
 /// How far an experiment is, in words.
-pub(super) fn progress_text(running: Running) -> String {
+pub(super) fn progress_text(running: BasinProgress) -> String {
     let left = match running.seconds_left {
         Some(seconds) if seconds >= 90.0 => {
             format!(", about {} min left", format::number(seconds / 60.0, 0))
@@ -218,12 +168,8 @@ fn conditions(ui: &mut Ui, basin: &Basin) {
         ui.label(RichText::new(format!("{problem}.")).color(palette.warn));
         return;
     }
-    let about = match view {
-        BasinView::Angles => basin.results.angles.as_ref().map(|result| &result.about),
-        BasinView::Map => basin.results.map.as_ref().map(|result| &result.about),
-    };
-    if let Some(about) = about {
-        let text = RichText::new(format::capitalised(&about.conditions)).small().color(palette.text3);
+    if let Some(result) = basin.results.of(view) {
+        let text = RichText::new(format::capitalised(&result.conditions)).small().color(palette.text3);
         ui.horizontal(|ui| {
             ui.spacing_mut().interact_size.y = 0.0;
             if let Some(partial) = basin.results.partial(view).and_then(FitCount::partial_text) {

@@ -1,14 +1,15 @@
 //! What is typed and chosen for a basin, and the experiment's options that follow.
 
-use backlit_lab::experiment::FitChoice;
-use backlit_lab::experiment::basin::SUCCESS_MM;
-use backlit_lab::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
-use backlit_lab::experiment::frame_basin::{self, Target};
-use backlit_lab::experiment::starts::{LEVELS, Level};
-use backlit_results::basin::{Compared, MOST_COMPARED, name_choices};
+use backlit_runs::basin::{
+    Angle, BasinOptions, ComparedFit, Direction, FitChoice, MOST_CELLS, MOST_COMPARED, RandomStarts,
+    SUCCESS_MM, StartGrid, Starts, Target, name_choices,
+};
 use backlit_tracking::body::Model;
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::search::start::{LEVELS, Level};
 use serde::{Deserialize, Serialize};
+
+use crate::context::command::BasinView;
 
 /// Most starts of an angle.
 pub(crate) const MOST_STARTS: usize = 500;
@@ -63,7 +64,7 @@ pub struct BasinSettings {
     /// A fit that ends nearer than this has found its target, millimetres.
     pub(crate) success_mm: f64,
     /// Fits to compare with the current choices.
-    pub compared: Vec<Compared>,
+    pub compared: Vec<ComparedFit>,
     /// What the map sets off across and up.
     pub directions: [MapDirection; 2],
     /// How far it does, degrees.
@@ -165,47 +166,39 @@ impl BasinSettings {
         choices
     }
 
-    /// The options of the experiment over angles. `held` is the rotation that is held.
+    /// The options of a view's experiment. `held` is the rotation that is held.
     ///
     /// # Errors
-    /// What is wrong with what is typed.
+    /// Returns an error if what is typed is wrong.
     pub(crate) fn options(
         &self,
+        view: BasinView,
         current: &FitOptions,
+        model: &Model,
         held: usize,
-    ) -> Result<frame_basin::Options, BasinProblem> {
-        Ok(frame_basin::Options {
-            choices: self.choices(current),
-            rotation: self.only_held.then_some(held),
-            levels: self.levels()?,
-            starts: self.starts.clamp(1, MOST_STARTS),
-            seed: self.seed,
-            target: self.target(),
-            success_mm: self.success_mm,
-        })
-    }
-
-    /// The options of the map. `held` is the rotation that is held.
-    pub(crate) fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
+    ) -> Result<BasinOptions, BasinProblem> {
         let direction = |direction: &MapDirection| Direction {
             rotation: direction.rotation(model, held),
             angle: direction.angle,
         };
-        basin_map::Options {
-            choices: self.choices(current),
-            directions: self.directions.each_ref().map(direction),
-            degrees: self.map_degrees,
-            cells: self.cells.clamp(2, MOST_CELLS),
-            target: self.target(),
-            success_mm: self.success_mm,
-        }
-    }
-
-    fn target(&self) -> Target {
-        match self.reference {
+        let starts = match view {
+            BasinView::Angles => Starts::Random(RandomStarts {
+                rotation: self.only_held.then_some(held),
+                levels: self.levels()?,
+                starts: self.starts.clamp(1, MOST_STARTS),
+                seed: self.seed,
+            }),
+            BasinView::Map => Starts::Grid(StartGrid {
+                directions: self.directions.each_ref().map(direction),
+                degrees: self.map_degrees,
+                cells: self.cells.clamp(2, MOST_CELLS),
+            }),
+        };
+        let target = match self.reference {
             Reference::Pose => Target::Fit,
             Reference::Truth => Target::Reference,
-        }
+        };
+        Ok(BasinOptions { choices: self.choices(current), starts, target, success_mm: self.success_mm })
     }
 }
 
@@ -224,7 +217,7 @@ fn numbers(text: &str, name: &'static str, most: f64) -> Result<Vec<f64>, BasinP
 
 #[cfg(test)]
 mod tests {
-    use backlit_results::basin::ComparedWay;
+    use backlit_runs::basin::ComparedMethod;
     use backlit_tracking::fit::Preset;
     use backlit_tracking::render::RendererKind;
 
@@ -268,19 +261,21 @@ mod tests {
     #[test]
     fn choices_are_named_by_what_differs() {
         let robust = FitOptions::preset(Preset::Robust);
-        let names = |compared: Vec<Compared>| -> Vec<String> {
+        let names = |compared: Vec<ComparedFit>| -> Vec<String> {
             let settings = BasinSettings { compared, ..BasinSettings::default() };
             settings.choices(&robust).into_iter().map(|choice| choice.name).collect()
         };
         assert_eq!(names(Vec::new()), ["Robust"]);
-        let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Capsule };
+        let report =
+            ComparedFit { method: ComparedMethod::Preset(Preset::Report), renderer: RendererKind::Capsule };
         assert_eq!(names(vec![report]), ["Robust", "Report 2004"]);
-        let search = Compared { way: ComparedWay::Search, renderer: RendererKind::Capsule };
+        let search = ComparedFit { method: ComparedMethod::Search, renderer: RendererKind::Capsule };
         assert_eq!(names(vec![search]), ["Robust", "Robust, search"]);
         assert_eq!(names(vec![search, search]), ["Robust", "Robust, search", "Robust, search (2)"]);
-        let same = Compared { way: ComparedWay::Preset(Preset::Robust), renderer: RendererKind::Capsule };
+        let same =
+            ComparedFit { method: ComparedMethod::Preset(Preset::Robust), renderer: RendererKind::Capsule };
         assert_eq!(names(vec![search, same]), ["Robust", "Robust, search", "Robust (2)"]);
-        let cylinder = Compared { renderer: RendererKind::Cylinder, ..search };
+        let cylinder = ComparedFit { renderer: RendererKind::Cylinder, ..search };
         assert_eq!(names(vec![search, cylinder]), ["Capsule", "Capsule, search", "Cylinder, search"]);
     }
 }

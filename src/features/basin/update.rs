@@ -6,17 +6,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::News;
-use backlit_lab::experiment::frame_basin::{Frame, Report};
-use backlit_results::basin::{About, AnglesResult, MapResult, direction_name};
+use backlit_jobs::{Job, News, Outbox, Step};
+use backlit_runs::basin::{self, BasinError, BasinOptions, BasinResult, Subject, Trial};
 use backlit_tracking::search::start;
 use backlit_ui::style::format;
 
 use super::BasinResults;
-use super::job::{BasinJob, BasinWork, Fitted};
 use super::panel::progress_text;
 use super::settings::BasinProblem;
-use super::{Basin, BasinSettings, FileKind, Reference, Running, ShownMap};
+use super::{Basin, BasinProgress, BasinSettings, FileKind, Reference};
 use crate::context::command::Command;
 use crate::context::command::{BasinCommand, BasinView};
 use crate::context::feature::Feature;
@@ -25,22 +23,55 @@ use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit};
 use crate::context::{Context, PaneEvent, Requests, SessionRequest, ShellRequest};
 
+/// All trials of a subject, one a step. The first step finds where fits are to end.
+#[derive(Debug)]
+struct BasinJob {
+    begin: Option<(Subject, BasinOptions)>,
+    basin: Option<basin::Basin>,
+    next: usize,
+}
+
+impl BasinJob {
+    /// Makes the next trial; whether there is one more.
+    fn go_on(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Result<bool, BasinError> {
+        if let Some((subject, options)) = self.begin.take() {
+            self.basin = Some(basin::Basin::new(subject, &options, out.cancel())?);
+        }
+        let Some(basin) = &self.basin else { return Ok(false) };
+        out.send(Ok(basin.run(self.next, out.cancel())?));
+        self.next += 1;
+        Ok(self.next < basin.trials())
+    }
+}
+
+impl Job<Result<Trial, BasinError>> for BasinJob {
+    fn step(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Step {
+        if out.cancel().is_cancelled() {
+            return Step::Done;
+        }
+        match self.go_on(out) {
+            Ok(true) => Step::Again,
+            Ok(false) | Err(BasinError::Cancelled) => Step::Done,
+            Err(error) => {
+                out.send(Err(error));
+                Step::Done
+            }
+        }
+    }
+}
+
 impl Feature for Basin {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.task.poll() {
             match news {
-                News::Output(Fitted::Trial(trial)) => self.results.add_trial(trial),
-                News::Output(Fitted::Cell(cell)) => self.results.add_cell(cell),
-                News::Output(Fitted::Refused(error)) => {
-                    requests.complain(format!("The basin cannot run: {error}."));
-                }
+                News::Output(Ok(trial)) => self.add(trial),
+                News::Output(Err(error)) => requests.complain(format!("The basin cannot run: {error}.")),
                 News::Ended => self.ended(requests),
                 News::Failed(failure) => {
                     requests.failed("The basin", &failure);
                     self.ended(requests);
                 }
             }
-            self.estimate_time();
         }
         for (kind, path) in self.dialogs.answers() {
             self.write(kind, &path, context, requests);
@@ -122,37 +153,26 @@ impl Basin {
     }
 
     fn try_to_begin(&mut self, view: BasinView, context: &Context<'_>) -> Result<(), BasinProblem> {
-        let frame = self.frame(context)?;
+        let subject = self.subject(context)?;
         let document = context.document();
         let held = document.model.limbs()[context.selection.limb(&document.model)].rotation;
-        let settings = &self.preferences.settings;
-        let (work, total) = match view {
-            BasinView::Angles => {
-                let options = settings.options(&document.fit, held)?;
-                let about = self.about(context, options.rotation);
-                let report = Report::of(&options, &[]);
-                let work = (BasinWork::Angles(Box::new(options.clone())), options.trials());
-                self.results.angles = Some(AnglesResult { about, options, trials: Vec::new(), report });
-                work
-            }
-            BasinView::Map => {
-                let options = settings.map_options(&document.fit, &document.model, held);
-                let about = self.about(context, None);
-                let directions = options.directions.map(|one| direction_name(&frame.model, one));
-                let work = (BasinWork::Map(Box::new(options.clone())), options.trials());
-                self.results.map =
-                    Some(ShownMap::new(MapResult::new(about, options, frame.clone(), directions)));
-                work
-            }
-        };
-        self.results.running = Some(Running { view, done: 0, total, seconds_left: None });
+        let options = self.preferences.settings.options(view, &document.fit, &document.model, held)?;
+        let (frame, conditions) = (context.selection.frame, self.conditions(&options, context));
+        let result = BasinResult::new(frame, conditions, options.clone(), subject.clone());
+        let total = result.fits().total;
+        *self.results.of_mut(view) = Some(result);
+        if view == BasinView::Map {
+            (self.results.shown_choice, self.results.taken) = (None, None);
+        }
+        self.results.running = Some(BasinProgress { view, done: 0, total, seconds_left: None });
         self.began = Some(Instant::now());
-        self.task.begin(context.pool, (), |()| BasinJob::new(frame, work));
+        let begin = Some((subject, options));
+        self.task.begin(context.pool, (), |()| BasinJob { begin, basin: None, next: 0 });
         Ok(())
     }
 
     /// What the cameras see of the frame on the screen, and the pose that its basin is about.
-    fn frame(&self, context: &Context<'_>) -> Result<Frame, BasinProblem> {
+    fn subject(&self, context: &Context<'_>) -> Result<Subject, BasinProblem> {
         let Some(inputs) = context.fit_inputs() else { return Err(BasinProblem::NoTake) };
         let views = inputs.views();
         if views.is_empty() {
@@ -168,31 +188,33 @@ impl Basin {
                 pose.ok_or(BasinProblem::NoTruth)?
             }
         };
-        Ok(Frame { model: inputs.model, views, reference })
+        Ok(Subject { model: inputs.model, views, reference })
     }
 
-    fn about(&self, context: &Context<'_>, rotation: Option<usize>) -> About {
+    /// Frame, cameras and what is turned, in one line.
+    fn conditions(&self, options: &BasinOptions, context: &Context<'_>) -> String {
         let (document, frame) = (context.document(), context.selection.frame);
         let model = &document.model;
         let cameras: Vec<String> = document.used_cameras().map(|index| (index + 1).to_string()).collect();
-        let turned = rotation.map(|rotation| &model.limbs()[model.rotation_owners()[rotation]].name);
-        let mut conditions = format!("frame {frame}");
-        conditions += &format!(", camera{} {}", if cameras.len() == 1 { "" } else { "s" }, cameras.join(" "));
-        if let Some(limb) = turned {
-            conditions += &format!(", {limb} alone");
+        let s = if cameras.len() == 1 { "" } else { "s" };
+        let mut conditions = format!("frame {frame}, camera{s} {}", cameras.join(" "));
+        if let basin::Starts::Random(basin::RandomStarts { rotation: Some(rotation), .. }) = options.starts {
+            conditions += &format!(", {} alone", model.limbs()[model.rotation_owners()[rotation]].name);
         }
         if self.preferences.settings.reference == Reference::Truth {
             conditions += ", about the truth";
         }
-        About { frame, conditions }
+        conditions
     }
 
-    fn estimate_time(&mut self) {
-        if let (Some(running), Some(began)) = (&mut self.results.running, self.began)
-            && running.done > 0
-        {
-            let each = began.elapsed().as_secs_f64() / running.done as f64;
-            running.seconds_left = Some(each * running.total.saturating_sub(running.done) as f64);
+    fn add(&mut self, trial: Trial) {
+        let (Some(running), Some(began)) = (&mut self.results.running, self.began) else { return };
+        running.done += 1;
+        let each = began.elapsed().as_secs_f64() / running.done as f64;
+        running.seconds_left = Some(each * running.total.saturating_sub(running.done) as f64);
+        let view = running.view;
+        if let Some(result) = self.results.of_mut(view) {
+            result.add(trial);
         }
     }
 
@@ -203,7 +225,7 @@ impl Basin {
         let text = if running.done == running.total {
             format!("The basin is done: {total} fits.")
         } else if running.done == 0 {
-            self.results.forget(running.view);
+            *self.results.of_mut(running.view) = None;
             "The basin ended before its first fit.".to_owned()
         } else {
             format!("The basin was stopped after {done} of {total} fits. Their results stay, marked partial.")
@@ -213,10 +235,10 @@ impl Basin {
 
     /// Gives the frame of the map the start of a cell, so that it can be stepped.
     pub(super) fn take_start(&mut self, place: [usize; 2], requests: &mut Requests) {
-        let Some(map) = &mut self.results.map else { return };
-        map.taken = Some(place);
-        let (frame, pose) = (map.about.frame, map.options.start(&map.frame, place));
-        let [across, up] = place.map(|place| format::number(map.options.offset_degrees(place), 0));
+        let Some((map, grid)) = self.results.map_and_grid() else { return };
+        let (frame, pose) = (map.frame, grid.pose(&map.subject, place));
+        let [across, up] = place.map(|index| format::number(grid.offset_degrees(index), 0));
+        self.results.taken = Some(place);
         let what = format!("Start from the map at {across}°, {up}°");
         requests.request(SessionRequest::Frame(frame));
         requests.status(format!("{what}. Space steps from here; undo brings the pose back."));
@@ -235,45 +257,13 @@ impl Basin {
     /// Writes what the pane shows to a file.
     pub fn write(&self, kind: FileKind, path: &Path, context: &Context<'_>, requests: &mut Requests) {
         let theme = context.preferences.theme;
-        match (self.preferences.view, self.results.angles.clone(), self.results.map.clone()) {
-            (BasinView::Angles, Some(angles), _) => requests.write(path, move || match kind {
-                FileKind::Csv => angles.csv(),
-                FileKind::Png => Ok(angles.figure().png(theme)?),
-                FileKind::Json => angles.json(),
-            }),
-            (BasinView::Map, _, Some(map)) => requests.write(path, move || match kind {
-                FileKind::Csv => map.csv(),
-                FileKind::Png => Ok(backlit_plot::png(map.picture(theme))?),
-                FileKind::Json => map.json(),
-            }),
-            _ => requests.complain("There is no basin to write yet."),
-        }
-    }
-}
-
-impl FileKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Json];
-
-    /// The ending of its files.
-    pub const fn extension(self) -> &'static str {
-        self.endings()[0]
-    }
-
-    const fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Csv => &["csv"],
-            Self::Png => &["png"],
-            Self::Json => &["json"],
-        }
-    }
-
-    /// What is in it, on the menu.
-    pub(crate) const fn text(self) -> &'static str {
-        match self {
-            Self::Csv => "Table as CSV…",
-            Self::Png => "Picture as PNG…",
-            Self::Json => "Numbers as JSON…",
-        }
+        let Some(result) = self.results.of(self.preferences.view).cloned() else {
+            return requests.complain("There is no basin to write yet.");
+        };
+        requests.write(path, move || match kind {
+            FileKind::Csv => result.csv(),
+            FileKind::Png => result.png(theme),
+            FileKind::Json => result.json(),
+        });
     }
 }

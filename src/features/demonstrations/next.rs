@@ -17,16 +17,16 @@ use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 
 /// One thing to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Try {
+pub(super) struct Suggestion {
     /// On the button.
     pub(super) text: &'static str,
     /// One sentence without its full stop.
     pub(super) tooltip: &'static str,
-    act: Act,
+    action: Action,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Act {
+enum Action {
     /// Done one after the other.
     Commands(&'static [Command]),
     /// The laboratory fits these side by side.
@@ -37,106 +37,106 @@ enum Act {
     Track(CueChoice, f64),
 }
 
+const fn suggest(text: &'static str, tooltip: &'static str, action: Action) -> Suggestion {
+    Suggestion { text, tooltip, action }
+}
+
 const POSE: Command = Command::Window(WindowCommand::Layout(Layout::Pose));
 const FIRST: Command = Command::Timeline(TimelineCommand::FirstFrame);
 const TRACK: Command = Command::Tracking(TrackingCommand::Forward);
 const REPORT: Command = Command::Fit(FitCommand::Preset(Preset::Report));
 const ROBUST: Command = Command::Fit(FitCommand::Preset(Preset::Robust));
 
-const RENDERERS: Try = Try {
-    text: "Compare renderers",
-    tooltip: "Cylinder, capsule and sphere tree from the same start",
-    act: Act::Compare(Variants::Renderers),
-};
-const RAMPS: Try = Try {
-    text: "Compare ramps",
-    tooltip: "From the same start, a fit for each way to draw how far a pixel is from the body",
-    act: Act::Compare(Variants::Ramps),
-};
-const PRESETS: Try = Try {
-    text: "Compare presets",
-    tooltip: "The report’s fit beside the robust one, from the same start",
-    act: Act::Compare(Variants::Presets),
-};
-const WITH_CAMERA_2: Try = Try {
-    text: "Fit with camera 2 too",
-    tooltip: "Let camera 2 count, and fit again",
-    act: Act::UseCamera(1),
-};
-const TRACK_REPORT: Try = Try {
-    text: "Track as in 2004",
-    tooltip: "All frames by the report’s preset, each from the last one’s pose, in the Pose layout",
-    act: Act::Commands(&[POSE, REPORT, FIRST, TRACK]),
-};
-const TRACK_ROBUST: Try = Try {
-    text: "Track with Robust",
-    tooltip: "All frames with all that is better, in the Pose layout",
-    act: Act::Commands(&[POSE, ROBUST, FIRST, TRACK]),
-};
-const WAYS: Try = Try {
-    text: "Try all again",
-    tooltip: "All ways from the pose of this frame, one after the other",
-    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
-};
-const ACQUIRE: Try = Try {
-    text: "Acquire a body",
-    tooltip: "Neither pose nor size is known: a body is found, and grown limb by limb",
-    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
-};
-const WORST: Try = Try {
-    text: "Worst frame",
-    tooltip: "The tracked frame that fits worst",
-    act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
-};
-
-const SPHERES: Try = Try {
-    text: "As spheres",
-    tooltip: "Draw and fit the body by the spheres of its trees",
-    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None }))]),
-};
-const CAPSULES: Try = Try {
-    text: "As capsules",
-    tooltip: "Draw and fit the body as capsules: look at the overlap",
-    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
-};
-const SCENE: Try = Try {
-    text: "Spheres in 3-D",
-    tooltip: "The body of spheres in the scene, from its front",
-    act: Act::Commands(&[Command::Scene(SceneCommand::Front)]),
-};
-const SILHOUETTES: Try = Try {
-    text: "Silhouettes alone",
-    tooltip: "Track all frames again without any cue",
-    act: Act::Track(CueChoice::None, 0.0),
-};
-const LIKELY: Try = Try {
-    text: "With likely poses",
-    tooltip: "Track all frames again without cues, but prefer poses that recorded people took",
-    act: Act::Track(CueChoice::None, 3.0),
-};
-const KEYPOINTS: Try = Try {
-    text: "With keypoints",
-    tooltip: "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
-    act: Act::Track(CueChoice::Keypoints, 0.0),
-};
-const PICTURES: Try = Try {
-    text: "With the pictures",
-    tooltip: "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
-    act: Act::Track(CueChoice::Pictures, 0.0),
-};
-const ALL_CUES: Try = Try {
-    text: "With all of them",
-    tooltip: "Track all frames again with keypoints, optic flow and stereo points",
-    act: Act::Track(CueChoice::All, 0.0),
-};
-const PLAY: Try = Try {
-    text: "Play",
-    tooltip: "Plays all frames with their names, from the first on",
-    act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
-};
+const RENDERERS: Suggestion = suggest(
+    "Compare renderers",
+    "Cylinder, capsule and sphere tree from the same start",
+    Action::Compare(Variants::Renderers),
+);
+const RAMPS: Suggestion = suggest(
+    "Compare ramps",
+    "From the same start, a fit for each way to draw how far a pixel is from the body",
+    Action::Compare(Variants::Ramps),
+);
+const PRESETS: Suggestion = suggest(
+    "Compare presets",
+    "The report’s fit beside the robust one, from the same start",
+    Action::Compare(Variants::Presets),
+);
+const WITH_CAMERA_2: Suggestion =
+    suggest("Fit with camera 2 too", "Let camera 2 count, and fit again", Action::UseCamera(1));
+const TRACK_REPORT: Suggestion = suggest(
+    "Track as in 2004",
+    "All frames by the report’s preset, each from the last one’s pose, in the Pose layout",
+    Action::Commands(&[POSE, REPORT, FIRST, TRACK]),
+);
+const TRACK_ROBUST: Suggestion = suggest(
+    "Track with Robust",
+    "All frames with all that is better, in the Pose layout",
+    Action::Commands(&[POSE, ROBUST, FIRST, TRACK]),
+);
+const WAYS: Suggestion = suggest(
+    "Try all again",
+    "All ways from the pose of this frame, one after the other",
+    Action::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
+);
+const ACQUIRE: Suggestion = suggest(
+    "Acquire a body",
+    "Neither pose nor size is known: a body is found, and grown limb by limb",
+    Action::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
+);
+const WORST: Suggestion = suggest(
+    "Worst frame",
+    "The tracked frame that fits worst",
+    Action::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
+);
+const SPHERES: Suggestion = suggest(
+    "As spheres",
+    "Draw and fit the body by the spheres of its trees",
+    Action::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None }))]),
+);
+const CAPSULES: Suggestion = suggest(
+    "As capsules",
+    "Draw and fit the body as capsules: look at the overlap",
+    Action::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
+);
+const SCENE: Suggestion = suggest(
+    "Spheres in 3-D",
+    "The body of spheres in the scene, from its front",
+    Action::Commands(&[Command::Scene(SceneCommand::Front)]),
+);
+const SILHOUETTES: Suggestion = suggest(
+    "Silhouettes alone",
+    "Track all frames again without any cue",
+    Action::Track(CueChoice::None, 0.0),
+);
+const LIKELY: Suggestion = suggest(
+    "With likely poses",
+    "Track all frames again without cues, but prefer poses that recorded people took",
+    Action::Track(CueChoice::None, 3.0),
+);
+const KEYPOINTS: Suggestion = suggest(
+    "With keypoints",
+    "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
+    Action::Track(CueChoice::Keypoints, 0.0),
+);
+const PICTURES: Suggestion = suggest(
+    "With the pictures",
+    "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
+    Action::Track(CueChoice::Pictures, 0.0),
+);
+const ALL_CUES: Suggestion = suggest(
+    "With all of them",
+    "Track all frames again with keypoints, optic flow and stereo points",
+    Action::Track(CueChoice::All, 0.0),
+);
+const PLAY: Suggestion = suggest(
+    "Play",
+    "Plays all frames with their names, from the first on",
+    Action::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
+);
 
 /// What there is to try.
-pub(super) const fn of(which: Demonstration) -> &'static [Try] {
+pub(super) const fn of(which: Demonstration) -> &'static [Suggestion] {
     match which {
         Demonstration::SingleLimb => &[RENDERERS, RAMPS],
         Demonstration::OneCamera => &[WITH_CAMERA_2, RENDERERS, RAMPS],
@@ -152,22 +152,22 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
     }
 }
 
-impl Try {
+impl Suggestion {
     pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
         let mut compare = |over| {
             requests.request(ShellRequest::Layout(Layout::Demonstrate));
             requests.request(FeatureRequest::RunLaboratory { over, camera: None });
         };
-        match self.act {
-            Act::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
-            Act::Compare(over) => compare(over),
-            Act::UseCamera(camera) => {
+        match self.action {
+            Action::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
+            Action::Compare(over) => compare(over),
+            Action::UseCamera(camera) => {
                 if let Opening::Laboratory(over, _) = super::opening(which) {
                     compare(over);
                 }
                 requests.edit(Edit::UseCamera { camera, used: true });
             }
-            Act::Track(cues, likely) => {
+            Action::Track(cues, likely) => {
                 let document = context.document();
                 requests.edit(Edit::SetTracking(TrackingChoices { cues, ..document.tracking }));
                 let mut options = (*document.fit).clone();

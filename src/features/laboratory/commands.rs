@@ -9,6 +9,39 @@ use crate::context::unavailable::{because, no_take};
 /// Steps of the keys for ten frames.
 const MANY_STEPS: usize = 10;
 
+/// What a command means in the laboratory's layout.
+#[derive(Debug, Clone, Copy)]
+enum LaboratoryMove {
+    /// Goes on by a step.
+    Step,
+    /// Runs all fits to their ends.
+    Run,
+    /// Looks at a step so far back, or so far on.
+    Back(usize),
+    On(usize),
+    Stop,
+    Restart,
+}
+
+/// `None` for commands that mean here what they mean everywhere.
+fn meaning(command: Command) -> Option<LaboratoryMove> {
+    use {FitCommand as F, TimelineCommand as T};
+    Some(match command {
+        Command::Fit(F::Step | F::LaterStep) | Command::Timeline(T::NextFrame) => LaboratoryMove::Step,
+        Command::Fit(F::Run) => LaboratoryMove::Run,
+        Command::Fit(F::StepBack | F::EarlierStep) | Command::Timeline(T::PreviousFrame) => {
+            LaboratoryMove::Back(1)
+        }
+        Command::Timeline(T::TenFramesBack) => LaboratoryMove::Back(MANY_STEPS),
+        Command::Timeline(T::TenFramesOn) => LaboratoryMove::On(MANY_STEPS),
+        Command::Timeline(T::FirstFrame) => LaboratoryMove::Back(usize::MAX),
+        Command::Timeline(T::LastFrame) => LaboratoryMove::On(usize::MAX),
+        Command::Fit(F::Stop) => LaboratoryMove::Stop,
+        Command::Laboratory(LaboratoryCommand::Restart) => LaboratoryMove::Restart,
+        _ => return None,
+    })
+}
+
 impl Laboratory {
     /// Does what a command of another feature means in the laboratory's layout. `false` for those that mean there
     /// what they mean everywhere.
@@ -23,23 +56,16 @@ impl Laboratory {
         let is_running = self.is_running();
         let Some(comparison) = &mut self.comparison else { return false };
         let here = comparison.cursor;
-        match command {
-            Command::Fit(FitCommand::Step | FitCommand::LaterStep)
-            | Command::Timeline(TimelineCommand::NextFrame) => self.step(Some(1), context.pool),
-            Command::Fit(FitCommand::Run) => self.step(None, context.pool),
-            Command::Fit(FitCommand::StepBack | FitCommand::EarlierStep)
-            | Command::Timeline(TimelineCommand::PreviousFrame) => comparison.go_to(here.saturating_sub(1)),
-            Command::Timeline(TimelineCommand::TenFramesBack) => {
-                comparison.go_to(here.saturating_sub(MANY_STEPS));
-            }
-            Command::Timeline(TimelineCommand::TenFramesOn) => comparison.go_to(here + MANY_STEPS),
-            Command::Timeline(TimelineCommand::FirstFrame) => comparison.go_to(0),
-            Command::Timeline(TimelineCommand::LastFrame) => comparison.go_to(usize::MAX),
-            Command::Fit(FitCommand::Stop) if is_running => {
+        match meaning(command) {
+            Some(LaboratoryMove::Step) => self.step(Some(1), context.pool),
+            Some(LaboratoryMove::Run) => self.step(None, context.pool),
+            Some(LaboratoryMove::Back(steps)) => comparison.go_to(here.saturating_sub(steps)),
+            Some(LaboratoryMove::On(steps)) => comparison.go_to(here.saturating_add(steps)),
+            Some(LaboratoryMove::Stop) if is_running => {
                 self.pending_steps = 0;
                 self.steps.stop();
             }
-            _ => return false,
+            Some(LaboratoryMove::Stop | LaboratoryMove::Restart) | None => return false,
         }
         true
     }
@@ -55,42 +81,23 @@ impl Laboratory {
     }
 
     fn unavailable_in_layout(&self, command: Command) -> Option<Option<&'static str>> {
-        let Some(comparison) = self.begun() else {
-            return is_own(command).then_some(Some("The laboratory has not begun yet"));
-        };
+        let meaning = meaning(command)?;
+        let Some(comparison) = self.begun() else { return Some(Some("The laboratory has not begun yet")) };
         let at_end = comparison.cursor == comparison.last();
         let is_over = comparison.is_over() && at_end;
-        Some(match command {
-            Command::Fit(FitCommand::Step | FitCommand::LaterStep)
-            | Command::Timeline(TimelineCommand::NextFrame) => because(is_over, "All fits have ended"),
-            Command::Fit(FitCommand::Run) => {
+        Some(match meaning {
+            LaboratoryMove::Step => because(is_over, "All fits have ended"),
+            LaboratoryMove::Run => {
                 because(is_over, "All fits have ended").or(because(self.is_running(), "They are running"))
             }
-            Command::Fit(FitCommand::StepBack | FitCommand::EarlierStep)
-            | Command::Timeline(
-                TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame,
-            ) => because(comparison.cursor == 0, "This is the start"),
-            Command::Timeline(TimelineCommand::LastFrame | TimelineCommand::TenFramesOn) => {
-                because(at_end, "This is the newest step")
-            }
-            Command::Fit(FitCommand::Stop) if self.is_running() => None,
-            Command::Laboratory(LaboratoryCommand::Restart) => {
+            LaboratoryMove::Back(_) => because(comparison.cursor == 0, "This is the start"),
+            LaboratoryMove::On(_) => because(at_end, "This is the newest step"),
+            LaboratoryMove::Stop if self.is_running() => None,
+            LaboratoryMove::Stop => return None,
+            LaboratoryMove::Restart => {
                 let is_new = comparison.last() == 0 && comparison.problem().is_none();
                 because(is_new, "No step has been made yet")
             }
-            _ => return None,
         })
     }
-}
-
-/// Whether a command means something of its own in the laboratory's layout.
-fn is_own(command: Command) -> bool {
-    use {FitCommand as F, TimelineCommand as T};
-    matches!(
-        command,
-        Command::Fit(F::Step | F::StepBack | F::Run | F::Stop | F::EarlierStep | F::LaterStep)
-            | Command::Timeline(T::PreviousFrame | T::NextFrame | T::TenFramesBack | T::TenFramesOn)
-            | Command::Timeline(T::FirstFrame | T::LastFrame)
-            | Command::Laboratory(LaboratoryCommand::Restart)
-    )
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use backlit_document::run::{RunEnding, RunStep};
 use backlit_tracking::body::Pose;
+use backlit_ui::style::format;
 
 use super::{CheckProgress, Entrant, PushAxis, Pushed};
 use crate::session::prediction::{FitInputs, Predicted};
@@ -33,7 +34,20 @@ impl Basis {
     }
 }
 
-/// What a picture of pushing pixels is of.
+/// A fit has arrived below this share of its start, percent.
+pub(crate) const ARRIVED_PERCENT: f64 = 5.0;
+
+/// A share of the start with as many figures as can be read at a glance.
+pub(crate) fn percent_text(percent: f64) -> String {
+    let decimals = match percent.abs() {
+        value if value >= 0.95 => 1,
+        value if value >= 0.095 => 2,
+        _ => 3,
+    };
+    format::number(percent, decimals)
+}
+
+/// What a picture of pushing pixels is of: camera, axis and limb.
 pub(crate) type PushKey = (usize, PushAxis, usize);
 
 /// A check of the gradient at one pose in all cameras.
@@ -283,7 +297,7 @@ pub(crate) mod tests {
         let mut found = comparison([&[9.0, 8.0, 7.0], &[9.0, 2.0], &[9.0, 3.0, 1.0]]);
         assert_eq!((found.cursor, found.last()), (1, 2));
         found.end(1, RunEnding::Solver("done".to_owned()));
-        assert_eq!(found.cursor, 2, "who has ended is not waited for");
+        assert_eq!(found.cursor, 2, "a fit that has ended is not waited for");
         assert!(
             (found.contestants[1].percent(2).unwrap() - 200.0 / 9.0).abs() < 1e-9,
             "it stays where it is"
@@ -294,7 +308,7 @@ pub(crate) mod tests {
         let pose = found.contestants[0].steps[0].iteration.point.clone();
         let predicted = Arc::new(Predicted::new(&found.contestants[0].scene, &pose, None));
         found.add_step(0, step(pose, 6.0, 1.0), predicted);
-        assert_eq!(found.cursor, 0, "who looks back is left there");
+        assert_eq!(found.cursor, 0, "the step that is looked at stays");
         found.go_to(99);
         assert_eq!((found.cursor, found.follows), (3, true));
     }

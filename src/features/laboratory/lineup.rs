@@ -1,6 +1,5 @@
 //! Which ways to fit are compared.
 
-use backlit_lab::experiment::fig52;
 use backlit_tracking::body::{Model, Parameters};
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
@@ -10,6 +9,8 @@ use crate::context::command::Variants;
 
 /// Width of the ramp that is given by its width, pixels.
 const WIDTH_PX: f64 = 2.0;
+/// Where Levenberg-Marquardt begins, as in Figs. 5.2 and 5.3.
+const LM_DAMPING: f64 = 0.01;
 /// Widths of the ramp for distance data, pixels.
 const DISTANCE_PX: [f64; 2] = [1.5, 3.0];
 
@@ -32,9 +33,7 @@ pub enum Lineup {
 pub struct Entrant {
     /// Its name at the head of a column.
     pub name: &'static str,
-    /// The same within a sentence, with its article.
-    pub(crate) subject: &'static str,
-    /// What it is, in two words.
+    /// What it is, in a few words.
     pub(crate) note: String,
     /// Its choices.
     pub(crate) fit: FitOptions,
@@ -50,61 +49,127 @@ impl From<Variants> for Lineup {
     }
 }
 
+/// A lineup in words.
+struct LineupWords {
+    lineup: Lineup,
+    name: &'static str,
+    title: &'static str,
+    sentence: &'static str,
+    tooltip: &'static str,
+    all: &'static str,
+}
+
+const LINEUPS: [LineupWords; 4] = [
+    LineupWords {
+        lineup: Lineup::Renderers,
+        name: "Renderers",
+        title: "Renderer laboratory",
+        sentence: "Three renderers, same start, same solver.",
+        tooltip: "Cylinder, capsule and sphere tree with the chosen solver",
+        all: "all three",
+    },
+    LineupWords {
+        lineup: Lineup::Ramps,
+        name: "Ramps",
+        title: "Ramp laboratory",
+        sentence: "Four ramps, same start, same renderer, same solver.",
+        tooltip: "How distance becomes grey: thesis, half, width and distance, each in one stage",
+        all: "all four",
+    },
+    LineupWords {
+        lineup: Lineup::Presets,
+        name: "Presets",
+        title: "Preset laboratory",
+        sentence: "Two presets, same start, same renderer.",
+        tooltip: "The report’s fit beside the robust one, with the chosen renderer",
+        all: "both",
+    },
+    LineupWords {
+        lineup: Lineup::Updates,
+        name: "Updates",
+        title: "Update laboratory",
+        sentence: "Three updates, same start, same renderer, same ramp.",
+        tooltip: "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
+        all: "all three",
+    },
+];
+
 impl Lineup {
     /// All of them, with their names.
     pub const ALL: [(Self, &'static str); 4] = [
-        (Self::Renderers, "Renderers"),
-        (Self::Ramps, "Ramps"),
-        (Self::Presets, "Presets"),
-        (Self::Updates, "Updates"),
+        (Self::Renderers, LINEUPS[0].name),
+        (Self::Ramps, LINEUPS[1].name),
+        (Self::Presets, LINEUPS[2].name),
+        (Self::Updates, LINEUPS[3].name),
     ];
+
+    const fn words(self) -> &'static LineupWords {
+        &LINEUPS[self as usize]
+    }
 
     /// What the laboratory is called.
     pub const fn title(self) -> &'static str {
-        match self {
-            Self::Renderers => "Renderer laboratory",
-            Self::Ramps => "Ramp laboratory",
-            Self::Presets => "Preset laboratory",
-            Self::Updates => "Update laboratory",
-        }
+        self.words().title
     }
 
     /// What is the same in all of them and what is not, in a sentence.
     pub(crate) const fn sentence(self) -> &'static str {
-        match self {
-            Self::Renderers => "Three renderers, same start, same solver.",
-            Self::Ramps => "Four ramps, same start, same renderer, same solver.",
-            Self::Presets => "Two presets, same start, same renderer.",
-            Self::Updates => "Three updates, same start, same renderer, same ramp.",
-        }
+        self.words().sentence
     }
 
     /// What a choice of it compares, for its tooltip.
     pub(crate) const fn tooltip(self) -> &'static str {
-        match self {
-            Self::Renderers => "Cylinder, capsule and sphere tree with the chosen solver",
-            Self::Ramps => "How distance becomes grey: thesis, half, width and distance, each in one stage",
-            Self::Presets => "The report’s fit beside the robust one, with the chosen renderer",
-            Self::Updates => "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
-        }
+        self.words().tooltip
     }
 
     /// How many there are, as a word of a button.
     pub const fn all_text(self) -> &'static str {
-        match self {
-            Self::Renderers | Self::Updates => "all three",
-            Self::Ramps => "all four",
-            Self::Presets => "both",
-        }
+        self.words().all
     }
 
     /// The fits, made from the document's choices.
     pub(crate) fn entrants(self, base: &FitOptions, model: &Model) -> Vec<Entrant> {
+        let entrant = |name, note: &str, fit: FitOptions| Entrant { name, note: note.to_owned(), fit };
         match self {
             Self::Renderers => renderers(base, model),
-            Self::Ramps => ramps(base),
-            Self::Presets => presets(base),
-            Self::Updates => updates(base),
+            Self::Ramps => {
+                let [inner_px, outer_px] = DISTANCE_PX;
+                let ramp = |name, note: &str, ramp| entrant(name, note, base.clone().with_ramp(ramp));
+                vec![
+                    ramp("Thesis", "half grey outside", Ramp::Thesis),
+                    ramp("Half", "half grey on the limb", Ramp::Half),
+                    ramp("Width", &format!("{WIDTH_PX} px wide"), Ramp::Width { px: WIDTH_PX }),
+                    ramp(
+                        "Distance",
+                        &format!("{inner_px} px in, {outer_px} px out"),
+                        Ramp::Distance { inner_px, outer_px },
+                    ),
+                ]
+            }
+            Self::Presets => {
+                let preset = |preset: Preset, note| {
+                    let fit = FitOptions { renderer: base.renderer, ..FitOptions::preset(preset) };
+                    entrant(preset.label(), note, fit)
+                };
+                vec![
+                    preset(Preset::Report, "thesis ramp, fixed damping"),
+                    preset(Preset::Robust, "annealed, priors, limits"),
+                ]
+            }
+            Self::Updates => {
+                // Each with the damping that it is used with.
+                let update = |name, note, parameters, method, damping| {
+                    entrant(name, note, FitOptions { parameters, method, damping, ..base.clone() })
+                };
+                let fixed = FitOptions::preset(Preset::Report).damping;
+                let (raw, tangent) = (Parameters::Raw, Parameters::Tangent);
+                let (gauss_newton, lm) = (Method::GaussNewton, Method::LevenbergMarquardt);
+                vec![
+                    update("Raw", "four numbers a joint", raw, gauss_newton, fixed),
+                    update("Tangent", "three numbers a joint", tangent, gauss_newton, fixed),
+                    update("Tangent LM", "takes bad steps back", tangent, lm, LM_DAMPING),
+                ]
+            }
         }
     }
 }
@@ -116,71 +181,12 @@ fn renderers(base: &FitOptions, model: &Model) -> Vec<Entrant> {
     };
     let of = |limb| RendererKind::equal_spheres(limb, spheres).unwrap_or(limb.spheres.len());
     let count: usize = model.limbs().iter().map(of).sum();
-    let parts = [
-        ("Cylinder", "the cylinder", "flat ends".to_owned(), RendererKind::Cylinder),
-        ("Capsule", "the capsule", "round ends".to_owned(), RendererKind::Capsule),
-        ("Sphere tree", "the sphere tree", format!("{count} spheres"), RendererKind::SphereTree { spheres }),
-    ];
-    let one = |(name, subject, note, renderer)| {
-        let fit = FitOptions { renderer, ..base.clone() };
-        Entrant { name, subject, note, fit }
-    };
-    parts.map(one).into()
-}
-
-fn ramps(base: &FitOptions) -> Vec<Entrant> {
-    let [inner_px, outer_px] = DISTANCE_PX;
-    let parts = [
-        ("Thesis", "the thesis ramp", "half grey outside".to_owned(), Ramp::Thesis),
-        ("Half", "the half ramp", "half grey on the limb".to_owned(), Ramp::Half),
-        ("Width", "the narrow ramp", format!("{WIDTH_PX} px wide"), Ramp::Width { px: WIDTH_PX }),
-        (
-            "Distance",
-            "the distance ramp",
-            format!("{inner_px} px in, {outer_px} px out"),
-            Ramp::Distance { inner_px, outer_px },
-        ),
-    ];
-    let one =
-        |(name, subject, note, ramp)| Entrant { name, subject, note, fit: base.clone().with_ramp(ramp) };
-    parts.map(one).into()
-}
-
-fn presets(base: &FitOptions) -> Vec<Entrant> {
-    let one = |preset: Preset, subject, note: &str| Entrant {
-        name: preset.label(),
-        subject,
-        note: note.to_owned(),
-        fit: FitOptions { renderer: base.renderer, ..FitOptions::preset(preset) },
-    };
+    let entrant = |name, note, renderer| Entrant { name, note, fit: FitOptions { renderer, ..base.clone() } };
     vec![
-        one(Preset::Report, "the report’s fit", "thesis ramp, fixed damping"),
-        one(Preset::Robust, "the robust fit", "annealed, priors, limits"),
+        entrant("Cylinder", "flat ends".to_owned(), RendererKind::Cylinder),
+        entrant("Capsule", "round ends".to_owned(), RendererKind::Capsule),
+        entrant("Sphere tree", format!("{count} spheres"), RendererKind::SphereTree { spheres }),
     ]
-}
-
-fn updates(base: &FitOptions) -> Vec<Entrant> {
-    let parts = [
-        ("Raw", "the raw update", "four numbers a joint", Parameters::Raw, Method::GaussNewton),
-        ("Tangent", "the tangent update", "three numbers a joint", Parameters::Tangent, Method::GaussNewton),
-        (
-            "Tangent LM",
-            "Levenberg-Marquardt",
-            "takes bad steps back",
-            Parameters::Tangent,
-            Method::LevenbergMarquardt,
-        ),
-    ];
-    let one = |(name, subject, note, parameters, method): (_, _, &str, _, _)| {
-        // Each with the damping that it is used with.
-        let damping = match method {
-            Method::GaussNewton => FitOptions::preset(Preset::Report).damping,
-            Method::LevenbergMarquardt => fig52::LM_DAMPING,
-        };
-        let fit = FitOptions { parameters, method, damping, ..base.clone() };
-        Entrant { name, subject, note: note.to_owned(), fit }
-    };
-    parts.map(one).into()
 }
 
 #[cfg(test)]
@@ -188,6 +194,13 @@ mod tests {
     use backlit_tracking::body::builtin;
 
     use super::*;
+
+    #[test]
+    fn the_words_of_a_lineup_are_its_own() {
+        for (lineup, name) in Lineup::ALL {
+            assert_eq!((lineup.words().lineup, lineup.words().name), (lineup, name));
+        }
+    }
 
     #[test]
     fn every_fit_is_valid_and_has_a_name_of_its_own() {

@@ -6,7 +6,7 @@
 //! | `column` | one fit: percent of its start, its pictures, its counts |
 //! | `picture` | one picture: the overlay at this step, or what pushes at the start |
 //! | `curves` | the plot of all of them |
-//! | `caption` | why they differ, and the legend |
+//! | `caption` | the figures of all of them, and the legend |
 
 mod caption;
 mod column;
@@ -31,7 +31,7 @@ const COMPACT_BELOW: f32 = 760.0;
 /// The plot's share of the height, and its ends.
 const PLOT_SHARE: f32 = 0.38;
 const PLOT_HEIGHT: std::ops::RangeInclusive<f32> = 212.0..=350.0;
-/// With little room the caption needs so much, with all of its words and its legend.
+/// With little room the caption with its legend needs this height.
 const COMPACT_PLOT_HEIGHT: f32 = 236.0;
 /// The caption's share of the width; with little room it is wider, so that it is less high.
 const CAPTION_SHARE: f32 = 0.35;
@@ -73,7 +73,7 @@ struct Bench<'a> {
 }
 
 /// What is asked for in the panel, done when it is drawn.
-enum Wish {
+enum Action {
     Lineup(Lineup),
     Start(StartChoice),
     Camera(usize),
@@ -95,10 +95,10 @@ enum Wish {
 impl Laboratory {
     /// The centre of its layout.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        let mut wishes = Vec::new();
-        contents(ui, self, context, requests, &mut wishes);
-        for wish in wishes {
-            self.grant(wish, context, requests);
+        let mut actions = Vec::new();
+        contents(ui, self, context, requests, &mut actions);
+        for action in actions {
+            self.apply(action, context, requests);
         }
     }
 
@@ -109,24 +109,24 @@ impl Laboratory {
         }
     }
 
-    fn grant(&mut self, wish: Wish, context: &Context<'_>, requests: &mut Requests) {
-        match (wish, &mut self.comparison) {
-            (Wish::Lineup(lineup), _) => self.lineup = lineup,
-            (Wish::Start(start), _) => self.start = start,
-            (Wish::Camera(camera), _) => self.camera = camera,
-            (Wish::Axis(axis), _) => self.axis = Some(axis),
-            (Wish::Limb(limb), _) => {
+    fn apply(&mut self, action: Action, context: &Context<'_>, requests: &mut Requests) {
+        match (action, &mut self.comparison) {
+            (Action::Lineup(lineup), _) => self.lineup = lineup,
+            (Action::Start(start), _) => self.start = start,
+            (Action::Camera(camera), _) => self.camera = camera,
+            (Action::Axis(axis), _) => self.axis = Some(axis),
+            (Action::Limb(limb), _) => {
                 requests.request(SessionRequest::Joint(Selection::joint_of(&context.document().model, limb)));
             }
-            (Wish::Log(is_log), _) => self.is_log = is_log,
-            (Wish::Mark(fit), _) => self.mark_worst(fit),
-            (Wish::Step(step), Some(comparison)) => comparison.go_to(step),
-            (Wish::CopyTable, Some(comparison)) => {
+            (Action::Log(is_log), _) => self.is_log = is_log,
+            (Action::Mark(fit), _) => self.mark_worst(fit),
+            (Action::Step(step), Some(comparison)) => comparison.go_to(step),
+            (Action::CopyTable, Some(comparison)) => {
                 context.egui.copy_text(table::csv(comparison));
                 requests.status("Copied the curves as comma-separated values.");
             }
-            (Wish::Step(_) | Wish::CopyTable, None) => {}
-            (Wish::SavePlot, _) => {
+            (Action::Step(_) | Action::CopyTable, None) => {}
+            (Action::SavePlot, _) => {
                 let wanted = DialogKind::NewFile("laboratory.png".to_owned(), &[]);
                 if let Err(why) = self.dialogs.ask(context.egui, (), "Save plot", wanted) {
                     requests.complain(why.to_string());
@@ -141,11 +141,11 @@ fn contents(
     laboratory: &Laboratory,
     context: &Context<'_>,
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<Action>,
 ) {
     let palette = theme::palette(ui);
     let room = Room::of(ui.available_rect_before_wrap());
-    header::ui(ui, laboratory, context, requests, wishes, room.margin);
+    header::ui(ui, laboratory, context, requests, actions, room.margin);
     CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
         let rect = ui.max_rect();
         let Some(comparison) = laboratory.begun() else { return waiting(ui, rect, context) };
@@ -153,11 +153,11 @@ fn contents(
         let key = laboratory.push_key(context);
         let (_, axis, limb) = key;
         let limb = &model.limbs()[limb].name;
-        page(ui, rect, &Bench { context, laboratory, comparison, limb, axis, key, room }, wishes);
+        page(ui, rect, &Bench { context, laboratory, comparison, limb, axis, key, room }, actions);
     });
 }
 
-fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
+fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, actions: &mut Vec<Action>) {
     let Room { margin, gap, .. } = bench.room;
     let top_gap = margin.min(16.0);
     let inner = Rect::from_min_max(
@@ -176,17 +176,17 @@ fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
         let left = above.left() + (width + gap) * index as f32;
         let column = Rect::from_min_size(pos2(left, above.top()), vec2(width, above.height()));
         card(ui, column);
-        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, wishes));
+        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, actions));
     }
     let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
     let caption_width = (share * below.width()).max(330.0);
     let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
     let caption = caption.with_min_x(caption.left() + gap);
     card(ui, plot);
-    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, wishes));
+    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, actions));
     card(ui, caption);
     let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
-    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, wishes));
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, actions));
 }
 
 /// The ground of a part of the page.

@@ -9,6 +9,7 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, jacobian_along};
 use backlit_ui::drawing::Derivative;
+use backlit_ui::style::format;
 use glam::DVec3;
 
 /// A pixel pushes from this share of the scale on.
@@ -71,16 +72,6 @@ impl PushAxis {
             Self::Turn(_) => "Pixels that turn it",
             Self::Twist => "Pixels that twist it",
             Self::Move(_) => "Pixels that push the body",
-        }
-    }
-
-    /// What pixels say about it, in the caption.
-    pub(crate) const fn way(self) -> &'static str {
-        match self {
-            Self::Slide => "which way to slide",
-            Self::Turn(_) => "which way to turn",
-            Self::Twist => "which way to twist",
-            Self::Move(_) => "which way to move",
         }
     }
 
@@ -152,6 +143,12 @@ fn is_in_ramp(level: &f32) -> bool {
 }
 
 impl Pushed {
+    /// Pixels that push, of those in the ramp.
+    pub(crate) fn text(&self) -> String {
+        let count = |n: usize| format::count(n as i64);
+        format!("{} of {}", count(self.pushing), count(self.in_ramp))
+    }
+
     /// Counts and colours pushes by one measure.
     pub(crate) fn all(pushes: Vec<Push>) -> Vec<Self> {
         let mut scales: Vec<f64> = pushes.iter().filter_map(Push::scale).collect();

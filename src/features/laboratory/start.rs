@@ -1,7 +1,6 @@
 //! Where all fits of a comparison begin.
 
-use backlit_lab::experiment::fig51;
-use backlit_take::demonstration::Demonstration;
+use backlit_take::demonstration::{Demonstration, SINGLE_LIMB_OFFSET_MM, single_limb_start};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::search::start::perturb;
 
@@ -51,14 +50,12 @@ impl StartChoice {
     /// What a demonstration begins with here: Fig. 5.1's own offset, else the pose on the screen.
     pub(crate) fn of(demonstration: Option<Demonstration>) -> Self {
         match demonstration {
-            Some(Demonstration::SingleLimb) => {
-                Self::Slid { mm: (1000.0 * fig51::Options::default().offset_m).round() as u32 }
-            }
+            Some(Demonstration::SingleLimb) => Self::Slid { mm: SINGLE_LIMB_OFFSET_MM },
             _ => Self::Shown,
         }
     }
 
-    /// The starts that make sense for a take.
+    /// The starts that are offered for a take.
     pub(crate) fn offered(demonstration: Option<Demonstration>) -> Vec<Self> {
         let mut all = vec![Self::Shown, Self::Take];
         if demonstration == Some(Demonstration::SingleLimb) {
@@ -96,7 +93,7 @@ impl StartChoice {
         match self {
             Self::Shown => parts.shown.clone(),
             Self::Take => parts.take.clone(),
-            Self::Slid { mm } => fig51::start(f64::from(mm) / 1000.0),
+            Self::Slid { mm } => single_limb_start(f64::from(mm) / 1000.0),
             Self::Turned { degrees } => {
                 let truth = parts.demonstration.and_then(|(which, frame)| which.truth(frame));
                 let from = truth.as_ref().unwrap_or(parts.shown);

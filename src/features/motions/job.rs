@@ -8,7 +8,7 @@ use backlit_document::Estimate;
 use backlit_formats::motion::{JointTrack, Motion};
 use backlit_recognition::joints::SHORTEST_S;
 use backlit_recognition::{FrameName, Method, MotionError, Recognition, Recognizer};
-use backlit_results::motions::{joints, model};
+use backlit_runs::motions::{joint_motion, read_recognizer};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
 use glam::DVec3;
@@ -103,7 +103,7 @@ impl Inputs {
     /// Names all frames that a pose was found for, where somebody was in the picture.
     pub(super) fn recognise(&self, cancel: &CancelToken) -> Result<Arc<Found>, Missing> {
         let recognizer =
-            model::read(self.model.as_deref()).map_err(|error| Missing::Model(format!("{error:#}")))?;
+            read_recognizer(self.model.as_deref()).map_err(|error| Missing::Model(format!("{error:#}")))?;
         let seen = self.estimates.iter().filter(|(_, estimate)| estimate.cost.is_some());
         let track = JointTrack::of_motion(&Motion {
             name: String::new(),
@@ -120,7 +120,7 @@ impl Inputs {
             if cancel.is_cancelled() {
                 break;
             }
-            let found = joints::motion_of(&track, run, self.up)
+            let found = joint_motion(&track, run, self.up)
                 .and_then(|motion| recognizer.recognise_by(&motion, method));
             match found {
                 Ok(found) => runs.push(found),

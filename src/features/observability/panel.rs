@@ -2,7 +2,7 @@
 
 mod chart;
 
-use backlit_results::observability as words;
+use backlit_document::observability_words as words;
 use backlit_tracking::observability::{Direction, Observability as Figures};
 use backlit_ui::drawing::FACTORS;
 use backlit_ui::drawing::joint_name;

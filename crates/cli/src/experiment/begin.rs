@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use backlit_lab::experiment::begin::{self, Method, Options, Report, Row, footage};
-use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
+use backlit_lab::experiment::starts::Draw;
 use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::search::start::{LEVELS, Level};
 use clap::Args;
 use serde::Serialize;
 

@@ -1,21 +1,24 @@
-//! `backlit experiment basin --take`: the basin of one frame of a take, as the window's Basin pane has it.
+//! `backlit experiment basin --take`: the basin of one frame of a take, or its map of two angles, as the window's Basin
+//! pane has them.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use anyhow::{Context, ensure};
 use backlit_formats::Take;
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_lab::experiment::frame_basin::{Frame, FrameBasin, Options, Report, Target};
-use backlit_lab::experiment::starts::{LEVELS, Level};
-use backlit_lab::experiment::{ExperimentError, FitChoice, Progress};
-use backlit_results::basin::{About, AnglesResult, Compared, MOST_COMPARED, name_choices};
-use backlit_tracking::body::Model;
+use backlit_lab::experiment::Progress;
+use backlit_runs::basin::{
+    Angle, BasinOptions, BasinResult, ComparedFit, Direction, FitChoice, LevelReport, MOST_COMPARED,
+    RandomStarts, StartGrid, Starts, Subject, Target, name_choices,
+};
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::search::start;
+use backlit_tracking::search::start::{self, LEVELS, Level};
 use clap::Args;
 
 use super::arguments::OutputArguments;
-use super::basin_map::MapAngles;
 use super::files::{self, ResultFiles};
 use super::waiting::Waiting;
 use crate::table::Table;
@@ -23,6 +26,29 @@ use crate::take_options;
 
 /// Metres that the root is moved a degree, where the table of levels has no such angle.
 const METRES_A_DEGREE: f64 = 0.005;
+
+/// Two angles of the body: across and up.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct MapAngles([(String, Angle); 2]);
+
+/// Why words name no map.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("expected two angles as JOINT.AXIS,JOINT.AXIS, with flexion, sideways or twist for AXIS")]
+struct ParseMapError;
+
+impl FromStr for MapAngles {
+    type Err = ParseMapError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let angle = |text: &str| {
+            let (joint, axis) = text.trim().rsplit_once('.')?;
+            let angle = Angle::ALL.into_iter().find(|angle| angle.name() == axis)?;
+            (!joint.is_empty()).then(|| (joint.to_owned(), angle))
+        };
+        let (across, up) = text.split_once(',').ok_or(ParseMapError)?;
+        angle(across).zip(angle(up)).map(|(across, up)| Self([across, up])).ok_or(ParseMapError)
+    }
+}
 
 /// One frame of a take in place of drawn scenes.
 #[derive(Debug, Args)]
@@ -47,37 +73,27 @@ pub(crate) struct FrameArguments {
     root: Vec<f64>,
     /// A fit has found its target when root and leaf joints are less than this off on average, millimetres
     #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take")]
-    pub(crate) within: f64,
+    within: f64,
     /// Fit the same starts in other ways too, three at most: robust, report, or search, which is robust with a search
     /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', requires = "take")]
-    compare: Vec<Compared>,
+    compare: Vec<ComparedFit>,
     /// A map instead of random starts: two angles of the body, across and up, are turned away on a grid. By limb and
     /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
     #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", requires = "take")]
-    pub(crate) map: Option<MapAngles>,
+    map: Option<MapAngles>,
     /// How far a map turns the angles to either side, degrees
     #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
-    pub(crate) farthest: f64,
+    farthest: f64,
     /// Cells of a map across and up; with an odd number the pose itself is one of them
     #[arg(long, value_name = "N", default_value_t = 11, requires = "map")]
-    pub(crate) cells: usize,
-}
-
-/// What is tried of a take: its frame as the fits see it, and where they are to end.
-#[derive(Debug)]
-pub(crate) struct Subject {
-    pub(crate) frame: Frame,
-    /// Where fits are to end.
-    pub(crate) target: Target,
-    /// The conditions in one line.
-    pub(crate) about: About,
+    cells: usize,
 }
 
 /// Tries the frame, writes and prints.
 ///
 /// # Errors
-/// Options that make no sense, a take that cannot be read, or files that cannot be written.
+/// Returns an error if an option is out of range, if the take cannot be read, or if a file cannot be written.
 pub(crate) fn run(
     arguments: &FrameArguments,
     path: &Path,
@@ -85,74 +101,57 @@ pub(crate) fn run(
     choice: FitChoice,
     output: &OutputArguments,
 ) -> anyhow::Result<()> {
-    let starts =
+    let count =
         starts.parse().with_context(|| format!("--starts is {starts}; with --take expected a number"))?;
-    let Subject { frame, target, about } = arguments.subject(path)?;
-    let model = frame.model.clone();
-    let rotation = arguments.joint.as_deref().map(|name| rotation_of(&model, name, "--joint")).transpose()?;
-    let choices = arguments.choices(choice)?;
-    let (levels, success_mm) = (arguments.levels(angles), arguments.within);
-    let options = Options { choices, rotation, levels, starts, seed, target, success_mm };
-    let basin = FrameBasin::new(frame, options.clone(), &CancelToken::new())?;
-    let trials = all_of(basin.len(), |trial| basin.run(trial, &CancelToken::new()))?;
-    let report = Report::of(&options, &trials);
-    let result = AnglesResult { about, options, trials, report };
-    let png = result.figure().png(output.theme.into())?;
-    let files = ResultFiles { json: result.json()?, csv: result.csv()?, png };
-    files::finish_result(output, "basin", &files, &table(&result.report))
-}
-
-/// All of so many fits, with a bar while they are made.
-///
-/// # Errors
-/// That of the first fit that fails.
-pub(crate) fn all_of<T>(
-    total: usize,
-    mut fit: impl FnMut(usize) -> Result<T, ExperimentError>,
-) -> anyhow::Result<Vec<T>> {
+    let footage = take_options::open(path)?;
+    let (take, frame) = (footage.take(), arguments.frame);
+    let frames = take.frame_count();
+    ensure!(frame < frames, "there is no frame {frame}; the take has {frames}");
+    let cameras: Vec<usize> = (0..take.rig().count()).collect();
+    let (reference, target) = arguments.reference(take)?;
+    let subject =
+        Subject { model: take.model().clone(), views: footage.fit_views(&cameras, frame)?, reference };
+    let conditions = format!("{}, frame {frame}, {} cameras", take.name(), cameras.len());
+    let options = BasinOptions {
+        choices: arguments.choices(choice)?,
+        starts: arguments.starts(&subject.model, angles, count, seed)?,
+        target,
+        success_mm: arguments.within,
+    };
     let mut listener = Waiting::new().listener();
-    let mut found = Vec::with_capacity(total);
-    for done in 0..total {
-        listener(Progress { done, total });
-        found.push(fit(done)?);
-    }
-    listener(Progress { done: total, total });
-    Ok(found)
+    let result = BasinResult::new(frame, conditions, options, subject)
+        .run(&CancelToken::new(), |fits| listener(Progress { done: fits.done, total: fits.total }))?;
+    let (name, text) = match result.grid() {
+        Some(grid) => ("basin-map", letters(&result, grid)),
+        None => ("basin", table(&result)),
+    };
+    let files =
+        ResultFiles { json: result.json()?, csv: result.csv()?, png: result.png(output.theme.into())? };
+    files::finish_result(output, name, &files, &text)
 }
 
 /// The rotation of a limb's joint, by the limb's name.
-///
-/// # Errors
-/// The body has no such limb.
-pub(crate) fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
+fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
     let limb = model.limb_index(name).with_context(|| format!("{option}: the body has no limb {name}"))?;
     Ok(model.limbs()[limb].rotation)
 }
 
 impl FrameArguments {
-    /// Reads the take's frame.
-    ///
-    /// # Errors
-    /// A take or a pose that cannot be read, or a frame that the take does not have.
-    pub(crate) fn subject(&self, path: &Path) -> anyhow::Result<Subject> {
-        let footage = take_options::open(path)?;
-        let take = footage.take();
-        let count = take.frame_count();
-        ensure!(self.frame < count, "there is no frame {}; the take has {count}", self.frame);
-        let cameras: Vec<usize> = (0..take.rig().count()).collect();
-        let (reference, target) = self.reference(take)?;
-        let model = take.model().clone();
-        let views = footage.fit_views(&cameras, self.frame)?;
-        let conditions = format!("{}, frame {}, {} cameras", take.name(), self.frame, cameras.len());
-        let about = About { frame: self.frame, conditions };
-        Ok(Subject { frame: Frame { model, views, reference }, target, about })
+    /// The starts that are asked for: a map, or random ones.
+    fn starts(&self, model: &Model, angles: &[u32], starts: usize, seed: u64) -> anyhow::Result<Starts> {
+        if let Some(MapAngles([across, up])) = &self.map {
+            let direction = |(joint, angle): &(String, Angle)| {
+                rotation_of(model, joint, "--map").map(|rotation| Direction { rotation, angle: *angle })
+            };
+            let directions = [direction(across)?, direction(up)?];
+            return Ok(Starts::Grid(StartGrid { directions, degrees: self.farthest, cells: self.cells }));
+        }
+        let rotation = self.joint.as_deref().map(|name| rotation_of(model, name, "--joint")).transpose()?;
+        Ok(Starts::Random(RandomStarts { rotation, levels: self.levels(angles), starts, seed }))
     }
 
     /// The choices of fit that are compared, named by what differs.
-    ///
-    /// # Errors
-    /// Too many of them.
-    pub(crate) fn choices(&self, first: FitChoice) -> anyhow::Result<Vec<FitChoice>> {
+    fn choices(&self, first: FitChoice) -> anyhow::Result<Vec<FitChoice>> {
         ensure!(self.compare.len() <= MOST_COMPARED, "--compare: expected {MOST_COMPARED} ways at most");
         let mut choices = vec![first];
         choices.extend(self.compare.iter().map(|compared| compared.choice()));
@@ -173,7 +172,7 @@ impl FrameArguments {
     }
 
     /// The pose that starts are drawn about, and where fits are to end.
-    fn reference(&self, take: &Take) -> anyhow::Result<(backlit_tracking::body::Pose, Target)> {
+    fn reference(&self, take: &Take) -> anyhow::Result<(Pose, Target)> {
         if let Some(path) = &self.about {
             return Ok((pose_file::read(path, take.model(), Quaternions::Normalised)?, Target::Fit));
         }
@@ -186,20 +185,56 @@ impl FrameArguments {
     }
 }
 
-fn table(report: &Report) -> String {
+fn table(result: &BasinResult) -> String {
     let mut table = Table::new(["fit", "start off by", "found", "%", "surely, %", "median, mm"]);
-    let levels =
-        report.choices.iter().flat_map(|choice| choice.levels.iter().map(move |level| (choice, level)));
-    for (choice, level) in levels {
-        let [low, high] = level.interval.map(|end| 100.0 * end);
-        table.row([
-            choice.name.clone(),
-            format!("{}°, {:.1} cm", level.degrees, 100.0 * level.metres),
-            format!("{} of {}", level.found, level.tried),
-            format!("{:.1}", 100.0 * level.success.unwrap_or_default()),
-            format!("{low:.0} to {high:.0}"),
-            format!("{:.1}", level.median_mm.unwrap_or_default()),
-        ]);
+    for choice in &result.report.choices {
+        for LevelReport { level, rate } in &choice.levels {
+            let [low, high] = rate.interval.map(|end| 100.0 * end);
+            table.row([
+                choice.name.clone(),
+                format!("{}°, {:.1} cm", level.degrees, 100.0 * level.metres),
+                format!("{} of {}", rate.found, rate.tried),
+                format!("{:.1}", 100.0 * rate.success.unwrap_or_default()),
+                format!("{low:.0} to {high:.0}"),
+                format!("{:.1}", rate.median_mm.unwrap_or_default()),
+            ]);
+        }
     }
     table.to_text()
+}
+
+/// Every choice's map in letters, and how many of its cells found their target.
+fn letters(result: &BasinResult, grid: &StartGrid) -> String {
+    let [across, up] = result.directions(grid);
+    let mut text = format!(
+        "Across: {across}. Up: {up}. Both from {} to {} degrees. o: ends within {} mm\n",
+        -grid.degrees, grid.degrees, result.options.success_mm
+    );
+    for (index, choice) in result.options.choices.iter().enumerate() {
+        let [tried, found] = result.counts(index);
+        let _ = writeln!(text, "\n{}: {found} of {tried}", choice.name);
+        for row in result.trials_of(index).chunks(grid.cells).rev() {
+            let letter = |trial: &Option<_>| {
+                if trial.is_some_and(|trial| result.is_found(&trial)) { "o" } else { "." }
+            };
+            let letters: Vec<&str> = row.iter().map(letter).collect();
+            text += &(letters.join(" ") + "\n");
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_angles_are_read() {
+        let angles = |text: &str| text.parse::<MapAngles>();
+        let expected = [("right forearm".to_owned(), Angle::Flexion), ("neck".to_owned(), Angle::Twist)];
+        assert_eq!(angles("right forearm.flexion, neck.twist"), Ok(MapAngles(expected)));
+        for wrong in ["", "neck.twist", "neck.twist,neck", "neck.turn,neck.twist", ".twist,neck.twist"] {
+            assert_eq!(angles(wrong), Err(ParseMapError), "{wrong}");
+        }
+    }
 }

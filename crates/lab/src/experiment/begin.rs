@@ -25,15 +25,17 @@ use std::time::Instant;
 
 use backlit_formats::starts_file::Start;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::metrics::leaf_error_mm;
 use backlit_tracking::particles::ParticleOptions;
-use backlit_tracking::statistics::Statistics;
+use backlit_tracking::statistics::{Statistics, Z_95, wilson};
 use serde::Serialize;
 
 pub use method::{Beginning, End, Method, Step, Watch, begin, begin_watched};
 
-use super::basin::{SUCCESS_MM, leaf_error_mm};
-use super::interval::{Z_95, wilson};
 use super::{ExperimentError, Progress};
+
+/// Below this mean distance a fit has found its truth, millimetres.
+const SUCCESS_MM: f64 = 20.0;
 
 /// What to try.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -185,7 +187,8 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::starts::{Draw, Level};
+    use crate::experiment::starts::Draw;
+    use backlit_tracking::search::start::Level;
 
     fn starts(degrees: u32, count: usize) -> Vec<Start> {
         let levels = vec![Level { degrees, metres: 0.1 }];

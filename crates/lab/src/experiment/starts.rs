@@ -8,7 +8,7 @@ use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::geometry::rotation::exp;
-use backlit_tracking::search::start::perturb;
+use backlit_tracking::search::start::{LEVELS, Level, perturb};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -35,24 +35,6 @@ const TURNS: [(&str, f64); 8] = [
     ("left upper arm", 1.54),
     ("left forearm", 1.1),
     ("head", 0.44),
-];
-
-/// How far starts are from their truth: every joint is turned, the root is moved.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Level {
-    /// Turn of every joint, degrees, as tables name the level.
-    pub degrees: u32,
-    /// Move of the root, metres.
-    pub metres: f64,
-}
-
-/// The levels of the basin experiment.
-pub const LEVELS: [Level; 5] = [
-    Level { degrees: 5, metres: 0.02 },
-    Level { degrees: 10, metres: 0.05 },
-    Level { degrees: 20, metres: 0.10 },
-    Level { degrees: 30, metres: 0.15 },
-    Level { degrees: 45, metres: 0.20 },
 ];
 
 /// What starts to draw.

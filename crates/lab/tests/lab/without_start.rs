@@ -4,15 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::{Footage, Take};
-use backlit_lab::experiment::basin::leaf_error_mm;
 use backlit_lab::experiment::no_start;
-use backlit_lab::experiment::starts::{Draw, Level};
+use backlit_lab::experiment::starts::Draw;
 use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitError, FitOptions, FitView};
+use backlit_tracking::metrics::leaf_error_mm;
 use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::search::start::Level;
 use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, without_start};
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{Lost, Tracker};

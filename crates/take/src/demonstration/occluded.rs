@@ -9,9 +9,9 @@ use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Mask};
 use image::{GrayImage, Luma};
 
-use super::take::{Film, assemble, joints_of};
+use super::take::{CameraFilm, assemble, joints_of};
 
-/// Of the frames that the experiment draws, every so manieth: 15 a second.
+/// Of the frames that the experiment draws, one of this many: 15 a second.
 const EVERY: usize = 4;
 /// Down, and the arms to the front.
 const SECONDS: f64 = 1.7;
@@ -30,7 +30,7 @@ pub(super) fn truth(frame: usize) -> Pose {
 /// The take.
 ///
 /// # Errors
-/// None that a test does not find.
+/// Returns no error for its conditions, which is tested.
 pub(super) fn take(name: &str) -> anyhow::Result<Take> {
     let model = builtin::full_body();
     let options = Options { seconds: SECONDS, size_px: SIZE_PX, ..Options::default() };
@@ -42,7 +42,7 @@ pub(super) fn take(name: &str) -> anyhow::Result<Take> {
         let people = |frame: &FilmedFrame| {
             keypoints::to_text(&[keypoints::joints::person_of(&model, &frame.cues.cameras[index].keypoints)])
         };
-        Film {
+        CameraFilm {
             camera: (*camera).clone(),
             pictures: frames.iter().filter_map(|frame| picture(frame, index)).collect(),
             masks: frames

@@ -11,7 +11,7 @@ use backlit_lab::experiment::sequence::Sequence;
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::search::start;
 
-use super::take::{Film, assemble, picture_of};
+use super::take::{CameraFilm, assemble, picture_of};
 
 /// Frames and size of the pictures, as in Figs. 5.4 and 5.5.
 const FRAMES: usize = 50;
@@ -33,7 +33,7 @@ pub(super) fn is_there() -> bool {
 /// Its take.
 ///
 /// # Errors
-/// Footage that is not there or cannot be read.
+/// Returns an error if the footage is not there or cannot be read.
 pub(super) fn take(name: &str) -> anyhow::Result<Take> {
     let footage = Footage::new(Take::from_files(Arc::new(WithOwn), Path::new(FILES[0].0))?);
     let take = footage.take();
@@ -48,8 +48,8 @@ pub(super) fn take(name: &str) -> anyhow::Result<Take> {
             Evidence::Mask(mask) => picture_of(mask),
             Evidence::Measurement(data) => data.to_gray(),
         };
-        let camera = (*sequence.moments[0].views[index].camera).clone();
-        Film { camera, pictures: views.map(picture).collect(), masks: Vec::new(), keypoints: Vec::new() }
+        let camera = &sequence.moments[0].views[index].camera;
+        CameraFilm::of(camera, views.map(picture).collect())
     };
     let films = (0..cameras.len()).map(film).collect();
     let mut table = "frame,joint,x,y,z\n".to_owned();

@@ -7,11 +7,13 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use anyhow::Context;
 use backlit_formats::calibration::backlit;
-use backlit_formats::footage::{DrawnPictures, UNKNOWN_GREY};
+use backlit_formats::footage::UNKNOWN_GREY;
 use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
 use backlit_lab::experiment::{Simulation, fig51, fig52, fig55};
-use backlit_lab::synthetic::{capsules, exercise, upper_body};
+use backlit_lab::synthetic::silhouettes::silhouette;
+use backlit_lab::synthetic::{Build, Figure, capsules, exercise, motion, squats, upper_body};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
@@ -25,6 +27,11 @@ use super::Demonstration;
 const SIZE_PX: [u64; 2] = [192, 144];
 /// Size of the tiny pictures.
 const TINY_PX: [u64; 2] = [48, 36];
+/// Size of the upright pictures of the figure that spheres are carved from, where its cameras stand, degrees to the
+/// subject's left of straight ahead, and of how many of its movement's frames one is taken.
+const UPRIGHT_PX: [u64; 2] = [180, 240];
+const PLACES: [f64; 4] = [20.0, 110.0, 200.0, 290.0];
+const MOTION_EVERY: usize = 5;
 /// Frames of a sequence.
 const FRAMES: usize = 50;
 /// Seed of the starts that are off: from this one of [`fig52`]'s, one camera lowers the cost to less than a
@@ -39,8 +46,16 @@ const FAR_SEED: u64 = 6;
 /// Distance of the single limb's camera, metres: far enough that the cylinder's ends do not show.
 const FAR_M: f64 = 10.0;
 
+/// How far the single limb's start is off along its axis, millimetres.
+pub const SINGLE_LIMB_OFFSET_MM: u32 = 100;
+
+/// The single limb, off its true place along its axis.
+pub fn single_limb_start(offset_m: f64) -> Pose {
+    fig51::start(offset_m)
+}
+
 /// What a take is made of.
-struct Parts {
+struct SimulatedTake {
     model: Model,
     cameras: Vec<Arc<Camera>>,
     truths: Vec<Pose>,
@@ -49,123 +64,108 @@ struct Parts {
 }
 
 impl Demonstration {
-    /// What its pictures are: grey levels D as they are, or masks.
-    pub const fn simulation(self) -> Simulation {
-        match self {
-            Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
-            Self::Sequence
-            | Self::TinySequence
-            | Self::RealFootage
-            | Self::Bias
-            | Self::Cues
-            | Self::Spheres
-            | Self::Begin
-            | Self::Motions => Simulation::Mask,
-        }
-    }
-
-    /// What its pictures are; `None` for footage with masks beside it.
-    pub fn drawn(self) -> Option<DrawnPictures> {
-        let drawn = match self.simulation() {
-            Simulation::Prediction => DrawnPictures::GreyLevels,
-            Simulation::Mask => DrawnPictures::Masks,
-        };
-        (self != Self::Cues).then_some(drawn)
-    }
-
     /// Makes its take.
     ///
     /// # Errors
-    /// None that a test does not find: conditions that are not a take; or footage that is not there.
+    /// Returns an error if the footage is not there. Simulated takes can be made always, which is tested.
     pub fn take(self) -> anyhow::Result<Take> {
-        if self == Self::RealFootage {
-            return super::real::take(self.name());
+        match self {
+            Self::RealFootage => return super::real::take(self.name()),
+            Self::Cues => return super::occluded::take(self.name()),
+            _ => {}
         }
-        if self == Self::Cues {
-            return super::occluded::take(self.name());
-        }
-        if self == Self::Spheres {
-            return super::carved::take(self.name());
-        }
-        let Parts { model, cameras, truths, start, frame_rate } = self.parts()?;
-        let film = |camera: &Arc<Camera>| {
-            let pictures = truths.iter().map(|truth| self.picture(&model, truth, camera));
+        let SimulatedTake { model, cameras, truths, start, frame_rate } = self.simulated()?;
+        let film = |camera: Arc<Camera>| {
+            let pictures = truths.iter().map(|truth| self.picture(&model, truth, &camera));
             let pictures = pictures.collect::<anyhow::Result<_>>()?;
-            Ok(Film { camera: (**camera).clone(), pictures, masks: Vec::new(), keypoints: Vec::new() })
+            anyhow::Ok(CameraFilm::of(&camera, pictures))
         };
-        let films = cameras.iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
+        let films = cameras.into_iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
         let joints = joints_of(&model, &truths);
         assemble(self.name(), frame_rate, &model, &start, films, Some(joints))
     }
 
     /// The true pose of a frame; nobody knows that of real footage.
     pub fn truth(self, frame: usize) -> Option<Pose> {
-        match self {
-            Self::SingleLimb => Some(fig51::truth()),
-            Self::RealFootage => None,
-            Self::Spheres => Some(super::carved::truth(frame)),
-            Self::Cues => Some(super::occluded::truth(frame)),
-            Self::Motions => Some(exercise_at(&builtin::full_body(), frame)),
-            _ => Some(upper_body::motion(&builtin::upper_body(), frame)),
-        }
+        Some(match self {
+            Self::SingleLimb => fig51::truth(),
+            Self::RealFootage => return None,
+            Self::Spheres => motion::pose(&builtin::full_body(), (frame * MOTION_EVERY) as f64),
+            Self::Cues => super::occluded::truth(frame),
+            Self::Motions => exercise::pose(&builtin::full_body(), frame as f64 / exercise::FRAME_RATE),
+            _ => upper_body::motion(&builtin::upper_body(), frame),
+        })
     }
 
-    fn parts(self) -> anyhow::Result<Parts> {
-        if self == Self::SingleLimb {
-            return Ok(Parts {
+    fn truths(self, frames: usize) -> Vec<Pose> {
+        (0..frames).filter_map(|frame| self.truth(frame)).collect()
+    }
+
+    fn simulated(self) -> anyhow::Result<SimulatedTake> {
+        Ok(match self {
+            Self::SingleLimb => SimulatedTake {
                 model: builtin::single_limb(),
                 cameras: vec![Arc::new(fig51::camera(FAR_M, SIZE_PX)?)],
-                truths: vec![fig51::truth()],
-                start: fig51::start(fig51::Options::default().offset_m),
+                truths: self.truths(1),
+                start: single_limb_start(f64::from(SINGLE_LIMB_OFFSET_MM) / 1000.0),
                 frame_rate: upper_body::FRAME_RATE,
-            });
-        }
-        if self == Self::Motions {
-            let model = builtin::full_body();
-            let frames = (exercise::SECONDS * exercise::FRAME_RATE) as usize;
-            let truths: Vec<Pose> = (0..frames).map(|frame| exercise_at(&model, frame)).collect();
-            return Ok(Parts {
-                cameras: exercise::cameras(self.used_cameras(), SIZE_PX)?,
-                start: perturb(&model, &truths[0], EXERCISE_OFF.0, EXERCISE_OFF.1, SEED),
-                frame_rate: exercise::FRAME_RATE,
-                model,
-                truths,
-            });
-        }
-        let model = builtin::upper_body();
-        let size_px = if self == Self::TinySequence { TINY_PX } else { SIZE_PX };
-        let frames = if matches!(self, Self::Sequence | Self::TinySequence) { FRAMES } else { 1 };
-        let truths: Vec<Pose> = (0..frames).map(|frame| upper_body::motion(&model, frame)).collect();
-        let (angle_rad, distance_m) = match self {
-            Self::Bias => (0.0, 0.0),
-            Self::Begin => FAR_START,
-            Self::Sequence | Self::TinySequence => {
-                let fig55::Options { angle_rad, distance_m, .. } = fig55::Options::default();
-                (angle_rad, distance_m)
+            },
+            Self::Motions => {
+                let model = builtin::full_body();
+                let truths = self.truths((exercise::SECONDS * exercise::FRAME_RATE) as usize);
+                SimulatedTake {
+                    cameras: exercise::cameras(self.used_cameras(), SIZE_PX)?,
+                    start: perturb(&model, &truths[0], EXERCISE_OFF.0, EXERCISE_OFF.1, SEED),
+                    frame_rate: exercise::FRAME_RATE,
+                    model,
+                    truths,
+                }
+            }
+            Self::Spheres => {
+                let truths = self.truths(motion::FRAMES.div_ceil(MOTION_EVERY));
+                SimulatedTake {
+                    model: builtin::full_body(),
+                    cameras: squats::cameras_at(&PLACES, UPRIGHT_PX)?,
+                    start: truths[0].clone(),
+                    frame_rate: motion::FRAME_RATE / MOTION_EVERY as f64,
+                    truths,
+                }
             }
             _ => {
-                let fig52::Options { angle_rad, distance_m, .. } = fig52::Options::default();
-                (angle_rad, distance_m)
+                let model = builtin::upper_body();
+                let report = fig52::Options::default();
+                let sequence = fig55::Options::default();
+                let (size_px, frames, (angle_rad, distance_m), seed) = match self {
+                    Self::Sequence => (SIZE_PX, FRAMES, (sequence.angle_rad, sequence.distance_m), SEED),
+                    Self::TinySequence => (TINY_PX, FRAMES, (sequence.angle_rad, sequence.distance_m), SEED),
+                    Self::Bias => (SIZE_PX, 1, (0.0, 0.0), SEED),
+                    Self::Begin => (SIZE_PX, 1, FAR_START, FAR_SEED),
+                    _ => (SIZE_PX, 1, (report.angle_rad, report.distance_m), SEED),
+                };
+                let truths = self.truths(frames);
+                SimulatedTake {
+                    cameras: upper_body::cameras(2, size_px)?,
+                    start: perturb(&model, &truths[0], angle_rad, distance_m, seed),
+                    frame_rate: upper_body::FRAME_RATE,
+                    model,
+                    truths,
+                }
             }
-        };
-        let seed = if self == Self::Begin { FAR_SEED } else { SEED };
-        let start = perturb(&model, &truths[0], angle_rad, distance_m, seed);
-        let cameras = upper_body::cameras(2, size_px)?;
-        Ok(Parts { cameras, model, truths, start, frame_rate: upper_body::FRAME_RATE })
+        })
     }
 
     fn picture(self, model: &Model, truth: &Pose, camera: &Camera) -> anyhow::Result<GrayImage> {
-        Ok(match self.simulation() {
-            Simulation::Prediction => {
-                capsules::grey_levels(model, truth, camera, RendererKind::Capsule, Ramp::Thesis)?.to_gray()
-            }
-            Simulation::Mask => picture_of(&capsules::hard_mask(model, truth, camera)?),
-        })
+        if self.simulation() == Simulation::Prediction {
+            let levels = capsules::grey_levels(model, truth, camera, RendererKind::Capsule, Ramp::Thesis)?;
+            return Ok(levels.to_gray());
+        }
+        if self == Self::Spheres {
+            // Clothed: capsules cannot follow a shirt or shoes.
+            let figure = Figure::new(model, truth, Build::default()).context("the body has no figure")?;
+            return Ok(picture_of(&silhouette(&figure, camera)?));
+        }
+        Ok(picture_of(&capsules::hard_mask(model, truth, camera)?))
     }
-}
-
-fn exercise_at(model: &Model, frame: usize) -> Pose {
-    exercise::pose(model, frame as f64 / exercise::FRAME_RATE)
 }
 
 /// The true joints, as a take reads them.
@@ -181,13 +181,20 @@ pub(super) fn joints_of(model: &Model, truths: &[Pose]) -> String {
 }
 
 /// What a camera films.
-pub(super) struct Film {
+pub(super) struct CameraFilm {
     pub(super) camera: Camera,
     pub(super) pictures: Vec<GrayImage>,
     /// Masks made elsewhere, a frame each; empty where the pictures are the silhouettes.
     pub(super) masks: Vec<GrayImage>,
     /// Keypoints of another tool, a file each; empty for none.
     pub(super) keypoints: Vec<String>,
+}
+
+impl CameraFilm {
+    /// Pictures that are the silhouettes.
+    pub(super) fn of(camera: &Camera, pictures: Vec<GrayImage>) -> Self {
+        Self { camera: camera.clone(), pictures, masks: Vec::new(), keypoints: Vec::new() }
+    }
 }
 
 /// A mask as a picture: the subject black, background white, what is not known between them.
@@ -207,7 +214,7 @@ pub(super) fn assemble(
     frame_rate: f64,
     model: &Model,
     start: &Pose,
-    films: Vec<Film>,
+    films: Vec<CameraFilm>,
     joints: Option<String>,
 ) -> anyhow::Result<Take> {
     let mut toml = format!(
@@ -215,7 +222,7 @@ pub(super) fn assemble(
          start = \"start.json\"\n[cameras]\ncalibration = \"cameras.json\"\n",
     );
     let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-    for Film { camera, pictures, masks, keypoints } in &films {
+    for CameraFilm { camera, pictures, masks, keypoints } in &films {
         let name = camera.name();
         toml += &format!("[[camera]]\nname = \"{name}\"\nframes = \"{name}/%03d.png\"\n");
         if !masks.is_empty() {

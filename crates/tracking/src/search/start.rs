@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
+use serde::Serialize;
 
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::geometry::rotation::exp;
@@ -19,6 +20,24 @@ const HEADINGS: usize = 8;
 const JOINT_WEIGHT: f64 = 100.0;
 /// Rounds of reaching, each from where the last one ended, so that stiffness does not hold back.
 const ROUNDS: usize = 4;
+
+/// How far starts are from their truth: every joint is turned, the root is moved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Level {
+    /// Turn of every joint, degrees, as tables name the level.
+    pub degrees: u32,
+    /// Move of the root, metres.
+    pub metres: f64,
+}
+
+/// The levels that experiments begin with.
+pub const LEVELS: [Level; 5] = [
+    Level { degrees: 5, metres: 0.02 },
+    Level { degrees: 10, metres: 0.05 },
+    Level { degrees: 20, metres: 0.10 },
+    Level { degrees: 30, metres: 0.15 },
+    Level { degrees: 45, metres: 0.20 },
+];
 
 /// The pose whose joints are nearest to the given ones (world, metres); `None` if there are none.
 ///

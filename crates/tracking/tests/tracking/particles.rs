@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use backlit_formats::starts_file::Start;
-use backlit_lab::experiment::basin::leaf_error_mm;
-use backlit_lab::experiment::starts::{Draw, Level};
+use backlit_lab::experiment::starts::Draw;
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, Objective};
+use backlit_tracking::metrics::leaf_error_mm;
 use backlit_tracking::optimize::{LeastSquares, NormalEquations};
 use backlit_tracking::particles::{Generation, Likelihood, ParticleError, ParticleFilter, ParticleOptions};
+use backlit_tracking::search::start::Level;
 
 fn starts(degrees: u32, metres: f64, count: usize) -> Vec<Start> {
     let levels = vec![Level { degrees, metres }];

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::starts::{Draw, Level};
+use backlit_lab::experiment::starts::Draw;
 use backlit_tracking::body::Model;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitError, FitOptions, FitView};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::search::start::Level;
 use backlit_tracking::templates::{Placed, TemplateError, TemplateOptions, place};
 use glam::{DQuat, DVec3};
 

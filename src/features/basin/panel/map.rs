@@ -1,5 +1,6 @@
 //! The maps of two directions, one a choice of fit: a click on a cell takes its start.
 
+use backlit_runs::basin::{BasinResult, StartGrid};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{gradient_colour, run_style, size, space};
@@ -13,8 +14,7 @@ use egui::{
     pos2, vec2,
 };
 
-use super::Wish;
-use crate::features::basin::{MapColour, ShownMap};
+use crate::features::basin::{BasinResults, MapColour};
 
 /// Width of the legend beside the map; where there is less than `FOLD` in all it stands below, so high.
 const LEGEND: f32 = 230.0;
@@ -32,8 +32,23 @@ const CHOICE: f32 = 116.0;
 const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
 
-/// The maps and their legend.
-pub(crate) fn ui(ui: &mut Ui, result: &ShownMap, colour: MapColour, wishes: &mut Vec<Wish>) {
+/// What is shown of the maps.
+#[derive(Clone, Copy)]
+struct ShownMap<'a> {
+    result: &'a BasinResult,
+    grid: &'a StartGrid,
+    /// The one choice that is shown, if not all are.
+    choice: Option<usize>,
+    taken: Option<[usize; 2]>,
+    colour: MapColour,
+}
+
+/// The maps and their legend; the cell whose start is to be taken.
+pub(crate) fn ui(ui: &mut Ui, results: &BasinResults, colour: &mut MapColour) -> Option<[usize; 2]> {
+    let (result, grid) = results.map_and_grid()?;
+    let (choice, taken) = (results.shown_choice, results.taken);
+    let map = ShownMap { result, grid, choice, taken, colour: *colour };
+    let map = &map;
     let area = ui.available_rect_before_wrap();
     let room = if area.width() >= FOLD {
         vec2(LEGEND, 0.0)
@@ -42,20 +57,22 @@ pub(crate) fn ui(ui: &mut Ui, result: &ShownMap, colour: MapColour, wishes: &mut
     } else {
         egui::Vec2::ZERO
     };
-    let grids = grids(Rect::from_min_max(area.min, area.max - room), result);
-    let mut under = None;
-    for (choice, grid) in &grids {
+    let grids = grids(Rect::from_min_max(area.min, area.max - room), map);
+    let directions = result.directions(grid);
+    let (mut under, mut clicked) = (None, None);
+    for (choice, square) in &grids {
         if result.options.choices.len() > 1 {
-            name(ui, result, *choice, *grid);
+            name(ui, map, *choice, *square);
         }
-        axes(ui, *grid, &result.directions, result.options.degrees);
-        under = cells(ui, result, (*choice, colour), *grid, wishes).or(under);
+        axes(ui, *square, &directions, grid.degrees);
+        let cells = cells(ui, map, *choice, *square);
+        (under, clicked) = (cells.0.or(under), cells.1.or(clicked));
     }
     let shown: Vec<usize> = grids.iter().map(|(choice, _)| *choice).collect();
-    for (_, grid) in &grids {
-        marks(ui, result, *grid, under);
+    for (_, square) in &grids {
+        marks(ui, map, *square, under);
     }
-    let edges = grids.iter().map(|(_, grid)| *grid).reduce(Rect::union).unwrap_or(area);
+    let edges = grids.iter().map(|(_, square)| *square).reduce(Rect::union).unwrap_or(area);
     let place = if room.x > 0.0 {
         let left = edges.right() + 20.0;
         Rect::from_min_max(pos2(left, edges.top()), pos2((left + LEGEND).min(area.right()), area.bottom()))
@@ -64,34 +81,37 @@ pub(crate) fn ui(ui: &mut Ui, result: &ShownMap, colour: MapColour, wishes: &mut
     };
     if room != egui::Vec2::ZERO {
         let builder = egui::UiBuilder::new().max_rect(place).layout(Direction::top_down(Align::Min));
-        ui.scope_builder(builder, |ui| legend(ui, result, colour, (&shown, under), wishes));
+        ui.scope_builder(builder, |ui| legend(ui, map, colour, (&shown, under)));
     }
     ui.advance_cursor_after_rect(area);
+    clicked
 }
 
 /// Which maps are shown.
-pub(crate) fn choice_box(ui: &mut Ui, result: &ShownMap, wishes: &mut Vec<Wish>) {
+pub(crate) fn choice_box(ui: &mut Ui, results: &mut BasinResults) {
     const ALL: &str = "All fits";
-    let choices = &result.options.choices;
+    let Some(map) = &results.map else { return };
+    let choices = &map.options.choices;
     let mut rows = vec![(None, ALL, "The maps of all fits side by side, by one scale".to_owned())];
     rows.extend(choices.iter().enumerate().map(|(index, choice)| {
         (Some(index), choice.name.as_str(), format!("The map of {} alone, large", choice.name))
     }));
-    let chosen = result.choice.and_then(|index| choices.get(index)).map_or(ALL, |choice| &choice.name);
-    if let Some(shown) = choice(ui, "Fits shown", CHOICE, chosen, &rows) {
-        wishes.push(Wish::ShowChoice(shown));
+    let shown = results.shown_choice.and_then(|index| choices.get(index));
+    let shown = shown.map_or(ALL, |choice| &choice.name);
+    if let Some(shown) = choice(ui, "Fits shown", CHOICE, shown, &rows) {
+        results.shown_choice = shown;
     }
 }
 
 /// The squares of the maps that are shown, each with its choice: all of them side by side, unless one is chosen or
 /// they would be too small to be read.
-fn grids(area: Rect, result: &ShownMap) -> Vec<(usize, Rect)> {
-    let count = result.options.choices.len();
+fn grids(area: Rect, map: &ShownMap<'_>) -> Vec<(usize, Rect)> {
+    let count = map.result.options.choices.len();
     if count < 2 {
         return vec![(0, grid_in(area))];
     }
     let (across, side) = best_across(area, count);
-    let one = result.choice.filter(|choice| *choice < count).or((side < LEAST_OF_SEVERAL).then_some(0));
+    let one = map.choice.filter(|choice| *choice < count).or((side < LEAST_OF_SEVERAL).then_some(0));
     let grid = |place: Rect| grid_in(place.with_min_y(place.top() + NAME));
     if let Some(choice) = one {
         return vec![(choice, grid(area))];
@@ -104,22 +124,22 @@ fn grids(area: Rect, result: &ShownMap) -> Vec<(usize, Rect)> {
 }
 
 /// Which fit a map is of, and how much of it was found.
-fn name(ui: &mut Ui, result: &ShownMap, choice: usize, grid: Rect) {
+fn name(ui: &mut Ui, map: &ShownMap<'_>, choice: usize, grid: Rect) {
     let palette = theme::palette(ui);
     // Above the names of the axes, and as far left as those of the heights.
     let left_top = grid.left_top() - vec2(0.8 * AXES.x, NAME + 22.0);
     let row = Rect::from_min_max(left_top, pos2(grid.right(), left_top.y + NAME));
     let dot = row.left_center() + vec2(4.0, 0.0);
     ui.painter().circle_filled(dot, 4.0, run_style(choice).colour);
-    let [tried, found] = result.counts(choice);
-    let name = &result.options.choices[choice].name;
+    let [tried, found] = map.result.counts(choice);
+    let name = &map.result.options.choices[choice].name;
     let inner = row.with_min_x(row.left() + 14.0);
     let builder = egui::UiBuilder::new().max_rect(inner).layout(Direction::right_to_left(Align::Center));
     ui.scope_builder(builder, |ui| {
         let counts = RichText::new(format!("{found} of {tried}")).monospace().color(palette.text2);
         ui.label(counts).on_hover_text(format!(
             "Cells that end within {} mm of the target, of those that were fitted",
-            format::short(result.options.success_mm)
+            format::short(map.result.options.success_mm)
         ));
         ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
             ui.add(egui::Label::new(RichText::new(name).color(palette.text)).truncate());
@@ -127,48 +147,48 @@ fn name(ui: &mut Ui, result: &ShownMap, choice: usize, grid: Rect) {
     });
 }
 
-/// The cells of a choice's map; the one under the pointer.
+/// The cells of a choice's map; the one under the pointer, and the one that was clicked.
 fn cells(
     ui: &Ui,
-    result: &ShownMap,
-    (choice, colour): (usize, MapColour),
-    grid: Rect,
-    wishes: &mut Vec<Wish>,
-) -> Option<[usize; 2]> {
+    map: &ShownMap<'_>,
+    choice: usize,
+    square: Rect,
+) -> (Option<[usize; 2]>, Option<[usize; 2]>) {
     let palette = theme::palette(ui);
-    let count = result.options.cells;
-    let mut under = None;
+    let count = map.grid.cells;
+    let (mut under, mut clicked) = (None, None);
     for row in 0..count {
         for column in 0..count {
             let place = [column, row];
-            let rect = cell_in(grid, count, place);
-            let cell = result.cell(choice, place);
-            let found = cell.is_some_and(|cell| cell.error_mm < result.options.success_mm);
-            let fill = cell.map(|cell| cell_colour(cell.error_mm, found, colour, result.options.success_mm));
+            let rect = cell_in(square, count, place);
+            let cell = map.result.trial(choice, place);
+            let found = cell.is_some_and(|cell| map.result.is_found(cell));
+            let limit = map.result.options.success_mm;
+            let fill = cell.map(|cell| cell_colour(cell.error_mm, found, map.colour, limit));
             paint_cell(ui.painter(), rect, fill, found, palette);
             let response = ui.interact(rect, Id::unique(("basin cell", choice, place)), Sense::click());
-            let label = || cell_text(result, choice, place);
+            let label = || cell_text(map, choice, place);
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, label()));
             if response.hovered() || response.has_focus() {
                 under = Some(place);
             }
             if response.clicked() {
-                wishes.push(Wish::TakeStart(place));
+                clicked = Some(place);
             }
             response.on_hover_ui(|ui| {
                 ui.label(format!("{}\nClick: take this start and step it", label()));
             });
         }
     }
-    under
+    (under, clicked)
 }
 
 /// The cell under the pointer, in every map; the one that was taken; and the pose itself.
-fn marks(ui: &Ui, result: &ShownMap, grid: Rect, under: Option<[usize; 2]>) {
-    let count = result.options.cells;
+fn marks(ui: &Ui, map: &ShownMap<'_>, grid: Rect, under: Option<[usize; 2]>) {
+    let count = map.grid.cells;
     let edges = [
         (under, Stroke::new(1.5, theme::palette(ui).text)),
-        (result.taken, Stroke::new(2.0, theme::data_colours::SELECTED)),
+        (map.taken, Stroke::new(2.0, theme::data_colours::SELECTED)),
     ];
     for (place, edge) in edges {
         if let Some(place) = place {
@@ -187,28 +207,28 @@ fn cell_colour(error: f64, found: bool, colour: MapColour, limit: f64) -> Color3
 }
 
 /// A cell's offsets, and what came of it by a choice of fit.
-fn cell_text(result: &ShownMap, choice: usize, place: [usize; 2]) -> String {
-    let start = start_text(result, place);
-    match result.options.choices.as_slice() {
-        [] | [_] => format!("Start {start}: {}", came_text(result, choice, place)),
+fn cell_text(map: &ShownMap<'_>, choice: usize, place: [usize; 2]) -> String {
+    let start = start_text(map, place);
+    match map.result.options.choices.as_slice() {
+        [] | [_] => format!("Start {start}: {}", came_text(map, choice, place)),
         several => {
             let name = several.get(choice).map_or("", |choice| &choice.name);
-            format!("Start {start} by {name}: {}", came_text(result, choice, place))
+            format!("Start {start} by {name}: {}", came_text(map, choice, place))
         }
     }
 }
 
-fn start_text(result: &ShownMap, place: [usize; 2]) -> String {
+fn start_text(map: &ShownMap<'_>, place: [usize; 2]) -> String {
     let [across, up] = place.map(|place| {
-        let degrees = result.options.offset_degrees(place);
+        let degrees = map.grid.offset_degrees(place);
         // Offsets are shares of the largest one, and a share of a whole number need not be one to the last bit.
         format::number(degrees, usize::from((degrees - degrees.round()).abs() > 0.05))
     });
     format!("{across}°, {up}°")
 }
 
-fn came_text(result: &ShownMap, choice: usize, place: [usize; 2]) -> String {
-    match result.cell(choice, place) {
+fn came_text(map: &ShownMap<'_>, choice: usize, place: [usize; 2]) -> String {
+    match map.result.trial(choice, place) {
         Some(cell) => {
             let mm = |value: f64| format::number(value, usize::from(value < 99.5));
             format!("from {} to {} mm", mm(cell.start_mm), mm(cell.error_mm))
@@ -219,29 +239,24 @@ fn came_text(result: &ShownMap, choice: usize, place: [usize; 2]) -> String {
 
 fn legend(
     ui: &mut Ui,
-    result: &ShownMap,
-    colour: MapColour,
+    map: &ShownMap<'_>,
+    colour: &mut MapColour,
     (shown, under): (&[usize], Option<[usize; 2]>),
-    wishes: &mut Vec<Wish>,
 ) {
     let palette = theme::palette(ui);
-    let mut chosen = colour;
-    segmented(ui, &mut chosen, &[(MapColour::Error, "Distance"), (MapColour::Success, "Found")])
+    segmented(ui, colour, &[(MapColour::Error, "Distance"), (MapColour::Success, "Found")])
         .on_hover_text("What the cells are coloured by");
-    if chosen != colour {
-        wishes.push(Wish::Colour(chosen));
-    }
     ui.add_space(space::WIDGET);
     let (bar, _) = ui.allocate_exact_size(vec2(ui.available_width().min(208.0), 34.0), Sense::hover());
-    match colour {
-        MapColour::Error => error_legend(ui, bar, result.options.success_mm),
+    match map.colour {
+        MapColour::Error => error_legend(ui, bar, map.result.options.success_mm),
         MapColour::Success => success_legend(ui, bar),
     }
     let small = |text: &str, colour| RichText::new(text).small().color(colour);
-    let limit = format::short(result.options.success_mm);
-    let words = match result.options.choices.as_slice() {
+    let limit = format::short(map.result.options.success_mm);
+    let words = match map.result.options.choices.as_slice() {
         [one] => {
-            let [tried, found] = result.counts(0);
+            let [tried, found] = map.result.counts(0);
             let text = format!("{found} of {tried} cells end within {limit} mm");
             ui.label(RichText::new(text).color(palette.text));
             format!(
@@ -256,18 +271,18 @@ fn legend(
     };
     ui.label(small(&words, palette.text3));
     ui.add_space(space::ROW);
-    let Some(place) = under.or(result.taken) else {
+    let Some(place) = under.or(map.taken) else {
         ui.label(small("Point at a cell for its figures; a click takes its start.", palette.text2));
         return;
     };
     if let [choice] = shown {
-        ui.label(small(&cell_text(result, *choice, place), palette.text2));
+        ui.label(small(&cell_text(map, *choice, place), palette.text2));
         return;
     }
-    ui.label(small(&format!("Start {}", start_text(result, place)), palette.text));
+    ui.label(small(&format!("Start {}", start_text(map, place)), palette.text));
     for choice in shown {
-        let name = &result.options.choices[*choice].name;
-        let text = format!("{name}: {}", came_text(result, *choice, place));
+        let name = &map.result.options.choices[*choice].name;
+        let text = format!("{name}: {}", came_text(map, *choice, place));
         ui.label(small(&text, palette.text2));
     }
 }

@@ -1,8 +1,7 @@
 //! The Basin section of the right panel: what is tried, and the buttons that begin it.
 
 use backlit_document::fit_words as words;
-use backlit_lab::experiment::basin_map::Angle;
-use backlit_results::basin::{Compared, ComparedWay, MOST_COMPARED, angle_name};
+use backlit_runs::basin::{Angle, ComparedFit, ComparedMethod, MOST_COMPARED};
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::style::theme;
@@ -36,43 +35,27 @@ impl Basin {
         requests: &mut Requests,
         open: bool,
     ) {
-        if let Some(settings) = contents(ui, self, context, requests, open) {
-            self.set(settings);
-        }
-    }
-}
-
-/// The section; other settings, if they were changed.
-fn contents(
-    ui: &mut Ui,
-    basin: &Basin,
-    context: &Context<'_>,
-    requests: &mut Requests,
-    open: bool,
-) -> Option<BasinSettings> {
-    let mut changed = None;
-    section(ui, "Basin", &summary(&basin.results), open, |ui| {
-        let kept = &basin.preferences.settings;
-        let mut settings = kept.clone();
-        ui.spacing_mut().item_spacing.y = 6.0;
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 6.0;
-            run_or_cancel(ui, basin, context, requests, BasinView::Angles);
-            if basin.results.running.is_none() {
-                run_or_cancel(ui, basin, context, requests, BasinView::Map);
+        section(ui, "Basin", &summary(&self.results), open, |ui| {
+            let mut settings = self.preferences.settings.clone();
+            ui.spacing_mut().item_spacing.y = 6.0;
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 6.0;
+                run_or_cancel(ui, self, context, requests, BasinView::Angles);
+                if self.results.running.is_none() {
+                    run_or_cancel(ui, self, context, requests, BasinView::Map);
+                }
+                let tile = Command::Window(WindowCommand::TogglePane(Pane::Basin));
+                let text = if context.shows(Pane::Basin) { "Close tile" } else { "Open tile" };
+                named_button(ui, context, requests, tile, text);
+            });
+            starts(ui, context, &mut settings);
+            compared(ui, context, &mut settings);
+            map(ui, context, &mut settings);
+            if settings != self.preferences.settings {
+                self.set(settings);
             }
-            let tile = Command::Window(WindowCommand::TogglePane(Pane::Basin));
-            let text = if context.shows(Pane::Basin) { "Close tile" } else { "Open tile" };
-            named_button(ui, context, requests, tile, text);
         });
-        starts(ui, context, &mut settings);
-        compared(ui, context, &mut settings);
-        map(ui, context, &mut settings);
-        if settings != *kept {
-            changed = Some(settings);
-        }
-    });
-    changed
+    }
 }
 
 /// The state in one line.
@@ -85,11 +68,11 @@ fn summary(basin: &BasinResults) -> String {
     };
     let first = result.report.choices.first();
     let half = first.and_then(|choice| {
-        choice.levels.iter().rfind(|level| level.success.is_some_and(|success| success >= 0.5))
+        choice.levels.iter().rfind(|level| level.rate.success.is_some_and(|success| success >= 0.5))
     });
     half.map_or_else(
         || "under half succeed".to_owned(),
-        |level| format!("half or more succeed up to {}°", level.degrees),
+        |level| format!("half or more succeed up to {}°", level.level.degrees),
     )
 }
 
@@ -175,10 +158,11 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         row(ui, "", |ui| {
             swatch(ui, index + 1);
             let width = ui.available_width() - size::BUTTON - 2.0 * space::ROW;
-            let ways = ComparedWay::ALL.map(|way| (way, way.text(), format!("Compare with {}", way.text())));
+            let methods = ComparedMethod::ALL
+                .map(|method| (method, method.text(), format!("Compare with {}", method.text())));
             let name = format!("Compared fit {}", index + 1);
-            if let Some(way) = choice(ui, &name, width, other.way.text(), &ways) {
-                other.way = way;
+            if let Some(method) = choice(ui, &name, width, other.method.text(), &methods) {
+                other.method = method;
             }
             let label = format!("Remove compared fit {}", index + 1);
             if icon_button(ui, Icon::Close, &label, "Remove this fit from the comparison").clicked() {
@@ -202,7 +186,7 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         row(ui, "", |ui| {
             let button = ui.add(Button::new("Compare with…").min_size(vec2(0.0, size::BUTTON)));
             if button.on_hover_text("Try the same starts with another preset or renderer too").clicked() {
-                settings.compared.push(Compared::next(&context.document().fit, &settings.compared));
+                settings.compared.push(ComparedFit::next(&context.document().fit, &settings.compared));
             }
         });
     }
@@ -220,9 +204,9 @@ fn map(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         row(ui, name, |ui| {
             let width = ui.available_width() - ANGLE - 2.0 * space::ROW;
             joint(ui, name, width, direction, model);
-            let angles = Angle::ALL.map(|angle| (angle, angle_name(angle), String::new()));
+            let angles = Angle::ALL.map(|angle| (angle, angle.name(), String::new()));
             let label = format!("Angle {}", name.to_lowercase());
-            if let Some(angle) = choice(ui, &label, ANGLE, angle_name(direction.angle), &angles) {
+            if let Some(angle) = choice(ui, &label, ANGLE, direction.angle.name(), &angles) {
                 direction.angle = angle;
             }
         });

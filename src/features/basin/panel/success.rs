@@ -1,7 +1,6 @@
 //! Success over angle: one curve a choice of fit, with bars for how sure each point is, and the counts beside it.
 
-use backlit_lab::experiment::frame_basin::LevelReport;
-use backlit_results::basin::AnglesResult;
+use backlit_runs::basin::{BasinResult, LevelReport, RandomStarts};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
@@ -30,38 +29,39 @@ const CAP: f64 = 0.35;
 const REACH: f32 = 24.0;
 
 /// The plot and the counts.
-pub(crate) fn ui(ui: &mut Ui, result: &AnglesResult) {
+pub(crate) fn ui(ui: &mut Ui, result: &BasinResult) {
+    let Some(starts) = result.random() else { return };
     let area = ui.available_size() - vec2(0.0, space::WIDGET);
     if area.x < FOLD {
-        let below = if area.y < HIGH { 0.0 } else { counts_height(result).min(0.5 * area.y) };
-        plot(ui, result, area - vec2(space::ROW, below));
+        let below = if area.y < HIGH { 0.0 } else { counts_height(result, starts).min(0.5 * area.y) };
+        plot(ui, result, starts, area - vec2(space::ROW, below));
         if below > 0.0 {
-            counts(ui, result);
+            counts(ui, result, starts);
         }
         return;
     }
     ui.horizontal_top(|ui| {
-        plot(ui, result, area - vec2(COUNTS + space::WIDGET, 0.0));
+        plot(ui, result, starts, area - vec2(COUNTS + space::WIDGET, 0.0));
         let place = vec2(COUNTS - space::WIDGET, area.y);
-        ui.allocate_ui_with_layout(place, Direction::top_down(Align::Min), |ui| counts(ui, result));
+        ui.allocate_ui_with_layout(place, Direction::top_down(Align::Min), |ui| counts(ui, result, starts));
     });
 }
 
 /// Height that the counts would like to have.
-fn counts_height(result: &AnglesResult) -> f32 {
+fn counts_height(result: &BasinResult, starts: &RandomStarts) -> f32 {
     let choices = result.report.choices.len() as f32;
-    choices * (size::ROW + 1.0) + (result.options.levels.len() as f32) * (ROW + 1.0) + 60.0
+    choices * (size::ROW + 1.0) + (starts.levels.len() as f32) * (ROW + 1.0) + 60.0
 }
 
 /// Where a level of a choice stands across.
-fn across(result: &AnglesResult, choice: usize, level: &LevelReport) -> f64 {
+fn across(result: &BasinResult, choice: usize, level: &LevelReport) -> f64 {
     let middle = 0.5 * (result.report.choices.len() as f64 - 1.0);
-    f64::from(level.degrees) + BESIDE * (choice as f64 - middle)
+    f64::from(level.level.degrees) + BESIDE * (choice as f64 - middle)
 }
 
-fn plot(ui: &mut Ui, result: &AnglesResult, area: Vec2) {
+fn plot(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, area: Vec2) {
     let palette = theme::palette(ui);
-    let degrees: Vec<f64> = result.options.levels.iter().map(|level| f64::from(level.degrees)).collect();
+    let degrees: Vec<f64> = starts.levels.iter().map(|level| f64::from(level.degrees)).collect();
     let last = degrees.iter().copied().fold(10.0, f64::max);
     let response = still_plot("basin plot", vec2(area.x, area.y.max(80.0)), palette)
         .y_axis_min_width(44.0)
@@ -84,7 +84,7 @@ fn plot(ui: &mut Ui, result: &AnglesResult, area: Vec2) {
     let mut nearest: Option<(f32, usize, &LevelReport)> = None;
     for (index, choice) in result.report.choices.iter().enumerate() {
         for level in &choice.levels {
-            let Some(success) = level.success else { continue };
+            let Some(success) = level.rate.success else { continue };
             let at = PlotPoint::new(across(result, index, level), 100.0 * success);
             let distance = response.transform.position_from_point(&at).distance(pointer);
             if distance < REACH && nearest.is_none_or(|(least, ..)| distance < least) {
@@ -98,7 +98,7 @@ fn plot(ui: &mut Ui, result: &AnglesResult, area: Vec2) {
     }
 }
 
-fn draw(plot: &mut PlotUi<'_>, result: &AnglesResult, index: usize) {
+fn draw(plot: &mut PlotUi<'_>, result: &BasinResult, index: usize) {
     let style = run_style(index);
     let choice = &result.report.choices[index];
     let dash = match style.dash {
@@ -106,15 +106,15 @@ fn draw(plot: &mut PlotUi<'_>, result: &AnglesResult, index: usize) {
         [length, ..] => LineStyle::Dashed { length: *length },
     };
     let mut line = Vec::new();
-    for level in choice.levels.iter().filter(|level| level.tried > 0) {
-        let (x, [low, high]) = (across(result, index, level), level.interval.map(|end| 100.0 * end));
+    for level in choice.levels.iter().filter(|level| level.rate.tried > 0) {
+        let (x, [low, high]) = (across(result, index, level), level.rate.interval.map(|end| 100.0 * end));
         let pale = style.colour.gamma_multiply(0.7);
         let bars =
             [[[x, low], [x, high]], [[x - CAP, low], [x + CAP, low]], [[x - CAP, high], [x + CAP, high]]];
         for ends in bars {
             plot.line(Line::new("", PlotPoints::from(ends.to_vec())).color(pale).width(1.0));
         }
-        line.extend(level.success.map(|success| [x, 100.0 * success]));
+        line.extend(level.rate.success.map(|success| [x, 100.0 * success]));
     }
     plot.line(
         Line::new("", PlotPoints::from(line.clone())).color(style.colour).width(style.width).style(dash),
@@ -126,12 +126,12 @@ fn draw(plot: &mut PlotUi<'_>, result: &AnglesResult, index: usize) {
 
 fn read_out(ui: &mut Ui, name: &str, level: &LevelReport) {
     let palette = theme::palette(ui);
-    let off = format!("{}° and {} cm off", level.degrees, format::short(100.0 * level.metres));
+    let off = format!("{}° and {} cm off", level.level.degrees, format::short(100.0 * level.level.metres));
     ui.label(RichText::new(format!("{name}, {off}")).color(palette.text));
-    ui.label(format!("{} of {} found: {}", level.found, level.tried, share(level.success)));
-    let [low, high] = level.interval.map(|end| format::number(100.0 * end, 0));
+    ui.label(format!("{} of {} found: {}", level.rate.found, level.rate.tried, share(level.rate.success)));
+    let [low, high] = level.rate.interval.map(|end| format::number(100.0 * end, 0));
     ui.label(format!("95 % confidence interval: {low} to {high} %"));
-    if let Some(median) = level.median_mm {
+    if let Some(median) = level.rate.median_mm {
         ui.label(format!("Median at the end: {} mm off", format::number(median, 1)));
     }
 }
@@ -141,7 +141,7 @@ fn share(success: Option<f64>) -> String {
 }
 
 /// The counts of every level, as far as they have come: one column a choice.
-fn counts(ui: &mut Ui, result: &AnglesResult) {
+fn counts(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts) {
     let palette = theme::palette(ui);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
@@ -152,8 +152,8 @@ fn counts(ui: &mut Ui, result: &AnglesResult) {
             });
         }
         ui.add_space(space::ROW);
-        for level in 0..result.options.levels.len() {
-            row(ui, result, level);
+        for level in 0..starts.levels.len() {
+            row(ui, result, starts, level);
         }
         ui.add_space(space::ROW);
         let limit = format::short(result.options.success_mm);
@@ -163,11 +163,11 @@ fn counts(ui: &mut Ui, result: &AnglesResult) {
 }
 
 /// One level: the share of each choice in its colour's order, with the counts where there is one choice alone.
-fn row(ui: &mut Ui, result: &AnglesResult, level: usize) {
+fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
     let palette = theme::palette(ui);
     let choices = &result.report.choices;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let typed = &result.options.levels[level];
+    let typed = &starts.levels[level];
     let name = format!("{}°, {} cm", typed.degrees, format::short(100.0 * typed.metres));
     let small = egui::TextStyle::Small.resolve(ui.style());
     let mono = egui::TextStyle::Monospace.resolve(ui.style());
@@ -176,14 +176,14 @@ fn row(ui: &mut Ui, result: &AnglesResult, level: usize) {
     let mut said = name;
     for (index, choice) in choices.iter().enumerate() {
         let level = &choice.levels[level];
-        let whole = level.tried == result.options.starts;
+        let whole = level.rate.tried == starts.starts;
         let colour = if whole { palette.text } else { palette.text3 };
-        let text = match (choices.len(), level.tried) {
+        let text = match (choices.len(), level.rate.tried) {
             (_, 0) => format::MISSING.to_owned(),
-            (1, _) => format!("{}   {} of {}", share(level.success), level.found, level.tried),
-            _ => share(level.success),
+            (1, _) => format!("{}   {} of {}", share(level.rate.success), level.rate.found, level.rate.tried),
+            _ => share(level.rate.success),
         };
-        said += &format!("; {}: {} of {}", choice.name, level.found, level.tried);
+        said += &format!("; {}: {} of {}", choice.name, level.rate.found, level.rate.tried);
         let at = rect.left_center() + vec2(LEVEL + CHOICE * index as f32, 0.0);
         let (at, align) = if choices.len() == 1 {
             (at, left)

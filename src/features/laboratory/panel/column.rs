@@ -10,8 +10,8 @@ use egui::{
     WidgetInfo, vec2,
 };
 
-use super::{Bench, Wish, picture};
-use crate::features::laboratory::story::percent_text;
+use super::{Action, Bench, picture};
+use crate::features::laboratory::comparison::percent_text;
 use crate::features::laboratory::{CheckProgress, Contestant, Worst};
 
 /// Heights of head and foot.
@@ -33,7 +33,7 @@ pub(crate) fn ui(
     bench: &Bench<'_>,
     index: usize,
     fit: &Contestant,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<Action>,
 ) {
     let head_height = if bench.room.is_compact { HEAD_COMPACT } else { HEAD };
     let rows = if bench.room.is_compact { 2.0 } else { 3.0 };
@@ -62,7 +62,7 @@ pub(crate) fn ui(
     part(ui, inner, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         pushes(ui, bench, fit);
-        gradient(ui, bench, index, fit, wishes);
+        gradient(ui, bench, index, fit, actions);
         if !bench.room.is_compact {
             ending(ui, bench, fit);
         }
@@ -117,10 +117,7 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
     let palette = theme::palette(ui);
     let (text, is_fresh) = fit.pushed.as_ref().map_or_else(
         || (format::MISSING.to_owned(), false),
-        |(key, pushed)| {
-            let count = |n: usize| format::count(n as i64);
-            (format!("{} of {}", count(pushed.pushing), count(pushed.in_ramp)), *key == bench.key)
-        },
+        |(key, pushed)| (pushed.text(), *key == bench.key),
     );
     let colour = if is_fresh { palette.text } else { palette.text3 };
     let name = bench.axis.pixels();
@@ -144,7 +141,7 @@ fn checked<'a>(
     fit.checked.as_ref().filter(|checked| checked.pose == *pose)
 }
 
-fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, wishes: &mut Vec<Wish>) {
+fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, actions: &mut Vec<Action>) {
     let palette = theme::palette(ui);
     let fresh = checked(bench, fit);
     let progress = fresh.or(fit.checked.as_ref()).map(|checked| &checked.progress);
@@ -173,7 +170,7 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, wish
     let row = line(ui, &[&name, &short, "Gradient"], RichText::new(text).color(colour));
     let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
     let is_marked = bench.laboratory.marked == Some(index);
-    let label = format!("Gradient check of {}: {value}", fit.entrant.subject);
+    let label = format!("Gradient check of {}: {value}", fit.entrant.name);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_marked, label.clone()));
     if response.hovered() || is_marked || response.has_focus() {
         let y = row.rect.bottom() - 2.5;
@@ -192,7 +189,7 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, wish
             .and_then(|checked| checked.progress.worst.as_ref())
             .is_none_or(|worst| worst.camera == bench.key.0);
         let mark = (!is_marked || !is_seen).then_some(index);
-        wishes.push(Wish::Mark(mark));
+        actions.push(Action::Mark(mark));
     }
 }
 

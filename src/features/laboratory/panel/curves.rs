@@ -9,9 +9,9 @@ use backlit_ui::widgets::{grid_marks, segmented, still_plot};
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
-use super::{Bench, Wish, named};
+use super::{Action, Bench, named};
 use crate::features::laboratory::Contestant;
-use crate::features::laboratory::story::percent_text;
+use crate::features::laboratory::comparison::percent_text;
 use crate::features::laboratory::table::LEAST_PERCENT;
 
 /// Height of the row above the plot.
@@ -29,13 +29,13 @@ const AXIS: f64 = 52.0;
 const LEAST_CURVES: f64 = 120.0;
 
 /// The plot with its head.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
-    let is_log = head(ui, bench, wishes);
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) {
+    let is_log = head(ui, bench, actions);
     let area = ui.available_size();
-    plot(ui, bench, wishes, is_log, area);
+    plot(ui, bench, actions, is_log, area);
 }
 
-fn head(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) -> bool {
+fn head(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) -> bool {
     let palette = theme::palette(ui);
     let mut is_log = bench.laboratory.is_log;
     ui.allocate_ui_with_layout(
@@ -44,14 +44,14 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) -> bool {
         |ui| {
             let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
             if save.clicked() {
-                wishes.push(Wish::SavePlot);
+                actions.push(Action::SavePlot);
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
-                wishes.push(Wish::CopyTable);
+                actions.push(Action::CopyTable);
             }
             if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
-                wishes.push(Wish::Log(is_log));
+                actions.push(Action::Log(is_log));
             }
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
@@ -87,7 +87,7 @@ fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     [(-0.25, last), heights]
 }
 
-fn plot(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>, is_log: bool, area: egui::Vec2) {
+fn plot(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>, is_log: bool, area: egui::Vec2) {
     let palette = theme::palette(ui);
     let [across, up] = bounds(bench, is_log, f64::from(area.x));
     let percent = move |value: f64| {
@@ -120,7 +120,7 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>, is_log: bool, ar
         let step = response.transform.value_from_position(pointer).x.round().max(0.0) as usize;
         let step = step.min(bench.comparison.last());
         if step != bench.comparison.cursor {
-            wishes.push(Wish::Step(step));
+            actions.push(Action::Step(step));
         }
     }
 }

@@ -8,7 +8,7 @@ use backlit_ui::widgets::choice;
 use backlit_ui::widgets::{Icon, fitting_label, icon_button};
 use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, TextStyle, Ui, vec2};
 
-use super::Wish;
+use super::Action;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
 use crate::context::{Context, Requests, preset_box, unavailable};
@@ -28,7 +28,7 @@ pub(super) fn ui(
     laboratory: &Laboratory,
     context: &Context<'_>,
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<Action>,
     margin: f32,
 ) {
     let palette = theme::palette(ui);
@@ -36,7 +36,7 @@ pub(super) fn ui(
     Panel::top("laboratory header").exact_size(HEIGHT).resizable(false).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::WIDGET, 0.0);
         row(ui, |ui| {
-            controls(ui, laboratory, context, requests, wishes);
+            controls(ui, laboratory, context, requests, actions);
             left(ui, |ui| {
                 let title = laboratory.lineup.title();
                 let text = RichText::new(title).text_style(theme::title()).color(palette.text);
@@ -44,7 +44,7 @@ pub(super) fn ui(
             });
         });
         row(ui, |ui| {
-            choices(ui, laboratory, context, requests, wishes);
+            choices(ui, laboratory, context, requests, actions);
             left(ui, |ui| {
                 let text = sentence(laboratory, context);
                 // The first sentences say most.
@@ -87,10 +87,10 @@ fn controls(
     laboratory: &Laboratory,
     context: &Context<'_>,
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<Action>,
 ) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
-    start_box(ui, laboratory, context, wishes);
+    start_box(ui, laboratory, context, actions);
     command::icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
     let run = format!("Run {}", laboratory.lineup.all_text());
     command::named_button(ui, context, requests, Command::Fit(FitCommand::Run), &run);
@@ -107,7 +107,7 @@ fn controls(
     }
 }
 
-fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, actions: &mut Vec<Action>) {
     let demonstration = context.session.demonstration();
     let texts: Vec<(StartChoice, String)> =
         StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
@@ -115,7 +115,7 @@ fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes
         texts.iter().map(|(start, text)| (*start, text.as_str(), start.tooltip())).collect();
     let chosen = laboratory.start.text();
     if let Some(start) = choice(ui, "Start", 126.0, &chosen, &choices) {
-        wishes.push(Wish::Start(start));
+        actions.push(Action::Start(start));
     }
 }
 
@@ -125,7 +125,7 @@ fn choices(
     laboratory: &Laboratory,
     context: &Context<'_>,
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<Action>,
 ) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
     let model = &context.document().model;
@@ -135,22 +135,22 @@ fn choices(
         .map(|(axis, text)| (*axis, *text, format!("Show which pixels change as the {}", whose(*axis, text))))
         .collect();
     if let Some(axis) = choice(ui, "Motion", 136.0, axis.text(), &axes) {
-        wishes.push(Wish::Axis(axis));
+        actions.push(Action::Axis(axis));
     }
     let has_limbs = model.rotation_count() > 1;
     if has_limbs {
-        limb_box(ui, context, wishes);
+        limb_box(ui, context, actions);
     }
     if ui.available_width() > PREFIX_FROM {
         let text = if has_limbs { "Pushes as the" } else { "Pushes as the limb" };
         ui.label(RichText::new(text).color(theme::palette(ui).text3));
     }
     if context.session.camera_count() > 1 {
-        camera_box(ui, laboratory, context, wishes);
+        camera_box(ui, laboratory, context, actions);
     }
     if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < size::FOLD_CHOICES {
         preset_box::show(ui, context, requests, 92.0);
-        wishes.extend(lineup_box(ui, laboratory.lineup).map(Wish::Lineup));
+        actions.extend(lineup_box(ui, laboratory.lineup).map(Action::Lineup));
     }
 }
 
@@ -158,7 +158,7 @@ fn whose(axis: PushAxis, text: &str) -> String {
     if matches!(axis, PushAxis::Move(_)) { text.to_owned() } else { format!("limb {text}") }
 }
 
-fn limb_box(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+fn limb_box(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<Action>) {
     let model = &context.document().model;
     let names: Vec<(usize, String)> = model
         .rotation_owners()
@@ -174,11 +174,11 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>) {
     let held = context.selection.limb(model);
     let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());
     if let Some(limb) = choice(ui, "Limb", 126.0, chosen, &choices) {
-        wishes.push(Wish::Limb(limb));
+        actions.push(Action::Limb(limb));
     }
 }
 
-fn camera_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+fn camera_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, actions: &mut Vec<Action>) {
     let Some(take) = &context.session.take else { return };
     let name = |index: usize| format!("Camera {}", index + 1);
     let names: Vec<(usize, String, String)> =
@@ -187,7 +187,7 @@ fn camera_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishe
         names.iter().map(|(index, name, tooltip)| (*index, name.as_str(), tooltip.clone())).collect();
     let chosen = name(laboratory.camera);
     if let Some(camera) = choice(ui, "Camera", 84.0, &chosen, &choices) {
-        wishes.push(Wish::Camera(camera));
+        actions.push(Action::Camera(camera));
     }
 }
 

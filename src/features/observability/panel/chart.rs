@@ -1,7 +1,7 @@
 //! Singular values of JᵀJ, relative to the largest, on a logarithmic scale: one bar a direction, null ones hatched below the
 //! line of what is nothing but rounding.
 
-use backlit_results::observability as words;
+use backlit_document::observability_words as words;
 use backlit_tracking::observability::Observability as Figures;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;

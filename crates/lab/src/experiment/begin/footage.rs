@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use super::{Beginning, Options, Report, Row, Trial, begin};
 use crate::experiment::no_start::{error_mm, fit, sets};
-use crate::experiment::starts::Level;
 use crate::experiment::{ExperimentError, Progress};
+use backlit_tracking::search::start::Level;
 
 /// Which frames, and how far off their starts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
