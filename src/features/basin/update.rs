@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::{Job, News, Outbox, Step};
+use backlit_jobs::{Job, News, Outbox, Turn};
 use backlit_runs::basin::{self, BasinError, BasinOptions, BasinResult, Subject, Trial};
 use backlit_tracking::search::start;
 use backlit_ui::style::format;
@@ -45,16 +45,16 @@ impl BasinJob {
 }
 
 impl Job<Result<Trial, BasinError>> for BasinJob {
-    fn step(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Step {
+    fn step(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Turn {
         if out.cancel().is_cancelled() {
-            return Step::Done;
+            return Turn::Done;
         }
         match self.go_on(out) {
-            Ok(true) => Step::Again,
-            Ok(false) | Err(BasinError::Cancelled) => Step::Done,
+            Ok(true) => Turn::Again,
+            Ok(false) | Err(BasinError::Cancelled) => Turn::Done,
             Err(error) => {
                 out.send(Err(error));
-                Step::Done
+                Turn::Done
             }
         }
     }
