@@ -31,8 +31,7 @@ use job::{FitMessage, PausedFit};
 use refit::Refitted;
 use variants::VariantRun;
 
-use crate::context::priority;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, priority};
 use crate::session::prediction::{FitInputs, Predicted};
 
 #[derive(Debug)]

@@ -13,8 +13,7 @@ use egui::{ColorImage, Ui};
 
 use crate::context::feature::Feature;
 use crate::context::file_dialog::{DialogKind, FileDialogs};
-use crate::context::priority;
-use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest, priority};
 
 #[derive(Debug)]
 pub(crate) struct NewTake {

@@ -20,10 +20,9 @@ use glam::DVec2;
 
 use crate::context::command::Command;
 use crate::context::feature::Feature;
-use crate::context::priority;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::write_advice::write_advice;
-use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest};
+use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest, priority};
 
 #[derive(Debug)]
 pub(crate) struct Offsets {

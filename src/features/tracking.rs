@@ -33,13 +33,10 @@ use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 
 use crate::context::activity::TrackingProgress;
-use crate::context::command::Command;
-use crate::context::command::FitCommand;
-use crate::context::command::TrackingCommand;
+use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::feature::Feature;
-use crate::context::priority;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, priority};
 use update::{joined, keys_around};
 
 #[derive(Debug)]

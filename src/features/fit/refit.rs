@@ -1,9 +1,8 @@
 //! The Refit section: fit one limb, its chain, or the whole body from the pose on the screen; and what that has done to the
 //! cost, in words that stay.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::space;
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::section;
 use egui::{RichText, Ui};
 

@@ -4,14 +4,12 @@ use backlit_document::edit::Edit;
 use backlit_document::fit_words as words;
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{SliderRow, checkbox, choice, section};
 use egui::{RichText, Ui};
 
 use crate::context::command::{Command, FitCommand};
-use crate::context::command_button;
-use crate::context::{Context, FeatureRequest, Requests};
+use crate::context::{Context, FeatureRequest, Requests, command_button};
 
 /// The command that switches to a renderer. The count of spheres is chosen by itself.
 fn command_of(kind: RendererKind) -> Command {

@@ -13,8 +13,7 @@ use backlit_ui::widgets::{hint, named_row, number_field, section, segmented};
 use egui::{RichText, Ui};
 
 use super::stages;
-use crate::context::preset_box;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, preset_box};
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;

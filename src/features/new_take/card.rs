@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use backlit_formats::import::{ImportCamera, MatchedBy, PictureSize, Pictures};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{button_row, card, hint, primary_button, row_name, text_field};
 use egui::{

@@ -2,10 +2,9 @@
 
 use backlit_tracking::camera::Camera;
 use backlit_tracking::synchronise::CameraOffset;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, PICTURE_GROUND, SELECTED, mark};
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{
     ValueSlider, button_row, camera_badge, card, choice, hint, named_row, number_field, primary_button,

@@ -4,9 +4,8 @@
 use std::ops::RangeInclusive;
 
 use backlit_document::{Document, Estimate};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::tick;
+use backlit_ui::style::{format, theme};
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::span::TimeScale;

@@ -2,9 +2,8 @@
 //! frames, the frame on the screen.
 
 use backlit_document::Document;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::tick;
+use backlit_ui::style::{format, theme};
 use egui::{
     Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2,
     vec2,

@@ -2,8 +2,7 @@
 
 use backlit_document::{Estimate, Origin};
 use backlit_tracking::track::LOST_BELOW_IOU;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
+use backlit_ui::style::{format, theme};
 use egui::{Grid, PopupAnchor, Pos2, RichText, Tooltip, Ui, pos2};
 
 use super::lanes::Lane;

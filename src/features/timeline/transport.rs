@@ -1,10 +1,8 @@
 //! The row above the lanes: going, playing, tracking, key poses, worst frames.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::choice;
-use backlit_ui::widgets::{Icon, checkbox, fitting_label, number_field};
+use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::{Icon, checkbox, choice, fitting_label, number_field};
 use egui::{Align, Layout as Direction, RichText, Sense, TextStyle, Ui, vec2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};

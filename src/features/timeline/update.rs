@@ -4,9 +4,7 @@ use backlit_document::Document;
 use backlit_document::edit::Edit;
 
 use super::Timeline;
-use crate::context::command::Command;
-use crate::context::command::TimelineCommand;
-use crate::context::command::WindowCommand;
+use crate::context::command::{Command, TimelineCommand, WindowCommand};
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_take, not_tracked};
 use crate::context::{Context, Requests, SessionRequest};

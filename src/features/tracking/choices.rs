@@ -3,8 +3,7 @@
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody};
 use backlit_tracking::track::WhenToSearch;
-use backlit_ui::widgets::choice;
-use backlit_ui::widgets::{hint, named_row, number_field};
+use backlit_ui::widgets::{choice, hint, named_row, number_field};
 use egui::Ui;
 
 use crate::context::{Context, Requests};

@@ -2,8 +2,7 @@
 
 use backlit_document::edit::Edit;
 use backlit_tracking::search::Origin;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
+use backlit_ui::style::{format, theme};
 use egui::{RichText, TextStyle, Ui};
 
 use super::{Tracking, TrackingWork};
