@@ -182,7 +182,7 @@ impl Feature for Export {
                     self.preferences.folder.clone_from(&self.folder);
                 }
                 let wanted = asks_for_path.map(|path| {
-                    ("Export motion", DialogKind::NewFile(name_of(Path::new(&path)), &motion_card::ENDINGS))
+                    ("Export motion", DialogKind::NewFile(name_of(Path::new(&path)), &*motion_card::ENDINGS))
                 });
                 (closes, wanted)
             }

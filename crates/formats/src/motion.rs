@@ -109,8 +109,8 @@ pub enum MotionFormat {
 }
 
 impl MotionFormat {
-    /// All of them.
-    pub const ALL: [Self; 7] = [Self::Bvh, Self::Trc, Self::Mot, Self::C3d, Self::Glb, Self::Npz, Self::Csv];
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 7] = [Self::Bvh, Self::Glb, Self::C3d, Self::Trc, Self::Mot, Self::Npz, Self::Csv];
 
     fn entry(self) -> &'static FormatEntry {
         &FORMATS[self as usize]
@@ -122,7 +122,7 @@ impl MotionFormat {
         self.entry().extension
     }
 
-    /// What people call it.
+    /// What it is called where it is offered.
     #[must_use]
     pub fn label(self) -> &'static str {
         self.entry().label

@@ -2,7 +2,7 @@
 //! are as the document has them, those set by hand included.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use anyhow::anyhow;
 use backlit_formats::motion;
@@ -21,18 +21,9 @@ use crate::context::{Context, Requests};
 const WIDTH: f32 = 460.0;
 const BOX: f32 = 190.0;
 
-const FORMATS: [(MotionFormat, &str); 7] = [
-    (MotionFormat::Bvh, "BVH"),
-    (MotionFormat::Glb, "glTF"),
-    (MotionFormat::C3d, "C3D"),
-    (MotionFormat::Trc, "TRC"),
-    (MotionFormat::Mot, "MOT"),
-    (MotionFormat::Npz, "NumPy"),
-    (MotionFormat::Csv, "CSV"),
-];
-
 /// The endings that a file dialog offers.
-pub(super) const ENDINGS: [&str; 7] = ["bvh", "glb", "c3d", "trc", "mot", "npz", "csv"];
+pub(super) static ENDINGS: LazyLock<[&str; 7]> =
+    LazyLock::new(|| MotionFormat::ALL.map(MotionFormat::extension));
 
 /// The card's state.
 #[derive(Debug)]
@@ -97,7 +88,8 @@ impl MotionCard {
             ui.label(RichText::new("Export motion").text_style(theme::title()));
             ui.add_space(space::ROW);
             let before = self.choices.format;
-            segmented(ui, &mut self.choices.format, &FORMATS);
+            let formats = MotionFormat::ALL.map(|format| (format, format.label()));
+            segmented(ui, &mut self.choices.format, &formats);
             if self.choices.format != before {
                 self.match_ending();
             }
