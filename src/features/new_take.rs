@@ -103,7 +103,6 @@ enum Written {
     Failed(String),
 }
 
-/// Learns backgrounds and writes the take.
 fn write(found: &ImportSurvey, folder: &Path, out: &Outbox<Written>) {
     let mut say = |step: ImportStep| match step {
         ImportStep::Learning { camera } => {
@@ -217,7 +216,6 @@ impl NewTake {
         }
     }
 
-    /// Writes the take that was put together.
     fn create(&mut self, context: &Context<'_>) {
         let ImportStage::Found(looked) = std::mem::take(&mut self.stage) else { return };
         let (found, folder) = (looked.found.clone(), PathBuf::from(self.out.trim()));

@@ -223,7 +223,6 @@ impl Offsets {
         }
     }
 
-    /// Looks for the shifts in the silhouettes.
     fn find(&mut self, context: &Context<'_>) {
         let Some(take) = context.session.take.clone() else { return };
         (self.progress, self.found) = (None, None);
@@ -238,7 +237,6 @@ impl Offsets {
         self.find.is_busy()
     }
 
-    /// Writes the shifts into the take.
     fn write(&mut self, context: &Context<'_>) {
         let Some(take) = &context.session.take else { return };
         let shifts = shifts_of(take, &self.shifts);
@@ -268,7 +266,6 @@ impl PictureSide {
     }
 }
 
-/// The shifts of the cameras that are shifted.
 fn shifts_of(take: &Footage, shifts: &[i64]) -> Vec<OffsetShift> {
     let shift = |(camera, &frames): (usize, &i64)| {
         let rate = frame_rate(take.take(), camera);
@@ -278,7 +275,6 @@ fn shifts_of(take: &Footage, shifts: &[i64]) -> Vec<OffsetShift> {
     shifts.iter().enumerate().filter_map(shift).collect()
 }
 
-/// A camera's own frames per second.
 fn frame_rate(take: &Take, camera: usize) -> f64 {
     let own = take.footage().get(camera).and_then(|footage| footage.video()).and_then(Video::frame_rate);
     own.unwrap_or(take.frame_rate())

@@ -196,7 +196,6 @@ impl Timeline {
         *span
     }
 
-    /// The frames that are being marked.
     fn marking(&self, area: &Area, response: &Response) -> Option<FrameRange> {
         Some(FrameRange::between(self.marks_from?, area.frame_at(response.interact_pointer_pos()?)))
     }

@@ -199,7 +199,6 @@ impl Feature for Tracking {
 }
 
 impl Tracking {
-    /// Whether there is work under way, of any kind.
     pub(crate) const fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

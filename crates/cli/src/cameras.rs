@@ -46,7 +46,6 @@ pub struct CameraArguments {
     out: Option<PathBuf>,
 }
 
-/// Reads, prints and writes.
 pub(crate) fn run(arguments: &CameraArguments) -> anyhow::Result<()> {
     let options = CalibrationOptions { size: arguments.size, metres_per_unit: arguments.metres_per_unit };
     let found = match &arguments.other {

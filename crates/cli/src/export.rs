@@ -70,7 +70,6 @@ pub struct ExportArguments {
     euler: EulerOrder,
 }
 
-/// Reads the track and writes it in every format.
 pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     let track = track_files::path_in(&arguments.track);
     let (motion, up) = if track.extension().is_some_and(|extension| extension == PROJECT) {

@@ -82,7 +82,6 @@ struct Problem {
     start: Pose,
 }
 
-/// Reads, fits, writes and prints.
 pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let mut options = arguments.solver.options()?;
     let takes_default_ramp = arguments.solver.ramp.is_none() && arguments.solver.preset == Preset::Robust;

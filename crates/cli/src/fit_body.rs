@@ -155,7 +155,6 @@ impl FitBodyArguments {
     }
 }
 
-/// Finds the sizes, writes and prints.
 pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         output::check_folder_of(out)?;

@@ -108,7 +108,6 @@ impl BodyReport {
     }
 }
 
-/// The result for people.
 pub(crate) fn text(fit: &BodyFit, spheres: Option<&SphereBody>, written: Option<&Path>) -> String {
     let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
     let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));

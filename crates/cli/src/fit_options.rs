@@ -25,7 +25,6 @@ pub(crate) struct RendererArguments {
 }
 
 impl RendererArguments {
-    /// The renderer that was asked for, if one was.
     pub(crate) fn kind(&self) -> Result<Option<RendererKind>, clap::Error> {
         match (self.renderer, self.spheres) {
             (Some(RendererKind::SphereTree { .. }), spheres) => {
@@ -92,7 +91,6 @@ pub(crate) struct SolverArguments {
 }
 
 impl SolverArguments {
-    /// The preset with the changes asked for.
     pub(crate) fn options(&self) -> Result<FitOptions, clap::Error> {
         let mut options = FitOptions::preset(self.preset);
         if let Some(renderer) = self.renderer.kind()? {
@@ -118,7 +116,6 @@ impl SolverArguments {
     }
 }
 
-/// Reads a finite number, 0 or more.
 fn not_negative(text: &str) -> anyhow::Result<f64> {
     match f64::from_str(text) {
         Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
@@ -126,7 +123,6 @@ fn not_negative(text: &str) -> anyhow::Result<f64> {
     }
 }
 
-/// Reads a finite number above 0.
 pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a number above 0".to_owned())

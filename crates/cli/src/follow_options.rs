@@ -72,12 +72,10 @@ impl FollowArguments {
         })
     }
 
-    /// Whether a Kalman filter follows the motion.
     pub(crate) fn is_kalman(&self) -> bool {
         matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
     }
 
-    /// The Kalman filter's noise.
     pub(crate) fn noise(&self) -> anyhow::Result<KalmanOptions> {
         let default = KalmanOptions::default();
         match self.noise.as_deref() {

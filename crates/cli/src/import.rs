@@ -83,7 +83,6 @@ enum BackgroundWord {
     None,
 }
 
-/// Looks, tells and writes.
 pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
     let options = ImportOptions {
         calibration: arguments.calibration.clone(),

@@ -52,7 +52,6 @@ pub struct ObservabilityArguments {
     solver: SolverArguments,
 }
 
-/// Reads, fits, looks and prints.
 pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let options = arguments.solver.options()?;
     let footage = take_options::open(&arguments.take)?;

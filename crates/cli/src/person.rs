@@ -137,7 +137,6 @@ impl SizesFound {
     }
 }
 
-/// Why sizes are not taken.
 fn doubt_text(doubt: &Doubt) -> String {
     match doubt {
         Doubt::NotBetter { iou: [scaled, own] } => {

@@ -42,7 +42,6 @@ pub struct PriorArguments {
     json: bool,
 }
 
-/// Learns, writes and tells.
 pub(crate) fn run(arguments: &PriorArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let clips = prior_file::clips(&arguments.train)?;

@@ -64,7 +64,6 @@ pub struct RenderArguments {
     jacobian: Option<ParametersWord>,
 }
 
-/// Draws and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let renderer = arguments.renderer.kind()?.unwrap_or_default();
     let model = model_file::resolve(&arguments.model)?;

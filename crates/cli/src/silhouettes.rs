@@ -34,7 +34,6 @@ pub struct SilhouetteArguments {
     part: PartArguments,
 }
 
-/// Segments and writes.
 pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let frames = arguments.part.frames(footage.take())?;

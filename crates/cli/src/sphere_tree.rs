@@ -48,7 +48,6 @@ pub struct SphereTreeArguments {
     json: bool,
 }
 
-/// Reads, builds, writes and tells.
 pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let ending = arguments.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
@@ -83,7 +82,6 @@ pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
     output::print(&format!("{}wrote {}\n", table.to_text(), arguments.out.display()))
 }
 
-/// A body of a skinned mesh.
 fn skinned(arguments: &SphereTreeArguments, is_body: bool) -> anyhow::Result<()> {
     let path = &arguments.mesh;
     if !is_body {

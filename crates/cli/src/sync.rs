@@ -50,7 +50,6 @@ fn some_frames(text: &str) -> Result<usize, String> {
     if frames > 0 { Ok(frames) } else { Err("expected 1 or more".to_owned()) }
 }
 
-/// Looks, tells and writes.
 pub(crate) fn run(arguments: &SyncArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let farthest_s = arguments.within.unwrap_or(f64::INFINITY);

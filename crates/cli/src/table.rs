@@ -9,12 +9,10 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table with these column titles.
     pub(crate) fn new<const N: usize>(titles: [&str; N]) -> Self {
         Self { rows: vec![titles.map(str::to_owned).to_vec()] }
     }
 
-    /// Adds a row.
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.to_vec());
     }

@@ -35,7 +35,6 @@ pub(crate) struct PartArguments {
 }
 
 impl PartArguments {
-    /// The frames asked for, in order.
     pub(crate) fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
         let count = take.frame_count();
         let range = self.frames.unwrap_or_default();

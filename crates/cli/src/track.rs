@@ -90,7 +90,6 @@ pub struct TrackArguments {
     pub(crate) follow: FollowArguments,
 }
 
-/// Tracks, writes and prints.
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;

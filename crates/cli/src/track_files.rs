@@ -208,7 +208,6 @@ impl Earlier {
         Ok(&frames[done..])
     }
 
-    /// The pose of its last frame.
     pub(crate) fn last_pose(&self) -> Pose {
         let last = self.written.track.frames.values().next_back();
         last.map_or_else(|| Pose::rest(&self.written.model), |last| last.pose.clone())

@@ -144,7 +144,6 @@ impl TrackReport {
         self.jitter_mm = metrics::jitter_mm(take.model(), poses);
     }
 
-    /// Everything in numbers.
     pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
         let of_camera = |camera: usize| {
@@ -181,7 +180,6 @@ impl TrackReport {
         }
     }
 
-    /// Everything as tables for people.
     pub(crate) fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
@@ -226,7 +224,6 @@ impl TrackReport {
     }
 }
 
-/// How often each name stands there.
 fn counts<'a>(names: impl Iterator<Item = &'a String>) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
     names.for_each(|name| *counts.entry(name.clone()).or_default() += 1);

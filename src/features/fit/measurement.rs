@@ -108,7 +108,6 @@ fn shadows(ui: &mut Ui, options: &mut SegmentOptions) {
     }
 }
 
-/// How much memory frames may take that were read.
 fn memory(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     named_row(ui, "Memory", MEMORY_NAME, |ui| {
         let mut megabytes = context.preferences.frames_mb as f64;

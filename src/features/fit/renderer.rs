@@ -16,7 +16,6 @@ fn command_of(kind: RendererKind) -> Command {
     Command::Fit(FitCommand::Renderer(kind.plain()))
 }
 
-/// A box of the three renderers.
 pub(crate) fn kind_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     let chosen = command_of(context.document().fit.renderer).text();
     let choices =

@@ -110,7 +110,6 @@ fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
     named_row(ui, name, NAME, contents);
 }
 
-/// Fields cannot go below zero.
 fn sanitise(options: &mut FitOptions) {
     for value in [
         &mut options.damping,

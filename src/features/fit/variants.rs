@@ -40,7 +40,6 @@ impl VariantRun {
     }
 }
 
-/// The choices of a fit in each variant.
 fn variants(over: Variants, base: &FitOptions) -> Vec<FitOptions> {
     match over {
         Variants::Renderers => {

@@ -104,7 +104,6 @@ impl NewTake {
         self.buttons(ui).or(action)
     }
 
-    /// Frame rate, and the folder of the take.
     fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
         let mut action = None;
         row(ui, "Frames a second", |ui| {

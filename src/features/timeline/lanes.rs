@@ -57,7 +57,6 @@ impl Lane {
         format!("{what}\nThe lane goes from {}.", self.ends(document))
     }
 
-    /// Both ends of the axis in words.
     fn ends(self, document: &Document) -> String {
         let [low, high] = self.axis(document).map(|value| self.axis_text(value));
         format!("{low} to {high}")
@@ -174,7 +173,6 @@ fn columns(
     columns
 }
 
-/// A lane with its axis.
 pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(area.expand2(vec2(4.0, 0.0)));

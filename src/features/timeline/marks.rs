@@ -75,7 +75,6 @@ pub(crate) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
     ui.painter().text(lanes.center(), Align2::CENTER_CENTER, text, font, palette.text3);
 }
 
-/// The frames that are marked, behind everything else.
 pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &TimeScale, range: FrameRange) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(plot);
@@ -88,7 +87,6 @@ pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &TimeScale, range: FrameRange) 
     }
 }
 
-/// Height of the line of fitted frames.
 pub(crate) fn line(plot: Rect) -> f32 {
     plot.top() + RULER - 3.0
 }
@@ -125,7 +123,6 @@ fn pieces(frames: impl Iterator<Item = usize>) -> Vec<(usize, usize)> {
     pieces
 }
 
-/// Lost frames, and the worst of the others.
 pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeScale, count: usize) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(lane.expand2(vec2(5.0, 0.0)));

@@ -71,7 +71,6 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
     });
 }
 
-/// Why the tracker calls a frame lost.
 fn lost_words(estimate: &Estimate) -> String {
     match estimate.iou {
         _ if estimate.cost.is_none() => "Lost: nobody in the picture of any camera".to_owned(),

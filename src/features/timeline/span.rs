@@ -30,7 +30,6 @@ impl Span {
         Some(Self { first: about - share * width, last: about + (1.0 - share) * width }.inside(whole))
     }
 
-    /// Moved by a number of frames.
     pub(crate) fn moved(self, by: f64, count: usize) -> Self {
         Self { first: self.first + by, last: self.last + by }.inside(Self::whole(count))
     }
@@ -76,7 +75,6 @@ impl TimeScale {
         self.span.first + share * (self.span.last - self.span.first)
     }
 
-    /// The frame nearest to a place.
     pub(crate) fn frame_at(&self, x: f32, count: usize) -> usize {
         let x = x.clamp(self.across.min, self.across.max);
         (self.at(x).round().max(0.0) as usize).min(count.saturating_sub(1))

@@ -56,7 +56,6 @@ impl BackgroundJob {
         Some(Self { footage, model, poses, waiting, take_folder, folder: None, plates: Plates::default() })
     }
 
-    /// Learns a camera's plate and writes it.
     fn learn(&mut self, camera: usize, out: &Outbox<Applied>) -> Result<(), PlateError> {
         let name = self.footage.cameras[camera].name().to_owned();
         let all = self.plates.files.len() + 1 + self.waiting.len();
@@ -97,7 +96,6 @@ impl Job<Applied> for BackgroundJob {
     }
 }
 
-/// Why the background cannot be learnt again.
 pub(super) fn unavailable(context: &Context<'_>) -> Why {
     let Some(take) = &context.session.take else { return Some("Open a take first") };
     let has_folder = context.session.take_path().is_some();

@@ -80,7 +80,6 @@ pub(super) fn frames(context: &Context<'_>, most: usize) -> VecDeque<(usize, Pos
     chosen.into_iter().map(|frame| (frame, document.pose_at(frame).clone())).collect()
 }
 
-/// The body's own lengths and radii.
 pub(super) fn sizes(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Applied>) {
     let start =
         |PosedViews { frame, views, pose }| BodyFrame { frame, views, start: pose, joints: Vec::new() };

@@ -218,7 +218,6 @@ fn revise(known: &[FrameEstimate], out: &Outbox<Applied>) {
     out.send(applied(move |tracking: &mut Tracking, _, _| tracking.tracked.extend(known)));
 }
 
-/// What the document keeps of it.
 fn document_estimate(found: &FrameEstimate) -> Arc<Estimate> {
     Arc::new(Estimate {
         iou: found.iou(),
