@@ -9,7 +9,7 @@ use backlit_document::run::Run;
 use backlit_document::{CameraUse, Document};
 use backlit_formats::Footage;
 use backlit_take::source::TakeSource;
-use backlit_ui::drawing::{Comparison, joint_name};
+use backlit_ui::drawing::{ModeComparison, joint_name};
 use backlit_ui::widgets::accessible::{Named, named};
 use egui::{Context, FullOutput};
 use serde::Serialize;
@@ -234,8 +234,8 @@ fn exported_cameras(document: &Document, session: &Session, tiles: &[TileView]) 
             "used": camera.used,
             "weight": camera.weight,
             "mode": tile.map(|tile| tile.mode),
-            "wipe": compared(Comparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
-            "blink": compared(Comparison::Blink).map(|tile| json!({"other": tile.other})),
+            "wipe": compared(ModeComparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
+            "blink": compared(ModeComparison::Blink).map(|tile| json!({"other": tile.other})),
             "iou": overlap.and_then(|overlap| overlap.iou()),
         })
     };

@@ -17,7 +17,7 @@ use image::DynamicImage;
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture};
 use crate::context::preferences::Layout;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
-use crate::features::export::{ExportChoices, MotionChoices, Part, SeriesFormat};
+use crate::features::export::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
 use crate::features::export::{ExportOrder, Subject};
 
 /// Sides of a picture, pixels.
@@ -281,7 +281,7 @@ fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
         "--frames goes with --sequence frames"
     );
     let choices = ExportChoices {
-        part: if is_view { Part::View } else { Part::Window },
+        part: if is_view { ExportArea::View } else { ExportArea::Window },
         view_scale: scale,
         view_width: arguments.width,
         whole_frame: !arguments.framed,

@@ -20,10 +20,10 @@ use std::collections::BTreeMap;
 
 use backlit_document::history::Gesture;
 use backlit_tracking::body::Model;
-use backlit_ui::drawing::{Comparison, DragEvent, JointId, ViewMode};
+use backlit_ui::drawing::{DragEvent, JointId, ModeComparison, ViewMode};
 use backlit_ui::widgets::{Framing, ViewTransform};
 pub use overlays::ObservedMarks;
-pub(crate) use pane::Place;
+pub(crate) use pane::TilePlace;
 pub use tile::{CameraTileInput, TileResponse, camera_tile};
 
 use crate::context::pane::Pane;
@@ -78,7 +78,7 @@ impl Tiles {
         let report = TileView {
             mode: ViewMode::ReportOverlay,
             other: ViewMode::Footage,
-            comparison: Some(Comparison::Wipe),
+            comparison: Some(ModeComparison::Wipe),
             wipe_at: 0.6,
             ..TileView::default()
         };
@@ -161,7 +161,7 @@ pub struct TileView {
     /// What it is compared with.
     pub other: ViewMode,
     /// How the two are compared; `None` shows [`mode`](Self::mode) alone.
-    pub comparison: Option<Comparison>,
+    pub comparison: Option<ModeComparison>,
     /// Where the wipe's handle is: 0 at the left edge of the picture, 1 at the right.
     pub wipe_at: f32,
     /// Which part of the picture.
@@ -200,12 +200,12 @@ impl TileView {
             self.mode = self.other;
         }
         self.other = other;
-        self.comparison = self.comparison.or(Some(Comparison::Wipe));
+        self.comparison = self.comparison.or(Some(ModeComparison::Wipe));
         self.keep_apart();
     }
 
     /// Begins or ends a comparison.
-    pub(crate) fn toggle(&mut self, comparison: Comparison) {
+    pub(crate) fn toggle(&mut self, comparison: ModeComparison) {
         self.comparison = (self.comparison != Some(comparison)).then_some(comparison);
         self.keep_apart();
     }
@@ -234,7 +234,7 @@ pub enum TileEvent {
     /// Chose the mode that it is compared with.
     CompareWith(ViewMode),
     /// Began a comparison, chose its other way, or ended it.
-    SetComparison(Option<Comparison>),
+    SetComparison(Option<ModeComparison>),
     /// Changed what all views share.
     SetSettings(ViewSettings),
     /// Moved the wipe's handle: 0 at the left edge of the picture, 1 at the right.

@@ -13,13 +13,13 @@
 use std::path::{Path, PathBuf};
 
 use backlit_jobs::{News, Pool, Task};
-pub use choices::{ExportChoices, MotionChoices, Part, SeriesFormat};
+pub use choices::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
 pub(crate) use choices::{ExportOrder, Painter, PictureOf, Shot, Subject};
 use egui::Ui;
 pub(crate) use job::ExportJob;
 pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
 
-use self::dialog::{Answer, ExportDialog};
+use self::dialog::{CardAnswer, ExportDialog};
 use self::job::Exported;
 use self::motion_card::{MotionAnswer, MotionCard};
 use crate::context::command::{Command, ExportCommand};
@@ -43,9 +43,9 @@ pub(crate) struct Export {
     /// What was chosen last, kept from start to start.
     pub(crate) preferences: ExportChoices,
     /// The card, while it lies over the window.
-    card: Option<Card>,
+    card: Option<ExportCard>,
     order: Option<ExportOrder>,
-    running: Option<Running>,
+    running: Option<ExportProgress>,
     /// Folder of the last export.
     folder: Option<PathBuf>,
     task: Task<(), Exported>,
@@ -54,14 +54,14 @@ pub(crate) struct Export {
 
 /// A card over the window.
 #[derive(Debug)]
-enum Card {
+enum ExportCard {
     Pictures(Box<ExportDialog>),
     Motion(Box<MotionCard>),
 }
 
 /// An export that is under way.
 #[derive(Debug)]
-struct Running {
+struct ExportProgress {
     path: PathBuf,
     done: usize,
     total: usize,
@@ -94,8 +94,8 @@ impl Feature for Export {
     fn update(&mut self, _: &Context<'_>, requests: &mut Requests) {
         for ((), path) in self.dialogs.answers() {
             match &mut self.card {
-                Some(Card::Pictures(dialog)) => dialog.set_path(&path),
-                Some(Card::Motion(card)) => card.set_path(&path),
+                Some(ExportCard::Pictures(dialog)) => dialog.set_path(&path),
+                Some(ExportCard::Motion(card)) => card.set_path(&path),
                 None => {}
             }
         }
@@ -160,8 +160,8 @@ impl Feature for Export {
 
     fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let (closes, asked) = match &mut self.card {
-            Some(Card::Pictures(dialog)) => {
-                let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
+            Some(ExportCard::Pictures(dialog)) => {
+                let CardAnswer { closes, asks_for_path, order } = dialog.ui(ui, context);
                 if let Some(order) = order {
                     self.preferences = order.choices.clone();
                     self.order = Some(order);
@@ -174,7 +174,7 @@ impl Feature for Export {
                 };
                 (closes, asks_for_path.then_some(wanted))
             }
-            Some(Card::Motion(card)) => {
+            Some(ExportCard::Motion(card)) => {
                 let MotionAnswer { closes, asks_for_path, written } = card.ui(ui, context, requests);
                 if let Some((choices, path)) = written {
                     self.folder = path.parent().map(Path::to_owned);
@@ -204,12 +204,12 @@ impl Export {
     /// Asks what is to be exported, and where to.
     fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
         let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
-        self.card = Some(Card::Pictures(Box::new(dialog)));
+        self.card = Some(ExportCard::Pictures(Box::new(dialog)));
         requests.request(ShellRequest::OpenCard(FeatureCard::Export));
     }
 
     fn open_motion_card(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.card = Some(Card::Motion(Box::new(MotionCard::new(&self.preferences, context))));
+        self.card = Some(ExportCard::Motion(Box::new(MotionCard::new(&self.preferences, context))));
         requests.request(ShellRequest::OpenCard(FeatureCard::Export));
     }
 
@@ -220,7 +220,7 @@ impl Export {
 
     pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
         self.running =
-            Some(Running { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
+            Some(ExportProgress { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
         self.task.begin(pool, (), |()| job);
     }
 
@@ -230,7 +230,7 @@ impl Export {
     }
 
     fn ended(&mut self, requests: &mut Requests) {
-        let Some(Running { path, done, total, outcome }) = self.running.take() else { return };
+        let Some(ExportProgress { path, done, total, outcome }) = self.running.take() else { return };
         let (name, is_folder) = (name_of(&path), path.is_dir());
         self.folder = if is_folder { Some(path) } else { path.parent().map(Path::to_owned) };
         let pictures =

@@ -16,7 +16,7 @@ use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Requests, ShellRequest};
 use crate::features::Features;
-use crate::features::camera_views::Place;
+use crate::features::camera_views::TilePlace;
 
 /// Height of the strip that names the cameras where two are shown.
 const STRIP: f32 = 30.0;
@@ -112,7 +112,7 @@ fn contents(
     ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         if let Pane::Camera(camera) = pane {
-            let place = Place { camera, is_alone: docking.alone == Some(pane), siblings };
+            let place = TilePlace { camera, is_alone: docking.alone == Some(pane), siblings };
             dragged = features.camera_views.pane(ui, context, place, requests);
         } else if let Some(feature) = features.of_pane(pane) {
             dragged = handle(ui, rect, pane, requests);

@@ -3,7 +3,7 @@
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::drawing::{ModeComparison, ViewMode};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::checkbox;
@@ -92,7 +92,7 @@ fn begins_group(command: Command) -> bool {
                     | WindowCommand::Messages
             )
             | Command::View(V::FitSubject | V::LinkZoom | V::Mode(ViewMode::Footage))
-            | Command::View(V::Compare(Comparison::Wipe) | V::CameraAlone(0))
+            | Command::View(V::Compare(ModeComparison::Wipe) | V::CameraAlone(0))
             | Command::Fit(Fit::EarlierStep | Fit::Refit(BodyPart::Limb) | Fit::SearchPoses)
             | Command::Fit(Fit::Renderer(RendererKind::Capsule) | Fit::Preset(Preset::Report))
             | Command::Convergence(ConvergenceCommand::ClearRuns)

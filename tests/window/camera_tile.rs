@@ -12,7 +12,7 @@ use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, RendererKind, View, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use backlit_ui::drawing::{
-    BoundedAngle, Comparison, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark,
+    BoundedAngle, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark, ModeComparison,
     PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints,
     project_limbs, sight_ray,
 };
@@ -219,7 +219,7 @@ impl Scene {
 }
 
 fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileView {
-    TileView { mode, other, comparison: Some(Comparison::Wipe), wipe_at, ..TileView::default() }
+    TileView { mode, other, comparison: Some(ModeComparison::Wipe), wipe_at, ..TileView::default() }
 }
 
 /// The held wrist as the other camera sees it: pixel and depth.
@@ -420,7 +420,7 @@ fn limits_ellipses_and_what_is_compared() {
     }
 
     let tile =
-        TileView { comparison: Some(Comparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
+        TileView { comparison: Some(ModeComparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
     let mut blinking =
         harness(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
     shot(&mut blinking, "camera_tile_blink");

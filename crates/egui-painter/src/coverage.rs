@@ -84,7 +84,7 @@ pub(crate) fn for_each_span(corners: [Snapped; 3], clip: Clip, mut span: impl Fn
 /// On one row that bounds the pixel index by a quotient of integers, rounded up; remainder and quotient are
 /// carried from row to row.
 struct Edge {
-    side: Side,
+    side: EdgeSide,
     quotient: i64,
     remainder: i64,
     divisor: i64,
@@ -92,7 +92,7 @@ struct Edge {
     remainder_step: i64,
 }
 
-enum Side {
+enum EdgeSide {
     /// The first pixel inside is the quotient.
     Left,
     /// The first pixel outside is the quotient.
@@ -110,7 +110,7 @@ impl Edge {
             let tie = i64::from(along < 0);
             let quotient = along * (centre_y - a.y) - tie;
             return Self {
-                side: Side::Level,
+                side: EdgeSide::Level,
                 quotient,
                 remainder: 0,
                 divisor: 1,
@@ -122,7 +122,7 @@ impl Edge {
         let start = along * (centre_y - a.y) + slope * (CENTRE - a.x);
         let divisor = slope.abs() * UNIT;
         let (side, numerator, step) =
-            if slope > 0 { (Side::Left, -start, -row_step) } else { (Side::Right, start, row_step) };
+            if slope > 0 { (EdgeSide::Left, -start, -row_step) } else { (EdgeSide::Right, start, row_step) };
         let rounded_up = numerator + divisor - 1;
         Self {
             side,
@@ -138,10 +138,10 @@ impl Edge {
     #[inline]
     fn narrow(&mut self, left: &mut i64, right: &mut i64) {
         match self.side {
-            Side::Left => *left = (*left).max(self.quotient),
-            Side::Right => *right = (*right).min(self.quotient),
-            Side::Level if self.quotient < 0 => *right = *left,
-            Side::Level => {}
+            EdgeSide::Left => *left = (*left).max(self.quotient),
+            EdgeSide::Right => *right = (*right).min(self.quotient),
+            EdgeSide::Level if self.quotient < 0 => *right = *left,
+            EdgeSide::Level => {}
         }
         self.quotient += self.quotient_step;
         self.remainder += self.remainder_step;

@@ -107,23 +107,23 @@ impl Texture {
 
     /// The two rows of texels that `y` falls between.
     #[inline]
-    pub(crate) fn rows(&self, y: Tap) -> Rows<'_> {
+    pub(crate) fn rows(&self, y: Tap) -> TexelRows<'_> {
         let row = |index: u32| {
             let start = index as usize * self.width;
             &self.pixels[start..start + self.width]
         };
-        Rows { near: row(y.near), far: row(y.far), weight: y.weight }
+        TexelRows { near: row(y.near), far: row(y.far), weight: y.weight }
     }
 }
 
 /// Two rows of texels and the share of the second, in 1/256.
-pub(crate) struct Rows<'a> {
+pub(crate) struct TexelRows<'a> {
     near: &'a [u32],
     far: &'a [u32],
     weight: u32,
 }
 
-impl Rows<'_> {
+impl TexelRows<'_> {
     #[inline]
     pub(crate) fn sample(&self, x: Tap) -> u32 {
         let (left, right) = (x.near as usize, x.far as usize);

@@ -23,11 +23,11 @@ const LEAST_MARKS: usize = 3;
 
 /// Points of a division.
 pub(crate) const DIVISION: f64 = 8.0;
-/// A decade has marks at 1, 2 and 5 if it is at least so many points long.
+/// A decade has marks at 1, 2 and 5 if it is at least this long, points.
 const ROOMY_DECADE: f64 = 50.0;
-/// Else only whole decades have marks, at least so many points apart.
+/// Else only whole decades have marks, at least this far apart, points.
 const LEAST_APART: f64 = 30.0;
-/// Marks of an axis of steps are so many divisions apart, or their numbers are not written.
+/// Least distance of the marks of an axis of steps, in divisions: closer ones would have no numbers.
 const MARK_SPACING: f64 = 10.0;
 
 /// Marks at 1, 2 and 5 of each decade, or at whole decades where there is less room, or even ones where those are

@@ -88,7 +88,7 @@ impl Sheet {
     }
 }
 
-/// Puts a picture down, every pixel so many times across and down.
+/// Puts a picture down with every pixel repeated `times` across and down.
 fn paste(sheet: &mut RgbaImage, picture: &GrayImage, times: u32, [x, y]: [u32; 2]) {
     for (column, row, level) in picture.enumerate_pixels() {
         let colour = Rgba([level[0], level[0], level[0], u8::MAX]);

@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use crate::surface::Surface;
+use crate::surface::MeshSurface;
 
 /// A sphere and how far it stands out at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +41,7 @@ pub(crate) enum Effort {
 
 /// A search for the best centre.
 struct Search<'a> {
-    surface: &'a Surface<'a>,
+    surface: &'a MeshSurface<'a>,
     points: &'a [DVec3],
     /// Places of the surface that were closest to centres so far.
     known: Vec<DVec3>,
@@ -86,7 +86,7 @@ impl Search<'_> {
 /// The best sphere that reaches `points` and begins at one of `starts`, by downhill steps and steps along the axes.
 ///
 /// There must be a start.
-pub(crate) fn fit(surface: &Surface<'_>, points: &[DVec3], starts: &[DVec3], effort: Effort) -> Ball {
+pub(crate) fn fit(surface: &MeshSurface<'_>, points: &[DVec3], starts: &[DVec3], effort: Effort) -> Ball {
     let none = Ball { centre: starts[0], radius: 0.0, signed: f64::INFINITY };
     let mut search = Search { surface, points, known: Vec::new(), best: none, downhill: DVec3::ZERO };
     starts.iter().for_each(|&start| {
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn a_ball_is_found_from_part_of_its_surface() {
         let mesh = isosurface([DVec3::splat(-1.2), DVec3::splat(1.2)], 0.1, |p| p.length() - 1.0).unwrap();
-        let surface = Surface::new(&mesh);
+        let surface = MeshSurface::new(&mesh);
         let points: Vec<DVec3> = mesh.vertices().iter().copied().filter(|p| p.x > 0.2).collect();
         let ball = fit(&surface, &points, &[DVec3::new(0.6, 0.1, -0.1)], Effort::Full);
         assert!(ball.error() < 0.03 && ball.centre.length() < 0.05, "{ball:?}");

@@ -7,32 +7,32 @@ use rayon::prelude::*;
 
 use crate::ball::{self, Ball, Effort};
 use crate::pieces::Pieces;
-use crate::surface::Surface;
+use crate::surface::MeshSurface;
 
 /// A sphere and the pieces that it has to cover; there is at least one.
 #[derive(Debug, Clone)]
-pub(crate) struct Group {
+pub(crate) struct SphereGroup {
     pub(crate) ball: Ball,
     pub(crate) pieces: Vec<u32>,
 }
 
 /// What groups are made of.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stuff<'a> {
-    pub(crate) surface: &'a Surface<'a>,
+pub(crate) struct GroupInput<'a> {
+    pub(crate) surface: &'a MeshSurface<'a>,
     pub(crate) pieces: &'a Pieces<'a>,
 }
 
-impl Stuff<'_> {
+impl GroupInput<'_> {
     fn places(&self, pieces: &[u32]) -> Vec<DVec3> {
         let points = self.pieces.points_of(pieces);
         points.into_iter().map(|point| self.pieces.points[point as usize]).collect()
     }
 
     /// The best sphere for some pieces, from one of `starts`.
-    pub(crate) fn fit(&self, pieces: Vec<u32>, starts: &[DVec3], effort: Effort) -> Group {
+    pub(crate) fn fit(&self, pieces: Vec<u32>, starts: &[DVec3], effort: Effort) -> SphereGroup {
         let ball = ball::fit(self.surface, &self.places(&pieces), starts, effort);
-        Group { ball, pieces }
+        SphereGroup { ball, pieces }
     }
 
     /// What a sphere would stand out if it had to cover a piece more.
@@ -41,7 +41,7 @@ impl Stuff<'_> {
     }
 
     /// A sphere in the place of two, good enough to compare.
-    pub(crate) fn merged(&self, a: &Group, b: &Group) -> Ball {
+    pub(crate) fn merged(&self, a: &SphereGroup, b: &SphereGroup) -> Ball {
         let share = a.ball.radius / (a.ball.radius + b.ball.radius);
         let starts = [b.ball.centre.lerp(a.ball.centre, share), a.ball.centre, b.ball.centre];
         let places = self.places(&[&a.pieces[..], &b.pieces].concat());
@@ -49,7 +49,7 @@ impl Stuff<'_> {
     }
 
     /// The pieces of a sphere given to those of `others` that then stand out least, and the greatest error that results.
-    pub(crate) fn burst(&self, group: &Group, others: &[&Ball]) -> Option<(f64, Vec<usize>)> {
+    pub(crate) fn burst(&self, group: &SphereGroup, others: &[&Ball]) -> Option<(f64, Vec<usize>)> {
         let mut greatest = 0.0_f64;
         let mut takers = Vec::with_capacity(group.pieces.len());
         for &piece in &group.pieces {
@@ -64,7 +64,7 @@ impl Stuff<'_> {
 
     /// Every piece goes to the sphere that stands out least if it covers it, and the spheres move to where they stand out least for
     /// what they have then. No sphere's error becomes greater than the greatest was. Spheres without pieces are gone.
-    pub(crate) fn share_again(&self, groups: &[Group]) -> Vec<Group> {
+    pub(crate) fn share_again(&self, groups: &[SphereGroup]) -> Vec<SphereGroup> {
         let owners: Vec<u32> = (0..self.pieces.corners.len() as u32)
             .into_par_iter()
             .map(|piece| {
@@ -89,7 +89,7 @@ impl Stuff<'_> {
     }
 
     /// The pieces of a group in two groups, apart along where they are longest.
-    pub(crate) fn split(&self, group: &Group) -> Option<[Group; 2]> {
+    pub(crate) fn split(&self, group: &SphereGroup) -> Option<[SphereGroup; 2]> {
         if group.pieces.len() < 2 {
             return None;
         }
@@ -114,7 +114,7 @@ impl Stuff<'_> {
     }
 
     /// For each group those that have pieces with common corners, ascending.
-    pub(crate) fn neighbours(&self, groups: &[Group]) -> Vec<BTreeSet<usize>> {
+    pub(crate) fn neighbours(&self, groups: &[SphereGroup]) -> Vec<BTreeSet<usize>> {
         let mut users: Vec<Vec<u32>> = vec![Vec::new(); self.pieces.points.len()];
         for (index, group) in groups.iter().enumerate() {
             for point in self.pieces.points_of(&group.pieces) {
@@ -132,7 +132,7 @@ impl Stuff<'_> {
 }
 
 /// How good spheres are, less is better: between the mean of their errors over the pieces and the greatest of them.
-pub(crate) fn score(groups: &[Group]) -> f64 {
+pub(crate) fn score(groups: &[SphereGroup]) -> f64 {
     let count: usize = groups.iter().map(|group| group.pieces.len()).sum();
     let sum: f64 =
         groups.iter().map(|group| group.pieces.len() as f64 * group.ball.error().max(0.0).powi(4)).sum();

@@ -44,7 +44,7 @@ mod tree;
 
 pub use isosurface::isosurface;
 pub use mesh::{ClosedMesh, MAX_ELEMENTS, MeshError};
-pub use surface::{Nearest, Surface};
+pub use surface::{MeshSurface, Nearest};
 pub use tree::{
     Level, LevelError, MAX_LEVELS, MAX_SPHERES, OptionsError, SphereTree, TreeOptions, TreeSphere,
 };

@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::mesh::ClosedMesh;
-use crate::surface::Surface;
+use crate::surface::MeshSurface;
 use crate::tree::LevelError;
 
 /// Points spread over the spheres of a level for the means, a sphere and at most.
@@ -48,12 +48,13 @@ impl Sphere {
 }
 
 /// Errors of a level's spheres (centre, radius).
-pub(crate) fn measure(surface: &Surface<'_>, spheres: &[(DVec3, f64)]) -> LevelError {
+pub(crate) fn measure(surface: &MeshSurface<'_>, spheres: &[(DVec3, f64)]) -> LevelError {
     let spheres: Vec<Sphere> = (0..spheres.len()).map(|index| neighbourhood(spheres, index)).collect();
     let total: f64 = spheres.iter().map(|sphere| sphere.radius * sphere.radius).sum();
     let points = (POINTS_PER_SPHERE * spheres.len() as f64).min(MOST_POINTS);
-    let sums: Vec<Sums> = spheres.par_iter().map(|sphere| sample(surface, sphere, points / total)).collect();
-    let sums = sums.into_iter().fold(Sums::default(), Sums::plus);
+    let sums: Vec<BoundaryError> =
+        spheres.par_iter().map(|sphere| sample(surface, sphere, points / total)).collect();
+    let sums = sums.into_iter().fold(BoundaryError::default(), BoundaryError::plus);
     let mean = |sum: f64, area: f64| if area > 0.0 { sum / area } else { 0.0 };
     LevelError {
         outside_greatest: greatest_outside(surface, &spheres, sums.greatest[0]),
@@ -79,14 +80,14 @@ fn neighbourhood(spheres: &[(DVec3, f64)], index: usize) -> Sphere {
 
 /// Of the union's boundary outside of the mesh, and inside.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct BoundaryError {
     area: [f64; 2],
     /// Distance times area.
     distance: [f64; 2],
     greatest: [f64; 2],
 }
 
-impl Sums {
+impl BoundaryError {
     fn plus(self, other: Self) -> Self {
         let add = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
@@ -97,12 +98,12 @@ impl Sums {
     }
 }
 
-fn sample(surface: &Surface<'_>, sphere: &Sphere, points_per_radius_squared: f64) -> Sums {
+fn sample(surface: &MeshSurface<'_>, sphere: &Sphere, points_per_radius_squared: f64) -> BoundaryError {
     let points = sphere.radius * sphere.radius * points_per_radius_squared;
     let count = points.max(FEWEST).round() as usize;
     let area = 4.0 * PI * sphere.radius * sphere.radius / count as f64;
     let turn = PI * (3.0 - 5.0_f64.sqrt());
-    let mut sums = Sums::default();
+    let mut sums = BoundaryError::default();
     for index in 0..count {
         // Fibonacci's lattice on the sphere.
         let z = 1.0 - (2.0 * index as f64 + 1.0) / count as f64;
@@ -122,7 +123,7 @@ fn sample(surface: &Surface<'_>, sphere: &Sphere, points_per_radius_squared: f64
 }
 
 /// A bound of the distance outside, no more than [`LOOSENESS`] above what there is, but for patches of the smallest size.
-fn greatest_outside(surface: &Surface<'_>, spheres: &[Sphere], found: f64) -> f64 {
+fn greatest_outside(surface: &MeshSurface<'_>, spheres: &[Sphere], found: f64) -> f64 {
     let mut order: Vec<(f64, usize)> = spheres
         .iter()
         .enumerate()
@@ -139,7 +140,7 @@ fn greatest_outside(surface: &Surface<'_>, spheres: &[Sphere], found: f64) -> f6
     bound * (1.0 + LOOSENESS)
 }
 
-fn greatest_of_sphere(surface: &Surface<'_>, sphere: &Sphere, mut bound: f64) -> f64 {
+fn greatest_of_sphere(surface: &MeshSurface<'_>, sphere: &Sphere, mut bound: f64) -> f64 {
     let mut patches: Vec<[DVec3; 3]> = Vec::new();
     for x in [DVec3::X, DVec3::NEG_X] {
         for y in [DVec3::Y, DVec3::NEG_Y] {

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::pieces::{Patches, Pieces};
-use crate::surface::Surface;
+use crate::surface::MeshSurface;
 
 /// Rounds of more samples.
 const ROUNDS: usize = 4;
@@ -19,7 +19,7 @@ const ROUNDS: usize = 4;
 const LEAST_SEPARATION_COSINE: f64 = 0.866;
 
 /// The medial ball (centre, radius) at a place with an outward normal.
-fn shrink(surface: &Surface<'_>, place: DVec3, normal: DVec3, largest: f64) -> (DVec3, f64) {
+fn shrink(surface: &MeshSurface<'_>, place: DVec3, normal: DVec3, largest: f64) -> (DVec3, f64) {
     let mut radius = largest;
     for _ in 0..40 {
         let centre = place - radius * normal;
@@ -43,7 +43,7 @@ fn shrink(surface: &Surface<'_>, place: DVec3, normal: DVec3, largest: f64) -> (
 }
 
 /// The normal in the middle of a patch, smooth as the vertices' are.
-fn normal(surface: &Surface<'_>, patches: &Patches, patch: usize) -> DVec3 {
+fn normal(surface: &MeshSurface<'_>, patches: &Patches, patch: usize) -> DVec3 {
     let triangle = patches.origins[patch] as usize;
     let corners = surface.mesh().corners(triangle);
     let middle = patches.middle(patch);
@@ -72,7 +72,7 @@ fn spread(patches: &Patches, count: usize) -> Vec<usize> {
 
 /// Medial balls and the patches that each covers with least growth; about `count` of them.
 pub(crate) fn medial_balls(
-    surface: &Surface<'_>,
+    surface: &MeshSurface<'_>,
     patches: &Patches,
     pieces: &Pieces<'_>,
     count: usize,

@@ -11,65 +11,65 @@ use std::collections::{BTreeSet, BinaryHeap};
 use rayon::prelude::*;
 
 use crate::ball::{Ball, Effort};
-use crate::groups::{Group, Stuff, score};
+use crate::groups::{GroupInput, SphereGroup, score};
 
-/// Merging stops at so many times the wanted count; bursting does the rest.
+/// Merging stops at this multiple of the wanted count; bursting does the rest.
 const MERGE_TO: f64 = 1.1;
 
 /// Rounds of sharing out again, splits and bursts among them.
 const ROUNDS: usize = 10;
 
 /// A burst pays if it leaves less than so much of the error of the sphere that is split for it.
-const WORTH: f64 = 0.9;
+const BURST_GAIN: f64 = 0.9;
 
 /// Neighbours that are tried where surfaces do not touch.
-const STRANGERS: usize = 8;
+const APART_NEIGHBOURS: usize = 8;
 
 #[derive(Debug)]
-struct Candidate {
+struct MergePair {
     ball: Ball,
     pair: [usize; 2],
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for MergePair {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for MergePair {}
 
-impl PartialOrd for Candidate {
+impl PartialOrd for MergePair {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Candidate {
+impl Ord for MergePair {
     fn cmp(&self, other: &Self) -> Ordering {
         self.ball.error().total_cmp(&other.ball.error()).then_with(|| self.pair.cmp(&other.pair))
     }
 }
 
 /// At most `count` groups (at least 1) that cover what `groups` cover.
-pub(crate) fn reduce(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
-    let merged = merge(stuff, groups, ((count as f64 * MERGE_TO).ceil() as usize).max(count));
-    let burst = burst(stuff, merged, count);
-    let mut groups = settle(stuff, burst, count);
+pub(crate) fn reduce(input: GroupInput<'_>, groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
+    let merged = merge(input, groups, ((count as f64 * MERGE_TO).ceil() as usize).max(count));
+    let burst = burst(input, merged, count);
+    let mut groups = settle(input, burst, count);
     // What is left is a component without neighbours to burst into; merging always ends.
     if groups.len() > count {
-        groups = merge(stuff, groups, count);
+        groups = merge(input, groups, count);
     }
     groups
 }
 
-fn merge(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
-    let mut neighbours = stuff.neighbours(&groups);
+fn merge(input: GroupInput<'_>, groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
+    let mut neighbours = input.neighbours(&groups);
     let mut left = groups.len();
-    let mut groups: Vec<Option<Group>> = groups.into_iter().map(Some).collect();
-    let candidate = |groups: &[Option<Group>], pair: [usize; 2]| {
+    let mut groups: Vec<Option<SphereGroup>> = groups.into_iter().map(Some).collect();
+    let candidate = |groups: &[Option<SphereGroup>], pair: [usize; 2]| {
         let [a, b] = pair.map(|index| groups[index].as_ref());
-        Some(Candidate { ball: stuff.merged(a?, b?), pair })
+        Some(MergePair { ball: input.merged(a?, b?), pair })
     };
     let pairs: Vec<[usize; 2]> = neighbours
         .iter()
@@ -77,9 +77,9 @@ fn merge(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
         .flat_map(|(a, all)| all.iter().filter(move |&&b| b > a).map(move |&b| [a, b]))
         .collect();
     let first: Vec<_> = pairs.par_iter().filter_map(|&pair| candidate(&groups, pair)).collect();
-    let mut heap: BinaryHeap<Reverse<Candidate>> = first.into_iter().map(Reverse).collect();
+    let mut heap: BinaryHeap<Reverse<MergePair>> = first.into_iter().map(Reverse).collect();
     while left > count {
-        let Some(Reverse(Candidate { ball, pair: [a, b] })) = heap.pop() else {
+        let Some(Reverse(MergePair { ball, pair: [a, b] })) = heap.pop() else {
             let pairs = strangers(&groups);
             let found: Vec<_> = pairs.par_iter().filter_map(|&pair| candidate(&groups, pair)).collect();
             heap.extend(found.into_iter().map(Reverse));
@@ -90,7 +90,7 @@ fn merge(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
         }
         let (Some(one), Some(other)) = (groups[a].take(), groups[b].take()) else { continue };
         let new = groups.len();
-        groups.push(Some(Group { ball, pieces: [one.pieces, other.pieces].concat() }));
+        groups.push(Some(SphereGroup { ball, pieces: [one.pieces, other.pieces].concat() }));
         left -= 1;
         let mut around: BTreeSet<usize> = &neighbours[a] | &neighbours[b];
         around.retain(|&index| index != a && index != b && groups[index].is_some());
@@ -107,7 +107,7 @@ fn merge(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
 }
 
 /// Pairs of groups whose surfaces do not touch: each with those nearest to it.
-fn strangers(groups: &[Option<Group>]) -> Vec<[usize; 2]> {
+fn strangers(groups: &[Option<SphereGroup>]) -> Vec<[usize; 2]> {
     let all: Vec<(usize, Ball)> =
         groups.iter().enumerate().filter_map(|(index, group)| Some((index, group.as_ref()?.ball))).collect();
     let mut pairs = BTreeSet::new();
@@ -118,18 +118,18 @@ fn strangers(groups: &[Option<Group>]) -> Vec<[usize; 2]> {
             .map(|(b, other)| (ball.centre.distance(other.centre) - other.radius, *b))
             .collect();
         others.sort_by(|x, y| x.0.total_cmp(&y.0).then_with(|| x.1.cmp(&y.1)));
-        pairs.extend(others.into_iter().take(STRANGERS).map(|(_, b)| [*a.min(&b), *a.max(&b)]));
+        pairs.extend(others.into_iter().take(APART_NEIGHBOURS).map(|(_, b)| [*a.min(&b), *a.max(&b)]));
     }
     pairs.into_iter().collect()
 }
 
 /// The greatest error that results where each group is burst, and who takes its pieces.
-fn burst_costs(stuff: Stuff<'_>, groups: &[Group]) -> Vec<(f64, Vec<usize>)> {
-    let neighbours = stuff.neighbours(groups);
-    let cost = |(group, around): (&Group, &BTreeSet<usize>)| {
+fn burst_costs(input: GroupInput<'_>, groups: &[SphereGroup]) -> Vec<(f64, Vec<usize>)> {
+    let neighbours = input.neighbours(groups);
+    let cost = |(group, around): (&SphereGroup, &BTreeSet<usize>)| {
         let indices: Vec<usize> = around.iter().copied().collect();
         let balls: Vec<&Ball> = indices.iter().map(|&index| &groups[index].ball).collect();
-        stuff.burst(group, &balls).map_or((f64::INFINITY, Vec::new()), |(error, takers)| {
+        input.burst(group, &balls).map_or((f64::INFINITY, Vec::new()), |(error, takers)| {
             (error, takers.into_iter().map(|taker| indices[taker]).collect())
         })
     };
@@ -137,14 +137,14 @@ fn burst_costs(stuff: Stuff<'_>, groups: &[Group]) -> Vec<(f64, Vec<usize>)> {
 }
 
 /// Bursts groups that are needed least and do not touch, until `count` are left or none can be burst.
-fn burst(stuff: Stuff<'_>, mut groups: Vec<Group>, count: usize) -> Vec<Group> {
+fn burst(input: GroupInput<'_>, mut groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
     while groups.len() > count {
-        let costs = burst_costs(stuff, &groups);
+        let costs = burst_costs(input, &groups);
         let chosen = apart(&costs, groups.len() - count, f64::INFINITY);
         if chosen.is_empty() {
             return groups;
         }
-        groups = without(stuff, groups, &costs, &chosen);
+        groups = without(input, groups, &costs, &chosen);
     }
     groups
 }
@@ -169,11 +169,11 @@ fn apart(costs: &[(f64, Vec<usize>)], most: usize, below: f64) -> BTreeSet<usize
 
 /// The groups without those that are burst, whose pieces go where `costs` says.
 fn without(
-    stuff: Stuff<'_>,
-    mut groups: Vec<Group>,
+    input: GroupInput<'_>,
+    mut groups: Vec<SphereGroup>,
     costs: &[(f64, Vec<usize>)],
     burst: &BTreeSet<usize>,
-) -> Vec<Group> {
+) -> Vec<SphereGroup> {
     let mut grown = BTreeSet::new();
     for &index in burst {
         let pieces = std::mem::take(&mut groups[index].pieces);
@@ -182,42 +182,42 @@ fn without(
             grown.insert(taker);
         }
     }
-    let refit = |(index, group): (usize, Group)| {
+    let refit = |(index, group): (usize, SphereGroup)| {
         if !grown.contains(&index) {
             return group;
         }
-        let Group { ball, pieces } = group;
-        stuff.fit(pieces, &[ball.centre], Effort::Full)
+        let SphereGroup { ball, pieces } = group;
+        input.fit(pieces, &[ball.centre], Effort::Full)
     };
-    let left: Vec<(usize, Group)> =
+    let left: Vec<(usize, SphereGroup)> =
         groups.into_iter().enumerate().filter(|(_, group)| !group.pieces.is_empty()).collect();
     left.into_par_iter().map(refit).collect()
 }
 
 /// Pieces shared out again and spheres moved; the best that was found.
-fn settle(stuff: Stuff<'_>, groups: Vec<Group>, count: usize) -> Vec<Group> {
+fn settle(input: GroupInput<'_>, groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
     let mut best = groups.clone();
     let mut groups = groups;
     for round in 0..ROUNDS {
-        groups = stuff.share_again(&groups);
+        groups = input.share_again(&groups);
         if groups.len() <= count && score(&groups) < score(&best) {
             best.clone_from(&groups);
         }
         if round % 2 == 1 && round + 2 < ROUNDS {
-            groups = exchange(stuff, groups, count);
+            groups = exchange(input, groups, count);
         }
     }
     best
 }
 
 /// Splits the groups that stand out most, for others that are hardly needed.
-fn exchange(stuff: Stuff<'_>, mut groups: Vec<Group>, count: usize) -> Vec<Group> {
+fn exchange(input: GroupInput<'_>, mut groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
     let mut order: Vec<usize> = (0..groups.len()).collect();
     order.sort_by(|&a, &b| groups[b].ball.error().total_cmp(&groups[a].ball.error()).then_with(|| a.cmp(&b)));
-    let costs = burst_costs(stuff, &groups);
+    let costs = burst_costs(input, &groups);
     let worst = groups[order[0]].ball.error();
     let most = (groups.len() / 10).max(1);
-    let mut cheap: Vec<usize> = apart(&costs, most, WORTH * worst).into_iter().collect();
+    let mut cheap: Vec<usize> = apart(&costs, most, BURST_GAIN * worst).into_iter().collect();
     cheap.sort_by(|&a, &b| costs[a].0.total_cmp(&costs[b].0).then_with(|| a.cmp(&b)));
     let (mut burst, mut split) = (BTreeSet::new(), BTreeSet::new());
     let mut free = count - groups.len().min(count);
@@ -230,7 +230,7 @@ fn exchange(stuff: Stuff<'_>, mut groups: Vec<Group>, count: usize) -> Vec<Group
             free -= 1;
         } else {
             let Some(victim) = next.next() else { break };
-            let is_worth_it = costs[victim].0 < WORTH * groups[index].ball.error();
+            let is_worth_it = costs[victim].0 < BURST_GAIN * groups[index].ball.error();
             if !is_worth_it || victim == index || split.contains(&victim) {
                 break;
             }
@@ -238,16 +238,16 @@ fn exchange(stuff: Stuff<'_>, mut groups: Vec<Group>, count: usize) -> Vec<Group
         }
         split.insert(index);
     }
-    let parts: Vec<Group> = split
+    let parts: Vec<SphereGroup> = split
         .iter()
         .filter_map(|&index| {
-            let [kept, added] = stuff.split(&groups[index])?;
+            let [kept, added] = input.split(&groups[index])?;
             groups[index] = kept;
             Some(added)
         })
         .collect();
     // Who takes is still there; where it was split, one half of it takes more than it must, until pieces are shared out again.
-    let mut groups = without(stuff, groups, &costs, &burst);
+    let mut groups = without(input, groups, &costs, &burst);
     groups.extend(parts);
     groups
 }

@@ -25,9 +25,9 @@ pub struct Nearest {
 
 /// A mesh made ready for [`nearest`](Self::nearest).
 #[derive(Debug)]
-pub struct Surface<'a> {
+pub struct MeshSurface<'a> {
     mesh: &'a ClosedMesh,
-    boxes: Vec<Node>,
+    boxes: Vec<BoxNode>,
     /// Triangles, leaf by leaf.
     order: Vec<u32>,
     corners: Vec<[DVec3; 3]>,
@@ -37,7 +37,7 @@ pub struct Surface<'a> {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct BoxNode {
     low: DVec3,
     high: DVec3,
     /// Of a leaf the first place in `order`, else the second child; the first child follows its parent.
@@ -46,13 +46,13 @@ struct Node {
     count: u32,
 }
 
-impl Node {
+impl BoxNode {
     fn distance_squared(&self, point: DVec3) -> f64 {
         point.distance_squared(point.clamp(self.low, self.high))
     }
 }
 
-impl<'a> Surface<'a> {
+impl<'a> MeshSurface<'a> {
     /// Boxes and normals of a mesh.
     #[must_use]
     pub fn new(mesh: &'a ClosedMesh) -> Self {
@@ -170,8 +170,9 @@ impl<'a> Surface<'a> {
 }
 
 /// Boxes of the triangles `order`, which begin at place `first` of all; half of them on each side of the longest extent.
-fn split(mesh: &ClosedMesh, order: &mut [u32], first: u32, boxes: &mut Vec<Node>) {
-    let mut node = Node { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, first, count: order.len() as u32 };
+fn split(mesh: &ClosedMesh, order: &mut [u32], first: u32, boxes: &mut Vec<BoxNode>) {
+    let mut node =
+        BoxNode { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, first, count: order.len() as u32 };
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let middle = |triangle: u32| mesh.corners(triangle as usize).into_iter().sum::<DVec3>();
     for &triangle in order.iter() {
@@ -255,7 +256,7 @@ mod tests {
     fn distances_are_those_of_brute_force_and_signs_those_of_the_solid() {
         let torus = |p: DVec3| p.z.hypot(p.x.hypot(p.y) - 0.7) - 0.25;
         let mesh = isosurface([DVec3::splat(-1.1), DVec3::splat(1.1)], 0.11, torus).unwrap();
-        let surface = Surface::new(&mesh);
+        let surface = MeshSurface::new(&mesh);
         let (mut inside, mut seed) = (0, 1_u64);
         for _ in 0..500 {
             let mut next = || {

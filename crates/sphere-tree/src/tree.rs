@@ -4,13 +4,13 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::ball::Effort;
-use crate::groups::{Group, Stuff};
+use crate::groups::{GroupInput, SphereGroup};
 use crate::measure::measure;
 use crate::medial::medial_balls;
 use crate::mesh::ClosedMesh;
 use crate::pieces::{Patches, Pieces};
 use crate::reduce::reduce;
-use crate::surface::Surface;
+use crate::surface::MeshSurface;
 use rayon::prelude::*;
 
 /// Most spheres of a level.
@@ -115,7 +115,7 @@ impl SphereTree {
                 return Err(OptionsError { what, found, most });
             }
         }
-        let surface = Surface::new(mesh);
+        let surface = MeshSurface::new(mesh);
         let patches = Patches::new(mesh, (PATCHES_PER_SPHERE * options.spheres).max(FEWEST_PATCHES));
         let [low, high] = mesh.bounds();
         let margin = MARGIN * (high - low).length();
@@ -138,7 +138,7 @@ impl SphereTree {
                     group.pieces.iter().for_each(|&child| children[child as usize].parent = Some(parent));
                 }
             }
-            let sphere = |group: &Group| TreeSphere {
+            let sphere = |group: &SphereGroup| TreeSphere {
                 centre: group.ball.centre,
                 radius: group.ball.radius + margin,
                 parent: None,
@@ -155,22 +155,27 @@ impl SphereTree {
 }
 
 /// Spheres that cover all patches, reduced from medial balls.
-fn finest(surface: &Surface<'_>, patches: &Patches, count: usize) -> Vec<Group> {
+fn finest(surface: &MeshSurface<'_>, patches: &Patches, count: usize) -> Vec<SphereGroup> {
     let pieces = Pieces::of_patches(patches);
-    let stuff = Stuff { surface, pieces: &pieces };
+    let input = GroupInput { surface, pieces: &pieces };
     let balls = medial_balls(surface, patches, &pieces, BALLS_PER_SPHERE * count.max(16));
-    let groups = balls.into_par_iter().map(|(centre, owned)| stuff.fit(owned, &[centre], Effort::Quick));
-    reduce(stuff, groups.collect(), count)
+    let groups = balls.into_par_iter().map(|(centre, owned)| input.fit(owned, &[centre], Effort::Quick));
+    reduce(input, groups.collect(), count)
 }
 
 /// Spheres that cover all that each of their children touches of the surface.
-fn coarser(surface: &Surface<'_>, patches: &Patches, children: &[(DVec3, f64)], count: usize) -> Vec<Group> {
+fn coarser(
+    surface: &MeshSurface<'_>,
+    patches: &Patches,
+    children: &[(DVec3, f64)],
+    count: usize,
+) -> Vec<SphereGroup> {
     let pieces = Pieces::touched(patches, children);
-    let stuff = Stuff { surface, pieces: &pieces };
-    let groups: Vec<Group> = children
+    let input = GroupInput { surface, pieces: &pieces };
+    let groups: Vec<SphereGroup> = children
         .par_iter()
         .enumerate()
-        .map(|(child, (centre, _))| stuff.fit(vec![child as u32], &[*centre], Effort::Quick))
+        .map(|(child, (centre, _))| input.fit(vec![child as u32], &[*centre], Effort::Quick))
         .collect();
-    reduce(stuff, groups, count)
+    reduce(input, groups, count)
 }

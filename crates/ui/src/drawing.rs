@@ -5,7 +5,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `mode` | [`ViewMode`]: the ways to look at a camera; [`Comparison`] of two; [`StateAxis`] |
+//! | `mode` | [`ViewMode`]: the ways to look at a camera; [`ModeComparison`] of two; [`StateAxis`] |
 //! | `input` | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `compose`, `tinted` | the pictures of the view modes |
 //! | `joints` | the joints that can be dragged; [`Drag`]: how a drag in a picture moves the body |
@@ -42,7 +42,7 @@ pub use limbs::{
 };
 pub use limits::{BoundedAngle, LimitMark};
 pub use mode::{
-    Comparison, Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, StateAxis, Swatch, UNKNOWN_LEGEND,
+    Legend, LegendEntry, ModeComparison, NO_CHANGE_LEGEND, NO_PULL_LEGEND, StateAxis, Swatch, UNKNOWN_LEGEND,
     ViewMode,
 };
 pub use outline::body_outline;

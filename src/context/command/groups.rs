@@ -2,7 +2,7 @@
 
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::drawing::{ModeComparison, ViewMode};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -102,7 +102,7 @@ group! {
         PixelGrid,
         SizeHandles,
         Mode(ViewMode) of ViewMode::ALL,
-        Compare(Comparison) of [Comparison::Wipe, Comparison::Blink],
+        Compare(ModeComparison) of [ModeComparison::Wipe, ModeComparison::Blink],
         CameraAlone(usize) of 0..8,
     }
 }

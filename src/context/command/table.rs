@@ -3,7 +3,7 @@
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
@@ -119,8 +119,8 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::View, View(ViewCommand::Mode(ViewMode::OwnerLimb)), "Owner limb", "Show which limb each pixel belongs to", &[key(Key::L)]),
     row(Menu::View, View(ViewCommand::Mode(ViewMode::Gradient)), "Gradient", "Show how strongly each pixel pulls at its limb", &[key(Key::G)]),
     row(Menu::View, View(ViewCommand::Mode(ViewMode::JacobianColumn)), "Jacobian column", "Show how each pixel changes as the selected joint turns; the same key again shows the next axis", &[key(Key::J)]),
-    row(Menu::View, View(ViewCommand::Compare(Comparison::Wipe)), "Wipe", "Compare two view modes side by side in the active view", &[key(Key::W)]),
-    row(Menu::View, View(ViewCommand::Compare(Comparison::Blink)), "Blink", "Compare two view modes one after the other in the active view", &[key(Key::B)]),
+    row(Menu::View, View(ViewCommand::Compare(ModeComparison::Wipe)), "Wipe", "Compare two view modes side by side in the active view", &[key(Key::W)]),
+    row(Menu::View, View(ViewCommand::Compare(ModeComparison::Blink)), "Blink", "Compare two view modes one after the other in the active view", &[key(Key::B)]),
     row(Menu::View, View(ViewCommand::CameraAlone(0)), "Camera 1 alone", "Show camera 1 alone in the window, or go back to all views", &[key(Key::Num1)]),
     row(Menu::View, View(ViewCommand::CameraAlone(1)), "Camera 2 alone", "Show camera 2 alone in the window, or go back to all views", &[key(Key::Num2)]),
     row(Menu::View, View(ViewCommand::CameraAlone(2)), "Camera 3 alone", "Show camera 3 alone in the window, or go back to all views", &[key(Key::Num3)]),

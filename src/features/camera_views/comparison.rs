@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_ui::drawing::{Comparison, JointId, ViewMode};
+use backlit_ui::drawing::{JointId, ModeComparison, ViewMode};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::{Theme, size};
@@ -34,7 +34,7 @@ const CHIP_GROUND: f32 = 0.82;
 
 /// What is seen in this frame of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Seen {
+pub(crate) enum ShownModes {
     /// One mode.
     One(ViewMode),
     /// Two modes, and where between them the handle is.
@@ -43,7 +43,7 @@ pub(crate) enum Seen {
     Blinking([ViewMode; 2], bool),
 }
 
-impl Seen {
+impl ShownModes {
     /// The mode that is seen: in a wipe, that of the left part.
     pub(crate) const fn mode(self) -> ViewMode {
         match self {
@@ -88,19 +88,19 @@ pub(crate) fn seen(
     rect: Rect,
     input: &CameraTileInput<'_>,
     events: &mut Vec<TileEvent>,
-) -> Seen {
+) -> ShownModes {
     let shown = |mode| input.picture.shown(mode);
     let tile = &input.tile;
     match tile.comparison {
-        None => Seen::One(shown(tile.mode)),
-        Some(Comparison::Wipe) => {
-            Seen::Wiped(shown(tile.mode), shown(tile.other), drag_handle(ui, id, rect, input, events))
+        None => ShownModes::One(shown(tile.mode)),
+        Some(ModeComparison::Wipe) => {
+            ShownModes::Wiped(shown(tile.mode), shown(tile.other), drag_handle(ui, id, rect, input, events))
         }
-        Some(Comparison::Blink) => {
+        Some(ModeComparison::Blink) => {
             let seconds = input.settings.blink_seconds();
             let (is_other, wait) = blink(ui.input(|input| input.time), seconds);
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(wait));
-            Seen::Blinking([tile.mode, tile.other].map(shown), is_other)
+            ShownModes::Blinking([tile.mode, tile.other].map(shown), is_other)
         }
     }
 }
@@ -149,7 +149,7 @@ pub(crate) fn paint_wipe(painter: &Painter, rect: Rect, at: f32) {
 }
 
 /// Names what is compared: in a wipe each side at its corner, in a blink both, the one that is seen now bright.
-pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
+pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: ShownModes) {
     let palette = theme::colours(Theme::Dark);
     let font = TextStyle::Small.resolve(ui.style());
     let name = |mode: ViewMode, colour| painter.layout_no_wrap(mode.label().to_owned(), font.clone(), colour);
@@ -159,8 +159,8 @@ pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
     };
     let corner = rect.shrink(CHIP_AWAY);
     match seen {
-        Seen::One(_) => {}
-        Seen::Wiped(mode, other, at) => {
+        ShownModes::One(_) => {}
+        ShownModes::Wiped(mode, other, at) => {
             let line = rect.left() + rect.width() * at;
             let [left, right] = [mode, other].map(|mode| name(mode, palette.text));
             let left_at = Rect::from_min_size(corner.min, left.size() + 2.0 * CHIP_MARGIN);
@@ -174,7 +174,7 @@ pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
                 chip(right_at, right);
             }
         }
-        Seen::Blinking(modes, is_other) => {
+        ShownModes::Blinking(modes, is_other) => {
             let mut at = corner.min;
             for (mode, is_seen) in modes.into_iter().zip([!is_other, is_other]) {
                 let galley = name(mode, if is_seen { palette.text } else { palette.text3 });
@@ -201,8 +201,8 @@ pub(crate) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
         (_, false) => mode.label().to_owned(),
     };
     match tile.comparison {
-        Some(Comparison::Wipe) => format!("{} | {}", mode(tile.mode), mode(tile.other).to_lowercase()),
-        Some(Comparison::Blink) => format!("{} / {}", mode(tile.mode), mode(tile.other).to_lowercase()),
+        Some(ModeComparison::Wipe) => format!("{} | {}", mode(tile.mode), mode(tile.other).to_lowercase()),
+        Some(ModeComparison::Blink) => format!("{} / {}", mode(tile.mode), mode(tile.other).to_lowercase()),
         None => mode(tile.mode),
     }
 }

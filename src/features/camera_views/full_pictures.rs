@@ -12,20 +12,20 @@ use crate::context::priority;
 /// The pictures of the frame on the screen.
 #[derive(Debug)]
 pub(super) struct FullPictures {
-    task: Task<Wanted, (usize, Arc<ColorImage>)>,
-    of: Option<Wanted>,
+    task: Task<FrameKey, (usize, Arc<ColorImage>)>,
+    of: Option<FrameKey>,
     /// By camera; `None` where it is not read yet, or cannot be.
     pictures: Vec<Option<Arc<ColorImage>>>,
 }
 
 /// A frame of some footage, which is another one once cameras are replaced.
 #[derive(Debug, Clone)]
-struct Wanted {
+struct FrameKey {
     take: Arc<Footage>,
     frame: usize,
 }
 
-impl PartialEq for Wanted {
+impl PartialEq for FrameKey {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.take, &other.take) && self.frame == other.frame
     }
@@ -49,7 +49,7 @@ impl FullPictures {
     pub(super) fn update(&mut self, context: &Context<'_>) {
         let take = context.session.take.as_ref().filter(|take| take.take().reduction() > 1);
         let Some(take) = take else { return };
-        let wanted = Wanted { take: take.clone(), frame: context.selection.frame };
+        let wanted = FrameKey { take: take.clone(), frame: context.selection.frame };
         if self.of.as_ref() != Some(&wanted) {
             self.pictures = vec![None; take.cameras.len()];
             self.of = Some(wanted.clone());
@@ -80,13 +80,13 @@ impl FullPictures {
 /// One camera a step.
 #[derive(Debug)]
 struct ReadJob {
-    wanted: Wanted,
+    wanted: FrameKey,
     camera: usize,
 }
 
 impl Job<(usize, Arc<ColorImage>)> for ReadJob {
     fn step(&mut self, out: &Outbox<(usize, Arc<ColorImage>)>) -> Turn {
-        let Wanted { take, frame } = &self.wanted;
+        let FrameKey { take, frame } = &self.wanted;
         if self.camera >= take.cameras.len() || out.cancel().is_cancelled() {
             return Turn::Done;
         }

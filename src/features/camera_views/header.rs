@@ -1,7 +1,7 @@
 //! A tile's header: badge, name, view mode, link, expand, more; and its two menus, what the picture shows and all the rest.
 
 use backlit_tracking::camera::Camera;
-use backlit_ui::drawing::{Comparison, StateAxis, ViewMode};
+use backlit_ui::drawing::{ModeComparison, StateAxis, ViewMode};
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button};
@@ -234,8 +234,8 @@ fn mode_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<
     }
     ui.separator();
     for (comparison, text, key, tooltip) in [
-        (Comparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
-        (Comparison::Blink, "Blink", "B", "Two modes one after the other: what differs seems to move"),
+        (ModeComparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
+        (ModeComparison::Blink, "Blink", "B", "Two modes one after the other: what differs seems to move"),
     ] {
         let is_on = tile.comparison == Some(comparison);
         let entry = Button::new(text).shortcut_text(key).selected(is_on);

@@ -11,7 +11,7 @@ use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::CameraTileInput;
-use super::comparison::Seen;
+use super::comparison::ShownModes;
 use super::legend_block::{Block, Item, ROW};
 use super::overlays;
 use super::tile::TileLayout;
@@ -32,7 +32,7 @@ const OPACITY: f32 = 0.86;
 const NOT_NOW: f32 = 0.45;
 
 /// Shows the strip, if there is anything to say, and returns its height.
-pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, seen: Seen) -> f32 {
+pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, seen: ShownModes) -> f32 {
     let has_gutter = layout.gutter.is_some();
     let is_compared = seen.modes().len() > 1;
     let mut modes = seen.modes();

@@ -106,7 +106,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Lays it out in at most so many rows `room` wide; the last one leaves free what `note` takes. Items for which there
+    /// Lays it out in at most `most_rows` rows that are `room` wide; the last one leaves free what `note` takes. Items for which there
     /// is no row are left to the tooltip.
     pub(crate) fn new(
         legend: Legend,

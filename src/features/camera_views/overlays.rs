@@ -44,7 +44,7 @@ pub struct ObservedMarks<'a> {
     pub ghosts: Option<&'a GhostMarks>,
     /// Ellipses of joints; empty for none.
     pub ellipses: &'a [JointEllipse],
-    /// They are drawn so many times as large as they are; 0 counts as 1.
+    /// How much larger than life they are drawn; 0 counts as 1.
     pub factor: u32,
     /// They are of an older pose: pale, until there are new ones.
     pub is_stale: bool,
@@ -217,7 +217,7 @@ pub(super) fn paint_ghosts(painter: &Painter, view: &ViewTransform, marks: &Ghos
 /// Dash and gap of a limb that nothing holds, points.
 const UNSURE_DASH: [f32; 2] = [5.0, 4.0];
 
-/// What the outlines mean, for the legend: those that are to be seen.
+/// What the outlines mean, for the legend: those that are shown.
 pub(crate) fn held_legend(held: &[LimbHold]) -> impl Iterator<Item = (&'static str, Color32)> {
     let by_cue = held.iter().any(|hold| !hold.by_silhouettes && !hold.is_unsure());
     let unsure = held.iter().any(LimbHold::is_unsure);

@@ -39,7 +39,7 @@ pub(super) fn subject(session: &Session, camera: usize) -> Option<Rect> {
 
 /// Where a camera's tile stands.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct TilePlace<'a> {
     pub(crate) camera: usize,
     /// It fills the centre.
     pub(crate) is_alone: bool,
@@ -53,7 +53,7 @@ impl CameraViews {
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,
-        place: Place<'_>,
+        place: TilePlace<'_>,
         requests: &mut Requests,
     ) -> bool {
         let Some(pane) = CameraPane::new(context, place.camera) else { return false };
@@ -159,7 +159,7 @@ impl<'a> CameraPane<'a> {
 
     fn input(
         &self,
-        place: Place<'a>,
+        place: TilePlace<'a>,
         tile: TileView,
         preferences: CameraViewPreferences,
     ) -> CameraTileInput<'_> {

@@ -20,7 +20,7 @@ use egui::{
     pos2, vec2,
 };
 
-use super::comparison::{self, Seen};
+use super::comparison::{self, ShownModes};
 use super::hover_card::HoverCard;
 use super::overlays::{paint_bodies, paint_ellipses, paint_likelier};
 use super::pointer::{Grips, PointerInput, rotation_owner};
@@ -58,8 +58,8 @@ pub(crate) fn show(
 
     ui.painter().rect_filled(rect, 0.0, PICTURE_GROUND);
     match seen {
-        Seen::One(_) | Seen::Blinking(..) => paint_part(ui, id, rect, &view, input, seen.mode()),
-        Seen::Wiped(mode, other, at) => {
+        ShownModes::One(_) | ShownModes::Blinking(..) => paint_part(ui, id, rect, &view, input, seen.mode()),
+        ShownModes::Wiped(mode, other, at) => {
             let (left, right) = rect.split_left_right_at_fraction(at);
             paint_part(ui, id.with("left"), left, &view, input, mode);
             paint_part(ui, id.with("right"), right, &view, input, other);
@@ -82,7 +82,7 @@ pub(crate) fn show(
     follow_pointer(ui, &response, &view, input, state, events);
     paint_marks(ui, &painter, id, &view, input, (&*state, seen.mode()));
     paint_size_handles(ui, &painter, id, &view, input, state);
-    if let Seen::Wiped(_, _, at) = seen {
+    if let ShownModes::Wiped(_, _, at) = seen {
         comparison::paint_wipe(&painter, rect, at);
     }
     comparison::paint_names(ui, &painter, rect, seen);
@@ -311,7 +311,7 @@ fn show_card(
     picture: Rect,
     view: &ViewTransform,
     input: &CameraTileInput<'_>,
-    (state, seen, has_keys): (&mut TileState, Seen, bool),
+    (state, seen, has_keys): (&mut TileState, ShownModes, bool),
 ) {
     let is_frozen = ui.input(|input| input.key_down(Key::H));
     if !is_frozen {

@@ -72,11 +72,11 @@ pub(crate) struct Pointer {
 struct Press {
     grip: Grip,
     pressed_at: Pos2,
-    stage: Stage,
+    phase: PressPhase,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Stage {
+enum PressPhase {
     Pressed,
     Dragging(Anchor),
     Cancelled,
@@ -99,7 +99,7 @@ struct Anchor {
 impl Pointer {
     /// What is pressed or dragged.
     pub(crate) fn grip(&self) -> Option<Grip> {
-        self.press.filter(|press| !matches!(press.stage, Stage::Cancelled)).map(|press| press.grip)
+        self.press.filter(|press| !matches!(press.phase, PressPhase::Cancelled)).map(|press| press.grip)
     }
 
     /// Whether something was just dropped here: nothing is to cover it.
@@ -114,9 +114,9 @@ impl Pointer {
 
     /// What the drag in progress does.
     pub(crate) fn action(&self) -> Option<Action> {
-        match self.press?.stage {
-            Stage::Dragging(anchor) => Some(anchor.action),
-            Stage::Pressed | Stage::Cancelled => None,
+        match self.press?.phase {
+            PressPhase::Dragging(anchor) => Some(anchor.action),
+            PressPhase::Pressed | PressPhase::Cancelled => None,
         }
     }
 
@@ -130,7 +130,7 @@ impl Pointer {
     ) {
         self.dropped_at = self.dropped_at.filter(|place| pointer.at.distance(*place) < LEAVES);
         if let Some(pressed_at) = pointer.pressed_at {
-            self.press = under.map(|grip| Press { grip, pressed_at, stage: Stage::Pressed });
+            self.press = under.map(|grip| Press { grip, pressed_at, phase: PressPhase::Pressed });
             events.push(TileEvent::Activate);
             events.extend(under.map(|grip| match grip {
                 Grip::Joint(joint) => TileEvent::SelectJoint(joint),
@@ -139,19 +139,19 @@ impl Pointer {
         }
         self.hovered = under.filter(|_| self.press.is_none());
         let Some(press) = &mut self.press else { return };
-        match press.stage {
-            Stage::Pressed if pointer.is_cancelled => press.stage = Stage::Cancelled,
-            Stage::Pressed if pointer.at.distance(press.pressed_at) >= TRAVEL => {
+        match press.phase {
+            PressPhase::Pressed if pointer.is_cancelled => press.phase = PressPhase::Cancelled,
+            PressPhase::Pressed if pointer.at.distance(press.pressed_at) >= TRAVEL => {
                 let action = action(press.grip, pointer.modifiers, grips.body);
                 let mut anchor = Anchor::new(action, press.grip, press.pressed_at, grips);
                 events.push(TileEvent::Drag(DragEvent::Begin(anchor.drag(pointer.at, grips))));
-                press.stage = Stage::Dragging(anchor);
+                press.phase = PressPhase::Dragging(anchor);
             }
-            Stage::Dragging(_) if pointer.is_cancelled => {
+            PressPhase::Dragging(_) if pointer.is_cancelled => {
                 events.push(TileEvent::Drag(DragEvent::Cancel));
-                press.stage = Stage::Cancelled;
+                press.phase = PressPhase::Cancelled;
             }
-            Stage::Dragging(mut anchor) => {
+            PressPhase::Dragging(mut anchor) => {
                 let action = action(press.grip, pointer.modifiers, grips.body);
                 if pointer.is_down && action != anchor.action {
                     anchor = Anchor::new(action, press.grip, pointer.at, grips);
@@ -159,12 +159,12 @@ impl Pointer {
                 } else if pointer.at != anchor.last {
                     events.push(TileEvent::Drag(DragEvent::Move(anchor.drag(pointer.at, grips))));
                 }
-                press.stage = Stage::Dragging(anchor);
+                press.phase = PressPhase::Dragging(anchor);
             }
-            Stage::Pressed | Stage::Cancelled => {}
+            PressPhase::Pressed | PressPhase::Cancelled => {}
         }
         if !pointer.is_down {
-            if matches!(press.stage, Stage::Dragging(_)) {
+            if matches!(press.phase, PressPhase::Dragging(_)) {
                 events.push(TileEvent::Drag(DragEvent::End));
                 self.dropped_at = Some(pointer.at);
             }

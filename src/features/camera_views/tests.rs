@@ -37,16 +37,16 @@ fn each_layout_has_its_modes_and_asks_for_their_derivatives() {
 #[test]
 fn a_comparison_is_of_two_different_modes() {
     let mut tile = TileView { mode: ViewMode::Footage, ..TileView::default() };
-    tile.toggle(Comparison::Blink);
+    tile.toggle(ModeComparison::Blink);
     assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
     tile.set_mode(ViewMode::Tinted);
     assert_eq!((tile.mode, tile.other), (ViewMode::Tinted, ViewMode::Footage));
     tile.compare_with(ViewMode::Tinted);
     assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
-    tile.toggle(Comparison::Wipe);
-    assert_eq!(tile.comparison, Some(Comparison::Wipe));
-    tile.toggle(Comparison::Wipe);
+    tile.toggle(ModeComparison::Wipe);
+    assert_eq!(tile.comparison, Some(ModeComparison::Wipe));
+    tile.toggle(ModeComparison::Wipe);
     assert!(tile.comparison.is_none() && !tile.shows(ViewMode::Tinted));
     tile.compare_with(ViewMode::Residual);
-    assert!(tile.comparison == Some(Comparison::Wipe) && tile.shows(ViewMode::Residual));
+    assert!(tile.comparison == Some(ModeComparison::Wipe) && tile.shows(ViewMode::Residual));
 }

@@ -30,13 +30,13 @@ const ABOVE: f64 = 0.09;
 
 /// The curves of runs, ready to be drawn.
 pub(super) struct Plot<'a> {
-    curves: Vec<Curve<'a>>,
-    scale: Scale,
+    curves: Vec<RunCurve<'a>>,
+    scale: PlotScale,
     /// The step on the screen.
     current: Option<(&'a Run, usize)>,
 }
 
-struct Curve<'a> {
+struct RunCurve<'a> {
     run: &'a Run,
     points: Vec<CurvePoint>,
     /// Accepted steps before its start: those of the runs that it branched from.
@@ -45,16 +45,16 @@ struct Curve<'a> {
 
 /// Which ends the axes have, and how heights lie on theirs.
 #[derive(Clone, Copy)]
-struct Scale {
+struct PlotScale {
     preferences: ConvergencePreferences,
     heights: [f64; 2],
     last_step: f64,
 }
 
-impl Scale {
-    fn of(curves: &[Curve<'_>], preferences: ConvergencePreferences) -> Self {
+impl PlotScale {
+    fn of(curves: &[RunCurve<'_>], preferences: ConvergencePreferences) -> Self {
         let last =
-            |curve: &Curve<'_>| curve.begins_at + curve.run.accepted_until(curve.run.last_step()) as f64;
+            |curve: &RunCurve<'_>| curve.begins_at + curve.run.accepted_until(curve.run.last_step()) as f64;
         let steps = curves.iter().map(last).fold(0.0, f64::max);
         let runs = || curves.iter().map(|curve| curve.run);
         let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
@@ -119,10 +119,10 @@ impl<'a> Plot<'a> {
             let begins_at = begins_at(runs, run) as f64;
             let mut points = points(run, preferences.quantity);
             points.iter_mut().for_each(|point| point.x += begins_at);
-            Curve { run, points, begins_at }
+            RunCurve { run, points, begins_at }
         };
-        let curves: Vec<Curve<'_>> = runs.iter().filter(|run| run.is_shown).map(curve).collect();
-        let scale = Scale::of(&curves, preferences);
+        let curves: Vec<RunCurve<'_>> = runs.iter().filter(|run| run.is_shown).map(curve).collect();
+        let scale = PlotScale::of(&curves, preferences);
         Self { curves, scale, current }
     }
 
@@ -224,7 +224,7 @@ fn begins_at(runs: &[Run], run: &Run) -> usize {
     parent.map_or(0, |parent| begins_at(runs, parent) + parent.accepted_until(from.step))
 }
 
-fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool) {
+fn draw(plot: &mut PlotUi<'_>, curve: &RunCurve<'_>, scale: PlotScale, is_current: bool) {
     let style = run_style(curve.run.colour);
     let dash = match style.dash {
         [] => LineStyle::Solid,
@@ -266,7 +266,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
 }
 
 /// Where a rejected step's × stands: stacked upwards above the last accepted dot, unless it has a value of its own.
-fn cross_at(point: &CurvePoint, scale: Scale, on_screen: Pos2, frame: Rect) -> Pos2 {
+fn cross_at(point: &CurvePoint, scale: PlotScale, on_screen: Pos2, frame: Rect) -> Pos2 {
     if scale.preferences.quantity.is_of_trials() {
         return on_screen;
     }

@@ -25,7 +25,7 @@ pub(crate) const DELAYS_MS: std::ops::RangeInclusive<u32> = 10..=10_000;
 /// What is painted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
+pub enum ExportArea {
     /// One camera's picture with its marks.
     #[default]
     View,
@@ -100,7 +100,7 @@ impl Default for MotionChoices {
 #[expect(clippy::struct_excessive_bools, reason = "boxes that are ticked independently of each other")]
 pub struct ExportChoices {
     /// What is painted of every picture of a series.
-    pub part: Part,
+    pub part: ExportArea,
     /// Pixels of a view's picture for one pixel of the footage.
     pub view_scale: f32,
     /// Pixels across instead, if that is chosen.
@@ -130,7 +130,7 @@ pub struct ExportChoices {
 impl Default for ExportChoices {
     fn default() -> Self {
         Self {
-            part: Part::View,
+            part: ExportArea::View,
             view_scale: 2.0,
             view_width: None,
             whole_frame: true,
@@ -234,16 +234,16 @@ impl ExportOrder {
     pub(crate) fn picture(&self, context: &Context<'_>) -> PictureOf {
         let choices = &self.choices;
         let part = match self.subject {
-            Subject::View => Part::View,
-            Subject::Window => Part::Window,
+            Subject::View => ExportArea::View,
+            Subject::Window => ExportArea::Window,
             Subject::Steps | Subject::Frames => choices.part,
         };
         let camera = context.selection.camera;
         match part {
-            Part::Window => {
+            ExportArea::Window => {
                 PictureOf::Window { size: context.egui.viewport_rect().size(), scale: choices.window_scale }
             }
-            Part::View => PictureOf::View {
+            ExportArea::View => PictureOf::View {
                 picture: PictureAlone { camera, marks: choices.marks, legend: choices.legend },
                 scale: choices.view_pixels_per_px(context.session.camera_size(camera).unwrap_or([1, 1])),
                 whole_frame: choices.whole_frame,

@@ -11,7 +11,7 @@ use backlit_ui::widgets::{
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
-use super::{ExportChoices, ExportOrder, Part, SeriesFormat, Subject};
+use super::{ExportArea, ExportChoices, ExportOrder, SeriesFormat, Subject};
 use crate::context::Context;
 
 /// Width of the card, and of the names in it.
@@ -33,7 +33,7 @@ pub(crate) struct ExportDialog {
 
 /// What becomes of the card.
 #[derive(Debug, Default)]
-pub(crate) struct Answer {
+pub(crate) struct CardAnswer {
     /// It is closed.
     pub(crate) closes: bool,
     /// The file or the folder is to be chosen in a dialog of the desktop's.
@@ -102,7 +102,8 @@ impl ExportDialog {
         let take: String =
             take.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { ' ' }).collect();
         let (frame, camera) = (context.selection.frame, context.selection.camera + 1);
-        let view = if self.choices.part == Part::View { format!(" camera {camera}") } else { String::new() };
+        let view =
+            if self.choices.part == ExportArea::View { format!(" camera {camera}") } else { String::new() };
         let name = match self.subject {
             Subject::View => format!("{take} frame {frame} camera {camera}.png"),
             Subject::Window => format!("{take} frame {frame} window.png"),
@@ -136,9 +137,9 @@ impl ExportDialog {
     }
 
     /// Shows the card.
-    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> Answer {
+    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> CardAnswer {
         let facts = Facts::new(ui.ctx(), context);
-        let mut answer = Answer::default();
+        let mut answer = CardAnswer::default();
         let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             ui.spacing_mut().item_spacing.y = 6.0;
@@ -148,7 +149,7 @@ impl ExportDialog {
             segmented(ui, &mut self.subject, &Subject::ALL);
             ui.add_space(space::ROW);
             self.series(ui, &facts);
-            if self.part() == Part::View {
+            if self.part() == ExportArea::View {
                 self.view(ui, &facts);
             } else {
                 self.window(ui, &facts);
@@ -178,10 +179,10 @@ impl ExportDialog {
         answer
     }
 
-    fn part(&self) -> Part {
+    fn part(&self) -> ExportArea {
         match self.subject {
-            Subject::View => Part::View,
-            Subject::Window => Part::Window,
+            Subject::View => ExportArea::View,
+            Subject::Window => ExportArea::Window,
             Subject::Steps | Subject::Frames => self.choices.part,
         }
     }
@@ -192,7 +193,7 @@ impl ExportDialog {
         }
         let choices = &mut self.choices;
         row(ui, "Pictures of", |ui| {
-            segmented(ui, &mut choices.part, &[(Part::View, "View"), (Part::Window, "Window")]);
+            segmented(ui, &mut choices.part, &[(ExportArea::View, "View"), (ExportArea::Window, "Window")]);
         });
         row(ui, "Saved as", |ui| {
             segmented(ui, &mut choices.format, &SeriesFormat::ALL);
@@ -261,7 +262,7 @@ impl ExportDialog {
         });
     }
 
-    /// Where to; whether that is to be chosen in a dialog of the desktop's.
+    /// The row of the path. Returns whether the user asks for the desktop's dialog.
     fn target(&mut self, ui: &mut Ui) -> bool {
         let name = if self.wants_folder() { "Folder" } else { "File" };
         let mut asks = false;
@@ -300,7 +301,7 @@ impl ExportDialog {
     }
 
     fn pixels(&self, facts: &Facts) -> [i64; 2] {
-        let size = if self.part() == Part::View {
+        let size = if self.part() == ExportArea::View {
             let scale = self.choices.view_pixels_per_px(facts.footage);
             [facts.footage[0] as f32 * scale, facts.footage[1] as f32 * scale]
         } else {
@@ -323,7 +324,7 @@ impl ExportDialog {
         if self.subject == Subject::Steps && facts.steps.is_none() {
             return Some("This frame has no run yet: press Space to step.".to_owned());
         }
-        if facts.frame_count == 0 && self.part() == Part::View {
+        if facts.frame_count == 0 && self.part() == ExportArea::View {
             return Some("Open a take first.".to_owned());
         }
         if self.pixels(facts).into_iter().any(|side| side > i64::from(MAX_SIDE)) {

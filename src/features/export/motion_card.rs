@@ -172,7 +172,7 @@ impl MotionCard {
         });
     }
 
-    /// Where to; whether that is to be chosen in a dialog of the desktop's.
+    /// The row of the path. Returns whether the user asks for the desktop's dialog.
     fn path_row(&mut self, ui: &mut Ui) -> bool {
         let mut asks = false;
         row(ui, "File", |ui| {

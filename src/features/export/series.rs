@@ -66,12 +66,12 @@ pub(crate) struct SeriesWriter {
     options: SeriesOptions,
     count: usize,
     written: usize,
-    film: Option<Film>,
+    animation: Option<Animation>,
 }
 
 /// A file that moves.
 #[derive(Debug)]
-struct Film {
+struct Animation {
     /// Known from the first picture on, with its size.
     encoder: Option<((u32, u32), Encoder)>,
     file: NewFile,
@@ -85,7 +85,7 @@ enum Encoder {
 }
 
 impl SeriesWriter {
-    /// Begins a series of so many pictures.
+    /// Begins a series of `count` pictures.
     ///
     /// # Errors
     /// The file or the folder cannot be made, or there are no pictures.
@@ -98,14 +98,14 @@ impl SeriesWriter {
         if count == 0 {
             return Err(ExportError::Empty);
         }
-        let film = if options.format == SeriesFormat::Pngs {
+        let animation = if options.format == SeriesFormat::Pngs {
             std::fs::create_dir_all(path)
                 .map_err(|source| ExportError::Folder { path: path.to_owned(), source })?;
             None
         } else {
-            Some(Film { encoder: None, file: NewFile::create(path)? })
+            Some(Animation { encoder: None, file: NewFile::create(path)? })
         };
-        Ok(Self { path: path.to_owned(), name, options, count, written: 0, film })
+        Ok(Self { path: path.to_owned(), name, options, count, written: 0, animation })
     }
 
     /// Writes the next picture; the number is for its name.
@@ -113,18 +113,18 @@ impl SeriesWriter {
     /// # Errors
     /// The file system says no, or the picture does not go with the first.
     pub(crate) fn add(&mut self, number: usize, picture: RgbImage) -> Result<(), ExportError> {
-        if let Some(film) = &mut self.film {
+        if let Some(animation) = &mut self.animation {
             let size = picture.dimensions();
-            let (expected, mut encoder) = match film.encoder.take() {
+            let (expected, mut encoder) = match animation.encoder.take() {
                 Some(begun) => begun,
-                None => (size, Encoder::begin(&self.path, &film.file, size, self.options, self.count)?),
+                None => (size, Encoder::begin(&self.path, &animation.file, size, self.options, self.count)?),
             };
             if size != expected {
                 let (path, number) = (self.path.clone(), self.written);
                 return Err(ExportError::Size { path, number, found: size, expected });
             }
-            encoder.add(&picture, self.options).map_err(|error| film.file.error(error))?;
-            film.encoder = Some((expected, encoder));
+            encoder.add(&picture, self.options).map_err(|error| animation.file.error(error))?;
+            animation.encoder = Some((expected, encoder));
         } else {
             let path = self.path.join(numbered(self.name, number));
             images::write_png(&path, &DynamicImage::ImageRgb8(picture))?;
@@ -138,7 +138,7 @@ impl SeriesWriter {
     /// # Errors
     /// The file system says no.
     pub(crate) fn finish(self) -> Result<(), ExportError> {
-        let Some(Film { encoder, file }) = self.film else { return Ok(()) };
+        let Some(Animation { encoder, file }) = self.animation else { return Ok(()) };
         if let Some((_, encoder)) = encoder {
             encoder.finish().map_err(|error| file.error(error))?;
         }

@@ -2,7 +2,7 @@
 
 use backlit_document::edit::Edit;
 
-use super::Running;
+use super::ExportProgress;
 use super::job::Exported;
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::command::{Command, ExportCommand};
@@ -27,7 +27,8 @@ fn an_export_that_breaks_down_is_said_once_and_is_over() {
     let (mut window, mut app) = open(Layout::Pose);
     let pool = app.inspector.state.pool.clone();
     let export = &mut app.inspector.features.export;
-    export.running = Some(Running { path: "a.png".into(), done: 0, total: 1, outcome: Exported::Stopped });
+    export.running =
+        Some(ExportProgress { path: "a.png".into(), done: 0, total: 1, outcome: Exported::Stopped });
     export.task.begin(&pool, (), |()| Breaks);
     settle(&mut window, &mut app);
     assert_eq!(app.inspector.features.export.progress(), None);

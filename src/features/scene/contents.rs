@@ -13,7 +13,7 @@ use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, JOINT, SCENE_BODY
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::raster::{Dot, Ends, Floor, Limb, Line, Scene};
+use super::raster::{Dot, Ends, Floor, Limb, SceneLine, SceneShapes};
 use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
 
 /// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.
@@ -90,7 +90,7 @@ pub(crate) struct Frustum {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Contents {
     /// Limbs, floor and lines.
-    pub(crate) scene: Scene<'static>,
+    pub(crate) scene: SceneShapes<'static>,
     /// The cameras.
     pub(crate) frusta: Vec<Frustum>,
 }
@@ -98,7 +98,7 @@ pub(crate) struct Contents {
 /// Builds the scene.
 pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
     let limbs = input.ghosts.map_or_else(|| limbs(input), ghost_limbs);
-    let mut scene = Scene { limbs, ..Scene::default() };
+    let mut scene = SceneShapes { limbs, ..SceneShapes::default() };
     scene.lines.extend(input.ghosts.into_iter().flat_map(|ghosts| ghost_lines(ghosts, input.scale)));
     if input.preferences.floor {
         scene.floor = Some(floor(input));
@@ -187,17 +187,17 @@ fn frusta(input: &ContentsInput<'_>) -> Vec<Frustum> {
     input.cameras.iter().enumerate().filter(|(index, _)| Some(*index) != own).filter_map(frustum).collect()
 }
 
-fn frustum_lines(input: &ContentsInput<'_>, frustum: &Frustum) -> Vec<Line> {
+fn frustum_lines(input: &ContentsInput<'_>, frustum: &Frustum) -> Vec<SceneLine> {
     let colour = camera_colours(frustum.camera).fill.gamma_multiply(frustum.opacity);
     let width = if frustum.camera == input.active { ACTIVE_WIDTH } else { WIDTH };
     let corners = frustum.corners;
     (0..4)
         .flat_map(|index| [[frustum.apex, corners[index]], [corners[index], corners[(index + 1) % 4]]])
-        .map(|ends| Line { ends, width_px: width * input.scale, colour })
+        .map(|ends| SceneLine { ends, width_px: width * input.scale, colour })
         .collect()
 }
 
-fn box_lines(hull: &VisualHull, scale: f64) -> Vec<Line> {
+fn box_lines(hull: &VisualHull, scale: f64) -> Vec<SceneLine> {
     let [low, high] = hull.bounds;
     let corner = |bits: usize| {
         let pick = |axis: usize| if bits >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -207,7 +207,7 @@ fn box_lines(hull: &VisualHull, scale: f64) -> Vec<Line> {
         (0..3).filter(move |axis| from >> axis & 1 == 0).map(move |axis| [from, from | 1 << axis])
     });
     let colour = AGREEMENT.gamma_multiply(BOX);
-    edges.map(|ends| Line { ends: ends.map(corner), width_px: scale, colour }).collect()
+    edges.map(|ends| SceneLine { ends: ends.map(corner), width_px: scale, colour }).collect()
 }
 
 /// The cubes that face the eye, lit from there.
@@ -221,10 +221,10 @@ pub(crate) fn shell(hull: &VisualHull, eye: DVec3) -> Vec<Dot> {
 }
 
 /// From the camera through the joint: dashed, and solid near the joint.
-fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<Line> {
+fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<SceneLine> {
     let depth = eye.distance(joint);
     let along = (joint - eye).normalize_or_zero();
-    let line = |from: f64, to: f64| Line {
+    let line = |from: f64, to: f64| SceneLine {
         ends: [eye + along * from, eye + along * to],
         width_px: RAY_WIDTH * scale,
         colour: SELECTED,
@@ -262,10 +262,10 @@ fn ghost_limbs(ghosts: &Ghosts) -> Vec<Limb> {
 }
 
 /// The limbs of the faint ones.
-fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = Line> {
+fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = SceneLine> {
     ghosts.sticks().flat_map(move |(ghost, opacity)| {
         let (starts, ends) = (ghost.kinematics.starts(), ghost.kinematics.ends());
-        let line = move |limb: usize| Line {
+        let line = move |limb: usize| SceneLine {
             ends: [starts[limb], ends[limb]],
             width_px: GHOST_WIDTH * scale,
             colour: GHOST.gamma_multiply(opacity),

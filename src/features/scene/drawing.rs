@@ -12,7 +12,7 @@ use image::{DynamicImage, RgbImage, RgbaImage};
 
 use super::Frustum;
 use super::contents::shell;
-use super::raster::{Picture, Scene, SceneCamera, SceneFrame};
+use super::raster::{FlatPicture, SceneCamera, SceneFrame, SceneShapes};
 use crate::session::FrameData;
 
 /// All that a picture of the scene shows.
@@ -25,7 +25,7 @@ pub struct SceneOrder {
     /// Where it is seen from.
     pub eye: SceneCamera,
     /// Limbs, floor and lines.
-    pub scene: Scene<'static>,
+    pub scene: SceneShapes<'static>,
     /// The cameras.
     pub(crate) frusta: Vec<Frustum>,
     /// The frame whose pictures stand on the frusta, if they are to be seen.
@@ -106,9 +106,9 @@ impl SceneDrawing {
 
 fn draw(order: &SceneOrder, thumbnails: Option<&Thumbnails>) -> ColorImage {
     let pictures = thumbnails.map_or_else(Vec::new, |thumbnails| thumbnails.on(&order.frusta));
-    let scene = Scene { pictures, ..order.scene.clone() };
+    let scene = SceneShapes { pictures, ..order.scene.clone() };
     let scene = match &order.shell {
-        Some(hull) => Scene { dots: shell(hull, order.eye.position), ..scene },
+        Some(hull) => SceneShapes { dots: shell(hull, order.eye.position), ..scene },
         None => scene,
     };
     let [width, height] = order.size_px;
@@ -145,12 +145,12 @@ impl Thumbnails {
         Arc::ptr_eq(&self.frame, frame) && self.side == side
     }
 
-    fn on(&self, frusta: &[Frustum]) -> Vec<Picture<'_>> {
+    fn on(&self, frusta: &[Frustum]) -> Vec<FlatPicture<'_>> {
         let picture = |frustum: &Frustum| {
             let [corner, right, _, below] = frustum.corners;
             let image = self.pictures.get(frustum.camera)?.as_ref()?;
             let opacity = frustum.opacity;
-            Some(Picture { corner, across: right - corner, down: below - corner, image, opacity })
+            Some(FlatPicture { corner, across: right - corner, down: below - corner, image, opacity })
         };
         frusta.iter().filter_map(picture).collect()
     }
@@ -187,7 +187,7 @@ mod tests {
                 up: DVec3::Y,
                 fov_y: 0.7,
             },
-            scene: Scene { limbs: vec![limb], ..Scene::default() },
+            scene: SceneShapes { limbs: vec![limb], ..SceneShapes::default() },
             frusta: vec![Frustum {
                 camera: 0,
                 apex: DVec3::new(1.0, 0.0, 2.0),

@@ -48,17 +48,18 @@ impl Scene {
         let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
         show_header(ui, header, &mut self.preferences, context, siblings, requests);
         let viewpoint = &mut self.preferences.viewpoint;
-        let Some(stage) = Stage::new(context, *viewpoint, picture).filter(|_| picture.is_positive()) else {
+        let Some(view) = SceneView::new(context, *viewpoint, picture).filter(|_| picture.is_positive())
+        else {
             return;
         };
-        let (seen_from, moves) = input::navigate(ui, &stage, viewpoint);
-        let stage = stage.seen_from(context, seen_from);
-        let order = order_of(ui.pixels_per_point(), context, self, &stage, moves);
+        let (seen_from, moves) = input::navigate(ui, &view, viewpoint);
+        let view = view.seen_from(context, seen_from);
+        let order = order_of(ui.pixels_per_point(), context, self, &view, moves);
         self.order(context.pool, order);
         ui.painter().rect_filled(picture, 0.0, PICTURE_GROUND);
         let Some(drawing) = &self.drawing else { return };
         show_drawing(ui, picture, drawing);
-        let seen = Seen::new(drawing, picture);
+        let seen = DrawnView::new(drawing, picture);
         input::pick_camera(ui, context, &seen, requests);
         marks::show(ui, context, self, &seen);
         input::show_focus(ui, picture);
@@ -66,7 +67,7 @@ impl Scene {
 }
 
 /// The scene as it is to be seen.
-struct Stage {
+struct SceneView {
     /// The picture on the screen.
     picture: Rect,
     upright: Upright,
@@ -93,7 +94,7 @@ fn height_of(model: &Model, pose: &Pose) -> f64 {
     2.0 * (farthest + thickest)
 }
 
-impl Stage {
+impl SceneView {
     fn new(context: &Context<'_>, viewpoint: Option<Viewpoint>, picture: Rect) -> Option<Self> {
         let take = context.session.take.as_ref()?;
         let document = context.document();
@@ -108,7 +109,7 @@ impl Stage {
         // A body that sways is shown on its way.
         let swayed = context.observability.swayed_pose.as_ref();
         let pose = swayed.unwrap_or(context.shown_pose());
-        let mut stage = Self {
+        let mut view = Self {
             picture,
             upright,
             floor: upright.floor(&document.model, &document.start),
@@ -120,8 +121,8 @@ impl Stage {
             ray: None,
         };
         let dragged = context.drag.dragged_joint();
-        stage.ray = dragged.and_then(|(camera, joint)| Some((camera, stage.position(joint)?)));
-        Some(stage)
+        view.ray = dragged.and_then(|(camera, joint)| Some((camera, view.position(joint)?)));
+        Some(view)
     }
 
     /// The same from elsewhere: what a drag asks for is ordered in the very frame.
@@ -179,7 +180,7 @@ impl Stage {
 }
 
 /// The scene as it was drawn: what lies over the picture belongs to that one, until the next is there.
-struct Seen<'a> {
+struct DrawnView<'a> {
     /// The picture on the screen.
     picture: Rect,
     eye: SceneCamera,
@@ -188,7 +189,7 @@ struct Seen<'a> {
     held: Option<DVec3>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> DrawnView<'a> {
     fn new(drawing: &'a SceneDrawing, picture: Rect) -> Self {
         let order = &drawing.order;
         Self { picture, eye: order.eye, frusta: &order.frusta, held: order.held }
@@ -215,27 +216,27 @@ fn order_of(
     pixels_per_point: f32,
     context: &Context<'_>,
     scene: &Scene,
-    stage: &Stage,
+    view: &SceneView,
     moves: bool,
 ) -> SceneOrder {
     let (preferences, busy) = (&scene.preferences, context.busy);
     let goes_on = busy.fitting || busy.tracking || context.playback.is_playing();
-    let size = stage.picture.size() * pixels_per_point;
+    let size = view.picture.size() * pixels_per_point;
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let frame = context.session.shown_frame(context.selection.frame);
     let hull = frame.and_then(|frame| scene.hulls.get(frame)).flatten();
-    let input = stage.contents_input(context, preferences, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let input = view.contents_input(context, preferences, hull.map(Arc::as_ref), pixels_per_point * shrink);
     let contents = contents(&input);
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
-        is_draft: moves || goes_on || stage.ray.is_some() || context.observability.is_playing,
-        eye: stage.eye,
+        is_draft: moves || goes_on || view.ray.is_some() || context.observability.is_playing,
+        eye: view.eye,
         scene: contents.scene,
         pictures: frame.filter(|_| preferences.pictures && !contents.frusta.is_empty()).cloned(),
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
         shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
-        held: stage.position(context.selection.joint).filter(|_| context.ghosts.is_none()),
+        held: view.position(context.selection.joint).filter(|_| context.ghosts.is_none()),
     }
 }
 

@@ -42,7 +42,7 @@ impl SceneCamera {
     /// Where a point appears in a picture of `size` pixels, and its depth along the view; `None` if that is
     /// less than [`NEAR`]. Pixel centres are at integers.
     pub(crate) fn project(&self, point_in_world: DVec3, size: [u32; 2]) -> Option<(DVec2, f64)> {
-        let view = View::new(self, size, 1);
+        let view = Pinhole::new(self, size, 1);
         let point = view.in_view(point_in_world);
         (point.z >= NEAR).then(|| (view.on_screen(point), point.z))
     }
@@ -50,7 +50,7 @@ impl SceneCamera {
 
 /// A line of constant width on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct SceneLine {
     pub(crate) ends: [DVec3; 2],
     /// Its width in pixels.
     pub(crate) width_px: f64,
@@ -73,7 +73,7 @@ pub(crate) struct Dot {
 ///
 /// One texel is picked for each sample: give it at about the size it is seen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Picture<'a> {
+pub(crate) struct FlatPicture<'a> {
     /// Where its upper left corner is.
     pub(crate) corner: DVec3,
     /// From there to its upper right corner.
@@ -100,14 +100,14 @@ pub(crate) struct Floor {
 
 impl Floor {
     /// The lines of the grid, one pixel wide.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = Line> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = SceneLine> {
         let half = i32::from(self.half_cells);
         let [first, second] = self.cell;
         (-half..=half).flat_map(move |index| {
             let [index, half] = [f64::from(index), f64::from(half)];
             [(first, second), (second, first)].map(|(along, step)| {
                 let middle = self.centre + step * index;
-                Line {
+                SceneLine {
                     ends: [middle - along * half, middle + along * half],
                     width_px: 1.0,
                     colour: self.colour,
@@ -120,28 +120,28 @@ impl Floor {
 /// All that is drawn in a scene: limbs first, then the floor, then pictures from the farthest to the
 /// nearest, then dots and lines in their order.
 #[derive(Clone, Debug, Default)]
-pub struct Scene<'a> {
+pub struct SceneShapes<'a> {
     /// Limbs.
     pub limbs: Vec<Limb>,
     /// The floor, if any.
     pub(crate) floor: Option<Floor>,
     /// Pictures. Where they are more than half opaque they hide lines behind them.
-    pub(crate) pictures: Vec<Picture<'a>>,
+    pub(crate) pictures: Vec<FlatPicture<'a>>,
     /// Dots. They hide nothing.
     pub(crate) dots: Vec<Dot>,
-    pub(crate) lines: Vec<Line>,
+    pub(crate) lines: Vec<SceneLine>,
 }
 
 /// The pinhole through which samples look: rays are (x, y, 1) in the view's axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct View {
+pub(crate) struct Pinhole {
     view_from_world: DMat3,
     position: DVec3,
     focal: f64,
     centre: DVec2,
 }
 
-impl View {
+impl Pinhole {
     fn new(camera: &SceneCamera, size: [u32; 2], samples: u32) -> Self {
         let size = size.map(|pixels| f64::from(pixels * samples));
         Self {

@@ -4,7 +4,7 @@
 
 mod shapes;
 
-use backlit_sphere_tree::{ClosedMesh, SphereTree, Surface, TreeOptions, TreeSphere};
+use backlit_sphere_tree::{ClosedMesh, MeshSurface, SphereTree, TreeOptions, TreeSphere};
 use glam::DVec3;
 
 /// Numbers from 0 to 1 from a seed.
@@ -62,7 +62,7 @@ fn check(name: &str, mesh: &ClosedMesh, tree: &SphereTree, options: TreeOptions)
 
 /// The errors that a level says, by other points: random ones on every sphere.
 fn check_errors(name: &str, mesh: &ClosedMesh, tree: &SphereTree) {
-    let surface = Surface::new(mesh);
+    let surface = MeshSurface::new(mesh);
     let mut random = Random(3);
     for level in &tree.levels {
         let (mut greatest, mut sum, mut area) = (0.0_f64, 0.0, 0.0);

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use backlit_sphere_tree::{ClosedMesh, MeshError, OptionsError, Surface, isosurface};
+use backlit_sphere_tree::{ClosedMesh, MeshError, MeshSurface, OptionsError, isosurface};
 use glam::DVec3;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -79,7 +79,7 @@ pub enum SkinError {
     #[error("there are {vertices} vertices, and joints for {joints}; expected as many")]
     Count { vertices: usize, joints: usize },
     #[error("the surface {0}")]
-    Surface(MeshError),
+    MeshSurface(MeshError),
     #[error(transparent)]
     Tree(#[from] OptionsError),
     #[error(transparent)]
@@ -120,11 +120,11 @@ pub fn body_of_skin(skin: &Skin, name: &str, options: &SkinOptions) -> Result<Mo
         return Err(SkinError::NoJoints);
     }
     let bone_of = owners(skin, &skeleton, &bones);
-    let whole = ClosedMesh::new(&skin.vertices, &skin.triangles).map_err(SkinError::Surface)?;
+    let whole = ClosedMesh::new(&skin.vertices, &skin.triangles).map_err(SkinError::MeshSurface)?;
     let solid = Solid::new(whole.parts(), skin, &bone_of);
     let radii: Vec<f64> = (0..bones.len()).map(|bone| mean_radius(skin, &bone_of, &bones, bone)).collect();
     let model = Model::new(&spec(name, &bones, &radii))?;
-    let surfaces: Vec<Surface<'_>> = solid.parts.iter().map(Surface::new).collect();
+    let surfaces: Vec<MeshSurface<'_>> = solid.parts.iter().map(MeshSurface::new).collect();
     let cut = |bone: usize| {
         let own: Vec<DVec3> = (0..skin.vertices.len())
             .filter(|&vertex| bone_of[vertex] == bone)
@@ -345,7 +345,7 @@ impl Solid {
 
     /// Distance from the surface, negative inside, and the bone that moves the surface there: of parts that lie in one another that
     /// of the one in which the place is deepest.
-    fn at(&self, surfaces: &[Surface<'_>], place: DVec3) -> (f64, usize) {
+    fn at(&self, surfaces: &[MeshSurface<'_>], place: DVec3) -> (f64, usize) {
         let mut best = (f64::INFINITY, 0);
         for (surface, bones) in surfaces.iter().zip(&self.bones) {
             let nearest = surface.nearest(place);

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 use super::{JointId, ProjectedLimb, draggable_joints, joined_outline, joint_name, project_limbs};
 use crate::style::format;
 
-/// Opacity of the lightest of many bodies, and of the heaviest of so many.
+/// Opacity of the lightest of many bodies, and of the heaviest of up to `OF` bodies.
 const FAINTEST: f64 = 0.05;
 const OPACITY: f64 = 0.9;
 const OF: f64 = 8.0;
@@ -244,7 +244,7 @@ pub fn joint_ellipses(model: &Model, joints: &[JointUncertainty], camera: &Camer
     joints.iter().filter_map(one).collect()
 }
 
-/// Ellipses are of so many standard deviations.
+/// Standard deviations that an ellipse shows.
 pub const DEVIATIONS: f64 = 2.0;
 /// The factors that can be chosen.
 pub const FACTORS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];

@@ -57,7 +57,7 @@ pub struct Sample {
 }
 
 impl<'a> PictureInput<'a> {
-    /// A camera of which nothing is known but the size of its pictures.
+    /// A camera with nothing known but the size of its pictures.
     pub const fn empty(size: [usize; 2]) -> Self {
         Self {
             size,

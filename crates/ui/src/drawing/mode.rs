@@ -255,7 +255,7 @@ impl ViewMode {
 /// How a second view mode is seen in the same picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Comparison {
+pub enum ModeComparison {
     /// Side by side: the tile's own mode is left of a handle, the other one right of it.
     Wipe,
     /// One after the other.
@@ -290,26 +290,14 @@ impl StateAxis {
 
     /// The name in menus.
     pub const fn label(self) -> &'static str {
-        match self {
-            Self::TurnX => "Turn about x",
-            Self::TurnY => "Turn about y",
-            Self::TurnZ => "Turn about z",
-            Self::RootX => "Root along x",
-            Self::RootY => "Root along y",
-            Self::RootZ => "Root along z",
-        }
+        const LABELS: [&str; 6] =
+            ["Turn about x", "Turn about y", "Turn about z", "Root along x", "Root along y", "Root along z"];
+        LABELS[self as usize]
     }
 
     /// The name where there is little room.
     pub const fn short_label(self) -> &'static str {
-        match self {
-            Self::TurnX => "turn x",
-            Self::TurnY => "turn y",
-            Self::TurnZ => "turn z",
-            Self::RootX => "root x",
-            Self::RootY => "root y",
-            Self::RootZ => "root z",
-        }
+        ["turn x", "turn y", "turn z", "root x", "root y", "root z"][self as usize]
     }
 
     /// What the column is divided by: radian or metre.
@@ -324,27 +312,14 @@ impl StateAxis {
 
     /// The column of the tangent state, for the limb with this rotation.
     pub fn column(self, rotation: usize) -> usize {
-        let turn = Parameters::Tangent.first_column(rotation);
-        match self {
-            Self::TurnX => turn,
-            Self::TurnY => turn + 1,
-            Self::TurnZ => turn + 2,
-            Self::RootX => 0,
-            Self::RootY => 1,
-            Self::RootZ => 2,
-        }
+        let axis = self as usize % 3;
+        if self.is_of_root() { axis } else { Parameters::Tangent.first_column(rotation) + axis }
     }
 
     /// The next of the three axes of the same kind.
     pub const fn next(self) -> Self {
-        match self {
-            Self::TurnX => Self::TurnY,
-            Self::TurnY => Self::TurnZ,
-            Self::TurnZ => Self::TurnX,
-            Self::RootX => Self::RootY,
-            Self::RootY => Self::RootZ,
-            Self::RootZ => Self::RootX,
-        }
+        let index = self as usize;
+        Self::ALL[index / 3 * 3 + (index + 1) % 3]
     }
 }
 

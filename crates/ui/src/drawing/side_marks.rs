@@ -15,14 +15,14 @@ const NOSE_RADII: f64 = 1.9;
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum BodySide {
     /// The body's own left.
     Left,
     /// The body's own right.
     Right,
 }
 
-impl Side {
+impl BodySide {
     /// What stands beside a hand or a foot.
     pub fn letter(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Side {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideLetter {
     /// The side.
-    pub side: Side,
+    pub side: BodySide,
     /// The end of the limb, pixels.
     pub at: DVec2,
     /// Onwards from there along the limb, a unit vector.
@@ -78,7 +78,7 @@ impl SideMarks {
                 return None;
             }
             let is_left = model.limbs()[limb].name.starts_with("left ");
-            let side = if is_left { Side::Left } else { Side::Right };
+            let side = if is_left { BodySide::Left } else { BodySide::Right };
             let (start, at) = (project(starts[limb])?, project(ends[limb])?);
             Some(SideLetter { side, at, away: (at - start).try_normalize().unwrap_or(DVec2::Y) })
         };
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(front.letters.len(), 4);
         for letter in &front.letters {
             // Seen from the front, a body's left is at the picture's right.
-            assert_eq!(letter.side == Side::Left, letter.at.x > 100.0, "{letter:?}");
+            assert_eq!(letter.side == BodySide::Left, letter.at.x > 100.0, "{letter:?}");
         }
         assert!(front.face.unwrap().is_towards);
         let back = SideMarks::new(&model, &kinematics, &camera(sides.ahead * -4.0));

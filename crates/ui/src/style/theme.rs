@@ -39,61 +39,78 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
-/// The colours of one theme. Every pair of a text colour and a ground passes WCAG AA, except
-/// [`text3`](Self::text3) on `hover` and `active`: use
-/// [`text2`](Self::text2) there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Palette {
+/// Declares [`Palette`] with the colours of both themes: dark, light.
+macro_rules! palette {
+    ($($(#[$doc:meta])* $name:ident: $dark:expr, $light:expr;)*) => {
+        /// The colours of one theme. Every pair of a text colour and a ground passes WCAG AA, except
+        /// [`text3`](Self::text3) on `hover` and `active`: use [`text2`](Self::text2) there.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Palette {
+            $($(#[$doc])* pub $name: Color32,)*
+            /// Edge of the primary button: none in the dark theme, whose accent stands out by itself.
+            pub accent_edge: Stroke,
+        }
+
+        const DARK: Palette = Palette { $($name: rgb($dark),)* accent_edge: Stroke::NONE };
+        const LIGHT: Palette = Palette {
+            $($name: rgb($light),)*
+            accent_edge: Stroke { width: size::HAIRLINE, color: rgb(0x7A5600) },
+        };
+    };
+}
+
+const PAGE_DARK: &PageColours = Theme::Dark.page();
+const PAGE_LIGHT: &PageColours = Theme::Light.page();
+
+palette! {
     /// Behind pictures, between tiles.
-    pub well: Color32,
+    well: 0x0E1012, 0xE3E5E8;
     /// Panels, timeline.
-    pub panel: Color32,
+    panel: PAGE_DARK.panel, PAGE_LIGHT.panel;
     /// Toolbar, tile header, status bar, cards.
-    pub raised: Color32,
+    raised: 0x202327, 0xFFFFFF;
     /// Button, combo.
-    pub widget: Color32,
+    widget: 0x2A2E33, 0xE6E8EB;
     /// Hovered widget.
-    pub hover: Color32,
+    hover: 0x343A41, 0xDADDE1;
     /// Pressed widget, chosen segment.
-    pub active: Color32,
+    active: 0x3E454D, 0xCDD1D6;
     /// Number and text fields, slider well.
-    pub field: Color32,
+    field: 0x121417, 0xFFFFFF;
     /// Plot ground.
-    pub plot: Color32,
+    plot: PAGE_DARK.plot, PAGE_LIGHT.plot;
     /// Plot grid.
-    pub grid: Color32,
+    grid: PAGE_DARK.grid, PAGE_LIGHT.grid;
     /// Hairline separators and field edges; decorative.
-    pub line: Color32,
+    line: PAGE_DARK.line, PAGE_LIGHT.line;
     /// Edges that must be seen: unticked box, card, window.
-    pub line2: Color32,
+    line2: PAGE_DARK.line2, PAGE_LIGHT.line2;
     /// Selected row.
-    pub select: Color32,
+    select: 0x3A3320, 0xFBEFCB;
     /// Primary text.
-    pub text: Color32,
+    text: PAGE_DARK.text, PAGE_LIGHT.text;
     /// Labels, secondary text.
-    pub text2: Color32,
+    text2: PAGE_DARK.text2, PAGE_LIGHT.text2;
     /// Hints, summaries, disabled text, figures that are being recomputed.
-    pub text3: Color32,
+    text3: 0x959DA7, 0x5E656E;
     /// Fill of the selection bar, the primary button, the slider trail and the playhead.
-    pub accent: Color32,
+    accent: 0xF2C14E, 0xE9B32A;
     /// The accent as text or thin line.
-    pub accent_text: Color32,
+    accent_text: 0xF2C14E, 0x7A5600;
     /// Text on the accent.
-    pub on_accent: Color32,
+    on_accent: 0x1A1608, 0x1A1608;
     /// Notice.
-    pub info: Color32,
+    info: 0x7FB2F0, 0x1F5FA8;
     /// Warning.
-    pub warn: Color32,
+    warn: 0xF09A5A, 0x9A4B0C;
     /// Error.
-    pub error: Color32,
+    error: 0xF57F75, 0xB3261E;
     /// Passed check.
-    pub ok: Color32,
+    ok: 0x5FC3A0, 0x1B6B52;
     /// "Missing" (data without model) as text.
-    pub missing_text: Color32,
+    missing_text: 0xF0A564, 0x9A4B0C;
     /// "Spurious" (model without data) as text.
-    pub spurious_text: Color32,
-    /// Edge of the primary button: none in the dark theme, whose accent stands out by itself.
-    pub accent_edge: Stroke,
+    spurious_text: 0x7FB2F0, 0x1F5FA8;
 }
 
 impl Palette {
@@ -117,65 +134,6 @@ impl Palette {
         Stroke::new(size::FOCUS_RING, self.accent_text)
     }
 }
-
-const PAGE_DARK: &PageColours = Theme::Dark.page();
-const PAGE_LIGHT: &PageColours = Theme::Light.page();
-
-const DARK: Palette = Palette {
-    well: rgb(0x0E1012),
-    panel: rgb(PAGE_DARK.panel),
-    raised: rgb(0x202327),
-    widget: rgb(0x2A2E33),
-    hover: rgb(0x343A41),
-    active: rgb(0x3E454D),
-    field: rgb(0x121417),
-    plot: rgb(PAGE_DARK.plot),
-    grid: rgb(PAGE_DARK.grid),
-    line: rgb(PAGE_DARK.line),
-    line2: rgb(PAGE_DARK.line2),
-    select: rgb(0x3A3320),
-    text: rgb(PAGE_DARK.text),
-    text2: rgb(PAGE_DARK.text2),
-    text3: rgb(0x959DA7),
-    accent: rgb(0xF2C14E),
-    accent_text: rgb(0xF2C14E),
-    on_accent: rgb(0x1A1608),
-    info: rgb(0x7FB2F0),
-    warn: rgb(0xF09A5A),
-    error: rgb(0xF57F75),
-    ok: rgb(0x5FC3A0),
-    missing_text: rgb(0xF0A564),
-    spurious_text: rgb(0x7FB2F0),
-    accent_edge: Stroke::NONE,
-};
-
-const LIGHT: Palette = Palette {
-    well: rgb(0xE3E5E8),
-    panel: rgb(PAGE_LIGHT.panel),
-    raised: rgb(0xFFFFFF),
-    widget: rgb(0xE6E8EB),
-    hover: rgb(0xDADDE1),
-    active: rgb(0xCDD1D6),
-    field: rgb(0xFFFFFF),
-    plot: rgb(PAGE_LIGHT.plot),
-    grid: rgb(PAGE_LIGHT.grid),
-    line: rgb(PAGE_LIGHT.line),
-    line2: rgb(PAGE_LIGHT.line2),
-    select: rgb(0xFBEFCB),
-    text: rgb(PAGE_LIGHT.text),
-    text2: rgb(PAGE_LIGHT.text2),
-    text3: rgb(0x5E656E),
-    accent: rgb(0xE9B32A),
-    accent_text: rgb(0x7A5600),
-    on_accent: rgb(0x1A1608),
-    info: rgb(0x1F5FA8),
-    warn: rgb(0x9A4B0C),
-    error: rgb(0xB3261E),
-    ok: rgb(0x1B6B52),
-    missing_text: rgb(0x9A4B0C),
-    spurious_text: rgb(0x1F5FA8),
-    accent_edge: Stroke { width: size::HAIRLINE, color: rgb(0x7A5600) },
-};
 
 /// An opaque colour from `0xRRGGBB`.
 const fn rgb(hex: u32) -> Color32 {

@@ -9,7 +9,7 @@ use egui::{
 };
 
 use super::marks::badge_rect;
-use super::{Seen, Stage};
+use super::{DrawnView, SceneView};
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests, ShellRequest};
 use crate::features::scene::{Frustum, Orbit, Viewpoint};
@@ -20,15 +20,15 @@ const WHEEL_POINTS: f32 = 240.0;
 const LEAST_SIDE: f32 = 4.0;
 
 /// Turns the view where the pointer or the keys want it: from where the scene is to be seen, and whether it moves now.
-pub(super) fn navigate(ui: &Ui, stage: &Stage, kept: &mut Option<Viewpoint>) -> (Viewpoint, bool) {
-    let response = ui.interact(stage.picture, canvas_id(ui.scope_id()), Sense::click_and_drag());
+pub(super) fn navigate(ui: &Ui, view: &SceneView, kept: &mut Option<Viewpoint>) -> (Viewpoint, bool) {
+    let response = ui.interact(view.picture, canvas_id(ui.scope_id()), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene"));
     let pressed = take(ui, &response);
     if response.double_clicked() || pressed.resets {
         *kept = None;
-        return (stage.viewpoint, false);
+        return (view.viewpoint, false);
     }
-    let before = orbit(stage);
+    let before = orbit(view);
     let mut after = before.turned(pressed.turn);
     let delta = response.drag_delta();
     let by = [f64::from(delta.x), f64::from(delta.y)];
@@ -36,7 +36,7 @@ pub(super) fn navigate(ui: &Ui, stage: &Stage, kept: &mut Option<Viewpoint>) -> 
         || response.dragged_by(PointerButton::Secondary)
         || (response.dragged_by(PointerButton::Primary) && ui.input(|input| input.modifiers.shift));
     if is_pan {
-        after = after.panned(&stage.upright, by, f64::from(stage.picture.height()));
+        after = after.panned(&view.upright, by, f64::from(view.picture.height()));
     } else if response.dragged_by(PointerButton::Primary) {
         after = after.turned(by);
     }
@@ -48,7 +48,7 @@ pub(super) fn navigate(ui: &Ui, stage: &Stage, kept: &mut Option<Viewpoint>) -> 
         ui.set_cursor_icon(CursorIcon::Grabbing);
     }
     if after == before {
-        return (stage.viewpoint, response.dragged());
+        return (view.viewpoint, response.dragged());
     }
     let viewpoint = Viewpoint::Orbit(after);
     *kept = Some(viewpoint);
@@ -70,20 +70,20 @@ fn wheel(ui: &Ui, response: &Response) -> f32 {
 }
 
 /// The orbit that goes on from where the scene is seen now.
-fn orbit(stage: &Stage) -> Orbit {
-    match stage.viewpoint {
+fn orbit(view: &SceneView) -> Orbit {
+    match view.viewpoint {
         Viewpoint::Orbit(orbit) => orbit,
         Viewpoint::Camera(_) => {
-            let eye = stage.eye;
+            let eye = view.eye;
             let ahead = (eye.target - eye.position).normalize_or_zero();
-            let depth = (stage.middle - eye.position).dot(ahead).max(0.5);
-            Orbit::looking(&stage.upright, eye.position, eye.position + ahead * depth)
+            let depth = (view.middle - eye.position).dot(ahead).max(0.5);
+            Orbit::looking(&view.upright, eye.position, eye.position + ahead * depth)
         }
     }
 }
 
 /// A click on a camera's badge or picture makes its tile the active one.
-pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, requests: &mut Requests) {
+pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &DrawnView<'_>, requests: &mut Requests) {
     for frustum in seen.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         let id = ui.scope_id().with(("scene camera", frustum.camera));
@@ -110,7 +110,7 @@ pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, reque
 }
 
 /// The camera whose picture is under the pointer, the nearest to the eye.
-fn picture_at(seen: &Seen<'_>, pointer: Pos2) -> Option<usize> {
+fn picture_at(seen: &DrawnView<'_>, pointer: Pos2) -> Option<usize> {
     let mut near: Vec<&Frustum> = seen.frusta.iter().collect();
     let eye = seen.eye.position;
     near.sort_by(|a, b| a.apex.distance(eye).total_cmp(&b.apex.distance(eye)));
@@ -134,7 +134,7 @@ fn contains(corners: &[Pos2], point: Pos2) -> bool {
     is_large && (sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0))
 }
 
-/// A key turns the scene as a drag over so many points would.
+/// A key turns the scene like a drag over this many points.
 const KEY_TURN: f64 = 16.0;
 /// A key magnifies by this factor.
 const KEY_ZOOM: f64 = 1.15;
@@ -148,8 +148,8 @@ pub(crate) const KEYS: [(&str, &str); 3] = [
 
 /// What the keys of a frame ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Pressed {
-    /// As a drag of so many points.
+pub(crate) struct PressedKeys {
+    /// The drag that turns as much, points.
     pub(crate) turn: [f64; 2],
     /// Magnification.
     pub(crate) zoom: f64,
@@ -177,8 +177,8 @@ pub(crate) fn give_back(ctx: &egui::Context, events: Vec<Event>) {
 }
 
 /// Uses up the keys that are the scene's.
-pub(crate) fn take(ui: &Ui, response: &Response) -> Pressed {
-    let mut pressed = Pressed { turn: [0.0; 2], zoom: 1.0, resets: false };
+pub(crate) fn take(ui: &Ui, response: &Response) -> PressedKeys {
+    let mut pressed = PressedKeys { turn: [0.0; 2], zoom: 1.0, resets: false };
     if response.has_focus() {
         let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));

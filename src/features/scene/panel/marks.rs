@@ -8,7 +8,7 @@ use backlit_ui::widgets::paint_camera_badge;
 use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use super::Seen;
+use super::DrawnView;
 use crate::context::Context;
 use crate::features::scene::{Frustum, Scene, ShownHull, Viewpoint};
 
@@ -34,7 +34,7 @@ const fn palette() -> &'static Palette {
 }
 
 /// Where a camera's badge is, if the camera is in the picture: above it, and whole.
-pub(crate) fn badge_rect(seen: &Seen<'_>, frustum: &Frustum) -> Option<Rect> {
+pub(crate) fn badge_rect(seen: &DrawnView<'_>, frustum: &Frustum) -> Option<Rect> {
     let apex = seen.on_screen(frustum.apex).filter(|apex| seen.picture.contains(*apex))?;
     let room = seen.picture.shrink(EDGE + 0.5 * size::BADGE);
     if !room.is_positive() {
@@ -52,7 +52,7 @@ fn beside(badge: Rect, text: Vec2, picture: Rect) -> Option<Pos2> {
     [right, left].into_iter().find(fits).map(|from| pos2(from, top))
 }
 
-pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &Seen<'_>) {
+pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &DrawnView<'_>) {
     let painter = ui.painter().with_clip_rect(seen.picture.intersect(ui.clip_rect()));
     let small = TextStyle::Small.resolve(ui.style());
     for frustum in seen.frusta {
@@ -83,7 +83,7 @@ pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &Seen<'_
 }
 
 /// The world's axes as the eye sees them.
-fn axes(painter: &egui::Painter, seen: &Seen<'_>) {
+fn axes(painter: &egui::Painter, seen: &DrawnView<'_>) {
     let view_from_world = seen.eye.view_from_world();
     let origin = seen.picture.left_bottom() + AXES_AT;
     let axes = [(DVec3::X, "x", 4), (DVec3::Y, "y", 2), (DVec3::Z, "z", 0)];

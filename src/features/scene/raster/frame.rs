@@ -4,7 +4,7 @@ use egui::Color32;
 use glam::{DMat3, DVec2, DVec3};
 use image::{Rgba, RgbaImage};
 
-use super::{Line, NEAR, Picture, Scene, SceneCamera, View};
+use super::{FlatPicture, NEAR, Pinhole, SceneCamera, SceneLine, SceneShapes};
 
 /// Samples across and down a pixel.
 const SAMPLES: u32 = 2;
@@ -60,18 +60,19 @@ impl SceneFrame {
     }
 
     /// Draws `scene` on `background`, taken as opaque, and forgets what was drawn before.
-    pub(crate) fn draw(&mut self, camera: &SceneCamera, background: Color32, scene: &Scene<'_>) {
+    pub(crate) fn draw(&mut self, camera: &SceneCamera, background: Color32, scene: &SceneShapes<'_>) {
         self.colours.fill(channels(background));
         self.depths.fill(f32::INFINITY);
-        let view = View::new(camera, self.size, self.samples);
+        let view = Pinhole::new(camera, self.size, self.samples);
         for limb in &scene.limbs {
             self.draw_limb(&view, limb);
         }
         for line in scene.floor.iter().flat_map(super::Floor::lines) {
             self.draw_line(&view, &line);
         }
-        let depth =
-            |picture: &Picture<'_>| view.in_view(picture.corner + 0.5 * (picture.across + picture.down)).z;
+        let depth = |picture: &FlatPicture<'_>| {
+            view.in_view(picture.corner + 0.5 * (picture.across + picture.down)).z
+        };
         let mut pictures: Vec<_> = scene.pictures.iter().collect();
         pictures.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
         for picture in pictures {
@@ -102,7 +103,7 @@ impl SceneFrame {
         })
     }
 
-    fn draw_picture(&mut self, view: &View, picture: &Picture<'_>) {
+    fn draw_picture(&mut self, view: &Pinhole, picture: &FlatPicture<'_>) {
         let corner = view.in_view(picture.corner);
         let across = view.view_from_world * picture.across;
         let down = view.view_from_world * picture.down;
@@ -140,7 +141,7 @@ impl SceneFrame {
 
     /// Walks along the axis in which the line is longer and draws a short run of samples across it, so the
     /// cost is that of the line's own samples. The line tests depths but leaves none.
-    fn draw_line(&mut self, view: &View, line: &Line) {
+    fn draw_line(&mut self, view: &Pinhole, line: &SceneLine) {
         let Some(ends) = clip_to_near(line.ends.map(|end| view.in_view(end))) else { return };
         let seen = ends.map(|end| view.on_screen(end));
         let is_steep = (seen[1].y - seen[0].y).abs() > (seen[1].x - seen[0].x).abs();
@@ -250,7 +251,7 @@ mod tests {
     }
 
     /// One letter a pixel: the strongest of red, green and blue.
-    fn letters(scene: &Scene<'_>) -> Vec<String> {
+    fn letters(scene: &SceneShapes<'_>) -> Vec<String> {
         let mut frame = SceneFrame::new(20, 10);
         frame.draw(&CAMERA, Color32::BLACK, scene);
         let image = frame.image();
@@ -268,24 +269,24 @@ mod tests {
 
     #[test]
     fn nearer_limbs_and_lines_hide_farther_ones() {
-        let scene = Scene {
+        let scene = SceneShapes {
             limbs: vec![
                 capsule([(-1.2, 0.0, 0.0), (1.2, 0.0, 0.0)], 0.3, RED),
                 capsule([(0.0, 0.0, -1.0), (0.0, 0.0, -1.0)], 0.4, BLUE),
             ],
             lines: vec![
-                Line {
+                SceneLine {
                     ends: [DVec3::new(-3.0, 0.7, 0.0), DVec3::new(3.0, 0.7, 0.0)],
                     width_px: 1.0,
                     colour: GREEN,
                 },
-                Line {
+                SceneLine {
                     ends: [DVec3::new(0.8, -3.0, 1.0), DVec3::new(0.8, 3.0, 1.0)],
                     width_px: 1.0,
                     colour: GREEN,
                 },
             ],
-            ..Scene::default()
+            ..SceneShapes::default()
         };
         assert_eq!(
             letters(&scene),
@@ -310,7 +311,7 @@ mod tests {
         image.put_pixel(0, 0, Rgba([250, 0, 0, 255]));
         image.put_pixel(1, 0, Rgba([0, 250, 0, 255]));
         // Seen from −z with y up, x runs to the left.
-        let picture = Picture {
+        let picture = FlatPicture {
             corner: DVec3::new(0.8, 0.6, 0.0),
             across: DVec3::new(-1.6, 0.0, 0.0),
             down: DVec3::new(0.0, -1.2, 0.0),
@@ -318,7 +319,7 @@ mod tests {
             opacity: 1.0,
         };
         let hidden = capsule([(0.0, 0.0, 1.0), (0.0, 0.0, 1.0)], 0.2, RED);
-        let scene = Scene { limbs: vec![hidden], pictures: vec![picture], ..Scene::default() };
+        let scene = SceneShapes { limbs: vec![hidden], pictures: vec![picture], ..SceneShapes::default() };
         assert_eq!(
             letters(&scene),
             [
@@ -339,7 +340,7 @@ mod tests {
     #[test]
     fn translucent_pictures_mix_with_what_is_behind() {
         let image = RgbaImage::from_pixel(1, 1, Rgba([200, 0, 0, 255]));
-        let picture = Picture {
+        let picture = FlatPicture {
             corner: DVec3::new(5.0, 5.0, 0.0),
             across: DVec3::new(-10.0, 0.0, 0.0),
             down: DVec3::new(0.0, -10.0, 0.0),
@@ -347,7 +348,7 @@ mod tests {
             opacity: 0.25,
         };
         let mut frame = SceneFrame::new(6, 4);
-        let scene = Scene { pictures: vec![picture], ..Scene::default() };
+        let scene = SceneShapes { pictures: vec![picture], ..SceneShapes::default() };
         frame.draw(&CAMERA, Color32::from_rgb(0, 0, 100), &scene);
         assert!(frame.image().pixels().all(|pixel| pixel.0 == [50, 0, 75, 255]));
     }
@@ -360,7 +361,7 @@ mod tests {
             half_cells: 9,
             colour: GREEN,
         };
-        let scene = Scene { floor: Some(floor), ..Scene::default() };
+        let scene = SceneShapes { floor: Some(floor), ..SceneShapes::default() };
         let rows = letters(&scene);
         assert!(rows[..5].iter().all(|row| !row.contains('g')), "{rows:#?}");
         assert!(rows[5..].iter().all(|row| row.contains('g')), "{rows:#?}");
@@ -369,8 +370,10 @@ mod tests {
 
     #[test]
     fn the_lit_side_faces_the_lamp() {
-        let scene =
-            Scene { limbs: vec![capsule([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.8, RED)], ..Scene::default() };
+        let scene = SceneShapes {
+            limbs: vec![capsule([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.8, RED)],
+            ..SceneShapes::default()
+        };
         let mut frame = SceneFrame::new(41, 41);
         frame.draw(&CAMERA, Color32::BLACK, &scene);
         let image = frame.image();
@@ -382,14 +385,14 @@ mod tests {
     fn what_is_not_finite_or_surrounds_the_eye_is_harmless() {
         let image = RgbaImage::new(0, 0);
         let nowhere = DVec3::splat(f64::NAN);
-        let edge_on = Picture {
+        let edge_on = FlatPicture {
             corner: CAMERA.position,
             across: DVec3::X,
             down: DVec3::Z,
             image: &image,
             opacity: 1.0,
         };
-        let scene = Scene {
+        let scene = SceneShapes {
             limbs: vec![
                 Limb { ends: [nowhere, DVec3::ZERO], ..capsule(Default::default(), 0.1, RED) },
                 Limb { radius: f64::NAN, ..capsule([(0.0, 0.0, -4.0), (0.0, 0.0, 0.0)], 0.1, RED) },
@@ -398,10 +401,10 @@ mod tests {
             ],
             pictures: vec![edge_on],
             lines: vec![
-                Line { ends: [nowhere, DVec3::ZERO], width_px: 2.0, colour: GREEN },
-                Line { ends: [DVec3::ZERO; 2], width_px: f64::NAN, colour: GREEN },
+                SceneLine { ends: [nowhere, DVec3::ZERO], width_px: 2.0, colour: GREEN },
+                SceneLine { ends: [DVec3::ZERO; 2], width_px: f64::NAN, colour: GREEN },
             ],
-            ..Scene::default()
+            ..SceneShapes::default()
         };
         assert!(letters(&scene).iter().all(|row| row == "...................."));
     }

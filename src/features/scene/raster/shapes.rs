@@ -5,7 +5,7 @@ use egui::Color32;
 use glam::DVec3;
 
 use super::frame::{Bounds, channels, clamped_ceil, over};
-use super::{Dot, NEAR, SceneFrame, View};
+use super::{Dot, NEAR, Pinhole, SceneFrame};
 
 /// Light on a surface that is turned away from the lamp.
 const AMBIENT: f64 = 0.42;
@@ -34,7 +34,7 @@ pub struct Limb {
 }
 
 impl SceneFrame {
-    pub(crate) fn draw_limb(&mut self, view: &View, limb: &Limb) {
+    pub(crate) fn draw_limb(&mut self, view: &Pinhole, limb: &Limb) {
         let ends = limb.ends.map(|end| view.in_view(end));
         let Some(bounds) = self.limb_bounds(view, ends, limb.radius) else { return };
         let full_light = channels(limb.colour);
@@ -57,7 +57,7 @@ impl SceneFrame {
 
     /// The samples a limb may touch: the box about its end spheres as seen, or the whole frame when one
     /// of them reaches too close to the eye for that.
-    fn limb_bounds(&self, view: &View, ends: [DVec3; 2], radius: f64) -> Option<Bounds> {
+    fn limb_bounds(&self, view: &Pinhole, ends: [DVec3; 2], radius: f64) -> Option<Bounds> {
         let drawable = radius > 0.0 && radius.is_finite() && ends.iter().all(|end| end.is_finite());
         if !drawable || ends.iter().all(|end| end.z + radius < NEAR) {
             return None;
@@ -77,9 +77,9 @@ impl SceneFrame {
 
 /// Where a limb is first met: how far along the ray from the eye, in lengths of the ray (negative behind the eye), and
 /// the direction that its surface faces there.
-type Hit = (f64, DVec3);
+type RayHit = (f64, DVec3);
 
-fn capsule_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<Hit> {
+fn capsule_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<RayHit> {
     let (axis, ray_ray) = (b - a, ray.length_squared());
     let sphere = |centre: DVec3| {
         let half = ray.dot(centre);
@@ -103,7 +103,7 @@ fn capsule_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<Hit> {
 }
 
 /// The ray is in the limb where it is both in the endless tube and between the planes of the discs.
-fn cylinder_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<Hit> {
+fn cylinder_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<RayHit> {
     let axis = b - a;
     let (length, axis_ray) = (axis.length(), axis.dot(ray));
     let [enters, leaves] = if runs_along(ray, axis) {
@@ -145,7 +145,7 @@ fn tube_hits(ray: DVec3, a: DVec3, axis: DVec3, radius: f64) -> Option<[f64; 2]>
 
 impl SceneFrame {
     /// Draws a square where nothing is nearer. It leaves no depth, so dots mix with each other.
-    pub(crate) fn draw_dot(&mut self, view: &View, dot: &Dot) {
+    pub(crate) fn draw_dot(&mut self, view: &Pinhole, dot: &Dot) {
         let point = view.in_view(dot.at);
         if !point.is_finite() || point.z < NEAR {
             return;
@@ -168,7 +168,7 @@ impl SceneFrame {
 
 #[cfg(test)]
 mod tests {
-    use crate::features::scene::raster::{Ends, Limb, Scene, SceneCamera};
+    use crate::features::scene::raster::{Ends, Limb, SceneCamera, SceneShapes};
 
     use super::*;
 
@@ -176,7 +176,7 @@ mod tests {
     const RADIUS: f64 = 0.25;
 
     /// Marching a distance that is never too large finds the same points, and its slope the same directions.
-    fn march(distance: impl Fn(DVec3) -> f64, hit: impl Fn(DVec3) -> Option<Hit>) {
+    fn march(distance: impl Fn(DVec3) -> f64, hit: impl Fn(DVec3) -> Option<RayHit>) {
         let mut hits = 0;
         for row in -20..=20 {
             for column in -20..=20 {
@@ -256,19 +256,20 @@ mod tests {
         let green = Color32::from_rgba_premultiplied(0, 100, 0, 128);
         let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
         let ball = Limb { ends: [DVec3::ZERO; 2], radius: 0.2, shape: Ends::Round, colour: Color32::RED };
-        let draw = |scene: &Scene<'_>| {
+        let draw = |scene: &SceneShapes<'_>| {
             let mut frame = SceneFrame::draft(41, 41);
             frame.draw(&camera, Color32::from_rgb(200, 0, 0), scene);
             let image = frame.image();
             [image.get_pixel(20, 20).0, image.get_pixel(20, 14).0, image.get_pixel(20, 2).0]
         };
         let [middle, beside, outside] =
-            draw(&Scene { limbs: vec![ball], dots: vec![dot(1.0)], ..Scene::default() });
+            draw(&SceneShapes { limbs: vec![ball], dots: vec![dot(1.0)], ..SceneShapes::default() });
         assert_eq!((middle[1], beside[1], outside[1]), (0, 100, 0));
         assert!(beside[0] < 110, "half of the ground shines through: {beside:?}");
-        let [middle, ..] = draw(&Scene { limbs: vec![ball], dots: vec![dot(-1.0)], ..Scene::default() });
+        let [middle, ..] =
+            draw(&SceneShapes { limbs: vec![ball], dots: vec![dot(-1.0)], ..SceneShapes::default() });
         assert_eq!(middle[1], 100);
         let nowhere = Dot { at: DVec3::splat(f64::NAN), ..dot(0.0) };
-        assert_eq!(draw(&Scene { dots: vec![nowhere, dot(-9.0)], ..Scene::default() })[0][1], 0);
+        assert_eq!(draw(&SceneShapes { dots: vec![nowhere, dot(-9.0)], ..SceneShapes::default() })[0][1], 0);
     }
 }
