@@ -78,7 +78,7 @@ impl Default for Offsets {
 /// Height of the pictures on the card, pixels, at least.
 const HEIGHT: usize = 360;
 
-/// A picture: what a camera shows so many of its own frames later.
+/// A picture: what a camera shows `shift` of its own frames later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct OffsetPicture {
     camera: usize,
@@ -107,7 +107,7 @@ fn read(footage: &Footage, wanted: OffsetPicture) -> PictureRead {
 
 #[derive(Debug)]
 enum SearchMessage {
-    /// So many frames are done, of so many.
+    /// Frames done, and in all.
     At([usize; 2]),
     Found(Box<TakeClocks>),
     Refused(String),
