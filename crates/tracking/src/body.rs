@@ -12,6 +12,9 @@
 //! | [`anthropometry`] | how real people's sizes spread about the built-in full body's |
 //! | [`builtin`] | the models that come with the program |
 
+#[doc(inline)]
+pub use crate::{metrics, names};
+
 pub mod anthropometry;
 pub mod builtin;
 mod kinematics;

@@ -25,6 +25,9 @@
 //! | [`survey`](mod@survey) | those of a few frames, looked at before a take is tracked |
 //! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
 
+#[doc(inline)]
+pub use crate::body_spheres;
+
 mod approach;
 mod fit;
 pub mod frames;

@@ -3,6 +3,9 @@
 //! Axes x right, y down, z forward. Pixel centres lie at integer coordinates. A transform is named
 //! `a_from_b`: `point_in_camera = camera_from_world · point_in_world`. Metres and pixels.
 
+#[doc(inline)]
+pub use crate::synchronise;
+
 mod adjust;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod camera;

@@ -8,6 +8,9 @@
 //! | `schedule` | [`ApparentSize`]: annealing by the size of what is seen |
 //! | `fit` | [`Fit`]: iteration by iteration, stage after stage |
 
+#[doc(inline)]
+pub use crate::posing;
+
 mod evidence;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod fit;

@@ -72,31 +72,18 @@
 //! |---|---|
 //! | [`segment`] | from footage of a camera that stands still to masks: a background, and what differs from it |
 //! | [`silhouette`] | masks, and views of them: measurements D, distance fields, overlap, outlines |
-//! | [`body`] | the articulated body: limbs, poses, kinematics; [`body::builtin`] has those that come with the program |
-//! | [`camera`] | calibrated cameras: pinhole, lens, place; pictures freed of the lens |
-//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; [`render::prediction`] for λ alone, [`render::wrench`] for a pixel's gradient |
-//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, one module each |
+//! | [`body`] | the articulated body: limbs, poses, kinematics, built-in models; [`body::metrics`] compares poses with a reference |
+//! | [`camera`] | calibrated cameras: pinhole, lens, place; pictures freed of the lens; [`camera::synchronise`] finds the offsets of their clocks |
+//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; a pixel's gradient as a [`render::wrench`] |
+//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, residuals of one's own; [`residual::prior`] is learnt from motion files |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
-//! | [`mod@prior`] | what motion files say of poses and of steps from pose to pose |
-//! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
-//! | [`cues`] | what pictures say of limbs that silhouettes do not hold: keypoints, flow, edges, stereo |
-//! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
-//! | [`particles`] | a particle filter that looks for a pose: many bodies, weighted by the fit's cost |
-//! | [`templates`] | a pose put together from templates: head, trunk, limb after limb |
-//! | [`acquisition`] | a first body of a person of unknown size in an unknown pose, by growing templates |
-//! | [`track`] | following frames: motion, lost frames, smoothing |
-//! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
-//! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
-//! | [`body_spheres`] | a person of spheres: limbs carved from silhouettes, a sphere tree each |
-//! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
+//! | [`fit`] | one frame's fit: evidence, options, cost, iterations; [`fit::posing`] moves a body by hand |
+//! | [`search`] | where a fit begins: other poses that the silhouettes allow, [`search::particles`], [`search::templates`], [`search::acquisition`] of a person's size, the [`search::visual_hull`] |
+//! | [`track`] | following frames: motion, lost frames, smoothing by a [`track::filter`]; [`track::cues`] are what pictures say beside silhouettes |
+//! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames; [`body_fit::body_spheres`] a person of spheres |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
-//! | [`visual_hull`] | what all silhouettes leave of space |
-//! | [`synchronise`] | the offsets of cameras' clocks, from the motion of silhouettes |
-//! | [`metrics`] | joint errors against a reference |
+//! | [`geometry`] | rotations, similarities and distances of rays, with their derivatives |
 //! | [`statistics`] | medians, normal deviates, sums of logarithms |
-//! | [`geometry`] | rotations and distances of rays, with their derivatives |
-//! | [`cancel`] | stopping long work from outside |
-//! | [`processor`] | which of the processor's vectors fits use |
 //!
 //! # Examples to run
 //!
@@ -125,27 +112,38 @@
 #[cfg(test)]
 extern crate self as backlit_tracking;
 
+#[doc(hidden)]
 pub mod acquisition;
 pub mod body;
 pub mod body_fit;
+#[doc(hidden)]
 pub mod body_spheres;
 pub mod camera;
+#[doc(hidden)]
 pub mod cancel;
+#[doc(hidden)]
 pub mod cues;
+#[doc(hidden)]
 pub mod filter;
 pub mod fit;
 #[cfg(test)]
 #[path = "../tests/tracking/fixtures.rs"]
 mod fixtures;
 pub mod geometry;
+#[doc(hidden)]
 pub mod metrics;
+#[doc(hidden)]
 pub mod names;
 mod numbers;
 pub mod observability;
 pub mod optimize;
+#[doc(hidden)]
 pub mod particles;
+#[doc(hidden)]
 pub mod posing;
+#[doc(hidden)]
 pub mod prior;
+#[doc(hidden)]
 pub mod processor;
 pub mod render;
 pub mod residual;
@@ -153,11 +151,17 @@ pub mod search;
 pub mod segment;
 pub mod silhouette;
 pub mod statistics;
+#[doc(hidden)]
 pub mod synchronise;
+#[doc(hidden)]
 pub mod templates;
 pub mod track;
+#[doc(hidden)]
 pub mod visual_hull;
 
+pub use cancel::CancelToken;
+#[doc(inline)]
+pub use processor::use_narrow_vectors;
 pub use {glam, image};
 
 /// What most programs need.

@@ -14,6 +14,9 @@
 //! | [`cue`] | where keypoints, flow, edges and stereo saw a limb − where it is |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
+#[doc(inline)]
+pub use crate::prior;
+
 use std::fmt;
 
 use crate::body::{Kinematics, Model, Parameters, Pose};

@@ -10,6 +10,9 @@
 //! | `without_start` | [`without_start()`]: a pose where no start is known, from the visual hull |
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 
+#[doc(inline)]
+pub use crate::{acquisition, particles, templates, visual_hull};
+
 mod chains;
 mod hypotheses;
 mod options;

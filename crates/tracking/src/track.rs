@@ -14,6 +14,9 @@
 //! | `tune` | [`tune()`]: the filter's noise, from innovations |
 //! | [`join`](mod@join) | two tracks of the same frames, one forwards and one backwards, made one |
 
+#[doc(inline)]
+pub use crate::{cues, filter};
+
 mod attempt;
 mod cued;
 mod estimate;

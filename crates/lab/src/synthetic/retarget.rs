@@ -39,7 +39,7 @@ pub fn pose(model: &Model, points: &BodyPoints) -> Option<Pose> {
         let in_world = |direction: D| -> Option<DVec3> {
             Some(points.frame(direction.frame())? * points.direction(direction)?)
         };
-        let [first, second] = [upper, lower].map(|direction| model.limb_index(direction.limb()?));
+        let [first, second] = [upper, lower].map(|direction| model.limb_index(&direction.limb()?));
         let (first, second) = (first?, second?);
         let (upper, lower) = (in_world(upper)?, in_world(lower)?);
         let swing = DQuat::from_rotation_arc(model.limbs()[first].direction, trunk.inverse() * upper);
@@ -54,7 +54,7 @@ pub fn pose(model: &Model, points: &BodyPoints) -> Option<Pose> {
         set(first, above);
         set(second, below);
         if let Some(direction) = end {
-            let foot = model.limb_index(direction.limb()?)?;
+            let foot = model.limb_index(&direction.limb()?)?;
             let ahead = (trunk * above * below).inverse() * in_world(direction)?;
             set(foot, DQuat::from_rotation_arc(model.limbs()[foot].direction, ahead));
         }

@@ -55,29 +55,14 @@ impl BodyDirection {
 
     /// What it is seen from: arms from the chest, all else from the pelvis.
     pub fn frame(self) -> TrunkFrame {
-        match self {
-            Self::RightUpperArm | Self::LeftUpperArm | Self::RightForearm | Self::LeftForearm => {
-                TrunkFrame::Chest
-            }
-            _ => TrunkFrame::Pelvis,
-        }
+        if matches!(self as usize / 2, 1 | 2) { TrunkFrame::Chest } else { TrunkFrame::Pelvis }
     }
 
     /// The limb of a body that it is the direction of; `None` for the chest's own axes.
-    pub fn limb(self) -> Option<&'static str> {
-        match self {
-            Self::ChestUp | Self::ChestLeft => None,
-            Self::RightUpperArm => Some("right upper arm"),
-            Self::LeftUpperArm => Some("left upper arm"),
-            Self::RightForearm => Some("right forearm"),
-            Self::LeftForearm => Some("left forearm"),
-            Self::RightThigh => Some("right thigh"),
-            Self::LeftThigh => Some("left thigh"),
-            Self::RightCalf => Some("right calf"),
-            Self::LeftCalf => Some("left calf"),
-            Self::RightFoot => Some("right foot"),
-            Self::LeftFoot => Some("left foot"),
-        }
+    pub fn limb(self) -> Option<String> {
+        const LIMBS: [&str; 5] = ["upper arm", "forearm", "thigh", "calf", "foot"];
+        let limb = LIMBS[(self as usize / 2).checked_sub(1)?];
+        Some(format!("{} {limb}", ["right", "left"][self as usize % 2]))
     }
 }
 
@@ -127,20 +112,18 @@ impl BodyPoints {
 
     /// A direction as its frame sees it: a unit vector; `None` where joints lie in one another.
     pub fn direction(&self, direction: BodyDirection) -> Option<DVec3> {
-        use BodyDirection as D;
-        let in_world = match direction {
-            D::ChestUp => self.frame(TrunkFrame::Chest)?.z_axis,
-            D::ChestLeft => self.frame(TrunkFrame::Chest)?.x_axis,
-            D::RightUpperArm => self.elbows[RIGHT] - self.shoulders[RIGHT],
-            D::LeftUpperArm => self.elbows[LEFT] - self.shoulders[LEFT],
-            D::RightForearm => self.wrists[RIGHT] - self.elbows[RIGHT],
-            D::LeftForearm => self.wrists[LEFT] - self.elbows[LEFT],
-            D::RightThigh => self.knees[RIGHT] - self.hips[RIGHT],
-            D::LeftThigh => self.knees[LEFT] - self.hips[LEFT],
-            D::RightCalf => self.ankles[RIGHT] - self.knees[RIGHT],
-            D::LeftCalf => self.ankles[LEFT] - self.knees[LEFT],
-            D::RightFoot => self.toes[RIGHT] - self.ankles[RIGHT],
-            D::LeftFoot => self.toes[LEFT] - self.ankles[LEFT],
+        let along = |from: [DVec3; 2], to: [DVec3; 2]| {
+            let side = direction as usize % 2;
+            to[side] - from[side]
+        };
+        let in_world = match direction as usize / 2 {
+            0 if direction == BodyDirection::ChestUp => self.frame(TrunkFrame::Chest)?.z_axis,
+            0 => self.frame(TrunkFrame::Chest)?.x_axis,
+            1 => along(self.shoulders, self.elbows),
+            2 => along(self.elbows, self.wrists),
+            3 => along(self.hips, self.knees),
+            4 => along(self.knees, self.ankles),
+            _ => along(self.ankles, self.toes),
         };
         Some(self.frame(direction.frame())?.transpose() * in_world.try_normalize()?)
     }
@@ -156,18 +139,32 @@ impl BodyPoints {
 
     /// The person as in a mirror: right is left.
     pub fn mirrored(&self) -> Self {
-        let flip = |p: DVec3| DVec3::new(-p.x, p.y, p.z);
-        let swap = |[right, left]: [DVec3; 2]| [flip(left), flip(right)];
+        let swap = |[right, left]: [DVec3; 2]| [left, right];
+        let flipped = self.moved(|p| DVec3::new(-p.x, p.y, p.z));
         Self {
-            hips: swap(self.hips),
-            waist: flip(self.waist),
-            neck: flip(self.neck),
-            shoulders: swap(self.shoulders),
-            elbows: swap(self.elbows),
-            wrists: swap(self.wrists),
-            knees: swap(self.knees),
-            ankles: swap(self.ankles),
-            toes: swap(self.toes),
+            hips: swap(flipped.hips),
+            shoulders: swap(flipped.shoulders),
+            elbows: swap(flipped.elbows),
+            wrists: swap(flipped.wrists),
+            knees: swap(flipped.knees),
+            ankles: swap(flipped.ankles),
+            toes: swap(flipped.toes),
+            ..flipped
+        }
+    }
+
+    /// Each joint moved.
+    fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Self {
+        Self {
+            hips: self.hips.map(&to),
+            waist: to(self.waist),
+            neck: to(self.neck),
+            shoulders: self.shoulders.map(&to),
+            elbows: self.elbows.map(&to),
+            wrists: self.wrists.map(&to),
+            knees: self.knees.map(&to),
+            ankles: self.ankles.map(&to),
+            toes: self.toes.map(&to),
         }
     }
 }
@@ -201,19 +198,7 @@ pub(crate) mod tests {
         assert!(points.direction(BodyDirection::LeftThigh).unwrap().distance(-DVec3::Z) < 1e-12);
         assert!(points.direction(BodyDirection::ChestLeft).unwrap().distance(DVec3::X) < 1e-12);
         let turn = crate::geometry::rotation::exp(DVec3::new(0.4, -1.1, 0.3));
-        let moved = |p: DVec3| 3.0 * (turn * p) + DVec3::new(4.0, 5.0, -6.0);
-        let all = |[right, left]: [DVec3; 2]| [moved(right), moved(left)];
-        let turned = BodyPoints {
-            hips: all(points.hips),
-            waist: moved(points.waist),
-            neck: moved(points.neck),
-            shoulders: all(points.shoulders),
-            elbows: all(points.elbows),
-            wrists: all(points.wrists),
-            knees: all(points.knees),
-            ankles: all(points.ankles),
-            toes: all(points.toes),
-        };
+        let turned = points.moved(|p| 3.0 * (turn * p) + DVec3::new(4.0, 5.0, -6.0));
         let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
         for (index, direction) in BodyDirection::ALL.into_iter().enumerate() {
             let here = points.direction(direction).unwrap();

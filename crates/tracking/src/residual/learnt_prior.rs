@@ -82,7 +82,7 @@ impl BoundPrior {
         let direction = |direction: &BodyDirection| {
             let at = match (direction, direction.limb()) {
                 (_, Some(name)) => {
-                    let limb = model.limb_index(name)?;
+                    let limb = model.limb_index(&name)?;
                     LimbFixed { limb, rest: model.limbs()[limb].direction }
                 }
                 // A trunk in one piece has no chest that turns.

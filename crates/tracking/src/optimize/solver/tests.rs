@@ -2,15 +2,17 @@ use nalgebra::DMatrix;
 
 use super::*;
 
-/// Rosenbrock's valley as two residuals: 1 − x and 10 (y − x²).
-struct Valley;
+/// Residuals of two unknowns with their Jacobian; no step is longer than `longest`.
+struct TwoUnknowns<F> {
+    evaluate: F,
+    longest: f64,
+}
 
-impl LeastSquares for Valley {
+impl<F: Fn(&[f64; 2]) -> (DMatrix<f64>, DVector<f64>)> LeastSquares for TwoUnknowns<F> {
     type Point = [f64; 2];
 
-    fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
-        let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -20.0 * x, 10.0]);
-        let residual = DVector::from_vec(vec![1.0 - x, -10.0 * (y - x * x)]);
+    fn evaluate(&mut self, point: &[f64; 2], equations: &mut NormalEquations) {
+        let (jacobian, residual) = (self.evaluate)(point);
         equations.jtj = jacobian.tr_mul(&jacobian);
         equations.jtr = jacobian.tr_mul(&residual);
         equations.cost = residual.norm_squared();
@@ -23,36 +25,27 @@ impl LeastSquares for Valley {
     fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
         [point[0] + step[0], point[1] + step[1]]
     }
+
+    fn cap(&self, step: &mut DVector<f64>) {
+        if step.norm() > self.longest {
+            *step *= self.longest / step.norm();
+        }
+    }
+}
+
+/// Rosenbrock's valley as two residuals: 1 − x and 10 (y − x²).
+fn valley_at(&[x, y]: &[f64; 2]) -> (DMatrix<f64>, DVector<f64>) {
+    let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -20.0 * x, 10.0]);
+    (jacobian, DVector::from_vec(vec![1.0 - x, -10.0 * (y - x * x)]))
+}
+
+fn valley() -> impl LeastSquares<Point = [f64; 2]> {
+    TwoUnknowns { evaluate: valley_at, longest: f64::INFINITY }
 }
 
 fn options(method: Method) -> SolverOptions {
     let tolerances = Tolerances::by_gain(Some(1e-14));
     SolverOptions { method, damping: 0.01, least_scale: 0.0, max_iterations: 200, tolerances, run_all: false }
-}
-
-/// The valley, no step longer than this.
-struct Careful {
-    longest: f64,
-}
-
-impl LeastSquares for Careful {
-    type Point = [f64; 2];
-
-    fn evaluate(&mut self, point: &[f64; 2], equations: &mut NormalEquations) {
-        Valley.evaluate(point, equations);
-    }
-
-    fn columns(&self) -> usize {
-        2
-    }
-
-    fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
-        Valley.retract(point, step)
-    }
-
-    fn cap(&self, step: &mut DVector<f64>) {
-        *step *= (self.longest / step.norm()).min(1.0);
-    }
 }
 
 /// At the valley's bend a step that is short, by damping or by a cap, gains less than the tolerance.
@@ -63,36 +56,13 @@ fn a_step_that_was_made_short_is_not_convergence() {
             let tolerances = Tolerances::by_gain(Some(1e-3));
             let options =
                 SolverOptions { tolerances, max_iterations: 100_000, ..options(Method::LevenbergMarquardt) };
-            let mut problem = Careful { longest };
+            let mut problem = TwoUnknowns { evaluate: valley_at, longest };
             let mut solver = Solver::new(&mut problem, start, options);
             while solver.step(&mut problem).is_some() {}
             let (gradient, why) = (solver.equations().jtr.amax(), solver.termination());
             let is_there = solver.cost() < 1e-12 && gradient < 1e-6;
             assert!(is_there, "{start:?}, {longest}: {} {gradient}, {why:?}", solver.cost());
         }
-    }
-}
-
-/// A line through three points: the cost at its end is not zero.
-struct Line;
-
-impl LeastSquares for Line {
-    type Point = [f64; 2];
-
-    fn evaluate(&mut self, &[a, b]: &[f64; 2], equations: &mut NormalEquations) {
-        let jacobian = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0]);
-        let residual = DVector::from_vec(vec![1.0 - a, 3.0 - a - b, 2.0 - a - 2.0 * b]);
-        equations.jtj = jacobian.tr_mul(&jacobian);
-        equations.jtr = jacobian.tr_mul(&residual);
-        equations.cost = residual.norm_squared();
-    }
-
-    fn columns(&self) -> usize {
-        2
-    }
-
-    fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
-        Valley.retract(point, step)
     }
 }
 
@@ -108,8 +78,14 @@ fn each_test_of_convergence_is_named() {
     for (tolerances, expected) in cases {
         for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
             let options = SolverOptions { tolerances, ..options(method) };
-            let mut solver = Solver::new(&mut Line, [-5.0, 7.0], options);
-            while solver.step(&mut Line).is_some() {}
+            // A line through three points: the cost at its end is not zero.
+            let evaluate = |&[a, b]: &[f64; 2]| {
+                let residual = DVector::from_vec(vec![1.0 - a, 3.0 - a - b, 2.0 - a - 2.0 * b]);
+                (DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0]), residual)
+            };
+            let mut line = TwoUnknowns { evaluate, longest: f64::INFINITY };
+            let mut solver = Solver::new(&mut line, [-5.0, 7.0], options);
+            while solver.step(&mut line).is_some() {}
             let [a, b] = *solver.point();
             assert_eq!(solver.termination(), Some(expected), "{method:?}");
             assert!((a - 1.5).abs() < 2e-2 && (b - 0.5).abs() < 2e-2, "{method:?}: {a} {b}");
@@ -120,29 +96,14 @@ fn each_test_of_convergence_is_named() {
 /// Metres, millimetres or light years: the same way down.
 #[test]
 fn units_of_columns_do_not_matter() {
-    struct Scaled([f64; 2]);
-
-    impl LeastSquares for Scaled {
-        type Point = [f64; 2];
-
-        fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
-            Valley.evaluate(&[x * self.0[0], y * self.0[1]], equations);
-            let scale = DVector::from_row_slice(&self.0);
-            equations.jtr.component_mul_assign(&scale);
-            equations.jtj.component_mul_assign(&(&scale * scale.transpose()));
-        }
-
-        fn columns(&self) -> usize {
-            2
-        }
-
-        fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
-            Valley.retract(point, step)
-        }
-    }
-
     let costs = |units: [f64; 2]| {
-        let mut problem = Scaled(units);
+        let evaluate = |&[x, y]: &[f64; 2]| {
+            let (mut jacobian, residual) = valley_at(&[x * units[0], y * units[1]]);
+            jacobian.column_mut(0).scale_mut(units[0]);
+            jacobian.column_mut(1).scale_mut(units[1]);
+            (jacobian, residual)
+        };
+        let mut problem = TwoUnknowns { evaluate, longest: f64::INFINITY };
         let start = [-1.2 / units[0], 1.0 / units[1]];
         let mut solver = Solver::new(&mut problem, start, options(Method::LevenbergMarquardt));
         std::iter::from_fn(|| solver.step(&mut problem).map(|iteration| iteration.cost)).take(12).collect()
@@ -153,10 +114,10 @@ fn units_of_columns_do_not_matter() {
 
 #[test]
 fn levenberg_marquardt_descends_the_valley() {
-    let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::LevenbergMarquardt));
+    let mut solver = Solver::new(&mut valley(), [-1.2, 1.0], options(Method::LevenbergMarquardt));
     let mut cost = solver.cost();
     let mut rejected = 0;
-    while let Some(iteration) = solver.step(&mut Valley) {
+    while let Some(iteration) = solver.step(&mut valley()) {
         assert!(iteration.cost <= cost, "an accepted step never raises the cost");
         assert_eq!(iteration.accepted, iteration.trial_cost < cost);
         rejected += usize::from(!iteration.accepted);
@@ -169,9 +130,9 @@ fn levenberg_marquardt_descends_the_valley() {
 
 #[test]
 fn gauss_newton_takes_every_step() {
-    let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::GaussNewton));
+    let mut solver = Solver::new(&mut valley(), [-1.2, 1.0], options(Method::GaussNewton));
     let mut rose = false;
-    while let Some(iteration) = solver.step(&mut Valley) {
+    while let Some(iteration) = solver.step(&mut valley()) {
         assert!(iteration.accepted);
         rose |= iteration.actual_decrease < 0.0;
     }
@@ -180,8 +141,8 @@ fn gauss_newton_takes_every_step() {
 
 #[test]
 fn a_stationary_start_says_so() {
-    let mut solver = Solver::new(&mut Valley, [1.0, 1.0], options(Method::LevenbergMarquardt));
-    assert!(solver.step(&mut Valley).is_none());
+    let mut solver = Solver::new(&mut valley(), [1.0, 1.0], options(Method::LevenbergMarquardt));
+    assert!(solver.step(&mut valley()).is_none());
     assert_eq!(solver.termination(), Some(Termination::NoGradient));
 }
 
@@ -190,8 +151,8 @@ fn run_all_runs_all() {
     for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
         for start in [[-1.2, 1.0], [1.0, 1.0]] {
             let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
-            let mut solver = Solver::new(&mut Valley, start, options);
-            while solver.step(&mut Valley).is_some() {}
+            let mut solver = Solver::new(&mut valley(), start, options);
+            while solver.step(&mut valley()).is_some() {}
             assert_eq!(solver.termination(), Some(Termination::StepLimit { steps: 600 }));
         }
     }
@@ -199,7 +160,7 @@ fn run_all_runs_all() {
 
 #[test]
 fn infinite_costs_end_without_losing_the_point() {
-    let mut solver = Solver::new(&mut Valley, [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
-    assert!(solver.step(&mut Valley).is_none());
+    let mut solver = Solver::new(&mut valley(), [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
+    assert!(solver.step(&mut valley()).is_none());
     assert_eq!(solver.termination(), Some(Termination::NotFinite));
 }
