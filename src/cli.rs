@@ -6,7 +6,7 @@
 //! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
 //! | `screenshot` | `backlit screenshot` |
 //!
-//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense, 130
+//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that cannot be understood, 130
 //! stopped by Ctrl+C.
 
 pub(crate) mod command;
@@ -22,7 +22,7 @@ use backlit_cli::output;
 use backlit_tracking::processor;
 use command::{Cli, Command, no_such_command};
 
-/// Set to 256, fits use vectors of at most so many bits: results are then the same on all x86 processors.
+/// Set to 256, fits use vectors of at most 256 bits: results are then the same on all x86 processors.
 const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
 
 /// Parses the program's arguments, does what they say, and reports errors.
@@ -60,7 +60,7 @@ fn stray_word() -> Option<clap::Error> {
     if is_known { None } else { no_such_command(first.as_ref()) }
 }
 
-/// Help goes to standard output, a command that makes no sense to standard error.
+/// Help goes to standard output, an error in the command to standard error.
 fn usage(error: &clap::Error) -> ExitCode {
     // Nobody is left to hear that the terminal is gone.
     let _ = error.print();

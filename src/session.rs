@@ -4,7 +4,7 @@
 mod frames;
 pub(crate) mod playback;
 pub(crate) mod prediction;
-pub(crate) mod selection;
+pub mod selection;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,13 +1,11 @@
 //! What stands around the features: toolbar, menus, palette, status bar, the dock of tiles, notices.
 
-pub(crate) mod about;
 pub(crate) mod dock;
 pub(crate) mod docking;
 pub(crate) mod drop_overlay;
 pub(crate) mod empty;
-pub(crate) mod matching;
+pub(crate) mod help_cards;
 pub(crate) mod menus;
-pub(crate) mod messages;
 pub(crate) mod notice_cards;
 pub(crate) mod palette;
 pub(crate) mod recent;
@@ -110,8 +108,8 @@ impl Shell {
         let stays = match overlay {
             Overlay::Palette(palette) => palette.ui(ui, context, requests),
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
-            Overlay::Messages => messages::messages(ui, context.notices, requests),
-            Overlay::About => about::about(ui, requests),
+            Overlay::Messages => help_cards::messages(ui, context.notices, requests),
+            Overlay::About => help_cards::about(ui, requests),
             Overlay::Card(card) => features.of_card(*card).card(ui, context, requests),
         };
         if !stays {

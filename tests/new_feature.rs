@@ -25,16 +25,10 @@ use crate::context::{Context, Requests, pane_title, priority};
 use crate::session::FrameData;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Coverage {
     shares: Vec<f64>,
-    task: Task<usize, Vec<f64>>,
-}
-
-impl Default for Coverage {
-    fn default() -> Self {
-        Self { shares: Vec::new(), task: Task::new(priority::SURVEY) }
-    }
+    task: Task<usize, Vec<f64>, { priority::SURVEY }>,
 }
 
 impl Feature for Coverage {

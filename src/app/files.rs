@@ -42,27 +42,15 @@ enum Asked {
 }
 
 /// Files that are read and written, and the dialogs that ask for them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Files {
-    pub(crate) open: Task<(), Opened>,
-    pub(crate) save: Task<PathBuf, Result<Version, ProjectError>>,
+    pub(crate) open: Task<(), Opened, { priority::OPEN }>,
+    pub(crate) save: Task<PathBuf, Result<Version, ProjectError>, { priority::SAVE }>,
     /// What was dropped on the window.
-    pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>>,
+    pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>, { priority::TAKE_IN }>,
     /// Tables, plots, numbers. They are written one after the other.
-    writes: Vec<Task<PathBuf, anyhow::Result<()>>>,
+    writes: Vec<Task<PathBuf, anyhow::Result<()>, { priority::WRITE }>>,
     dialogs: FileDialogs<Asked>,
-}
-
-impl Default for Files {
-    fn default() -> Self {
-        Self {
-            open: Task::new(priority::OPEN),
-            save: Task::new(priority::SAVE),
-            dropped: Task::new(priority::TAKE_IN),
-            writes: Vec::new(),
-            dialogs: FileDialogs::default(),
-        }
-    }
 }
 
 impl Files {
@@ -113,7 +101,7 @@ impl Files {
 
     /// Writes a file that is made of results.
     pub(crate) fn write(&mut self, state: &State, write: Write) {
-        let mut task = Task::new(priority::WRITE);
+        let mut task = Task::default();
         let Write { path, make } = write;
         let file = path.clone();
         task.begin(&state.pool, path, |_| {

@@ -142,7 +142,7 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     if options.track {
         app.run(Command::Tracking(TrackingCommand::Forward));
         settle(&mut window, &mut app, options.patience);
-        // A card over a view is for who has just tracked.
+        // The card about a finished track would cover a view.
         app.inspector.state.notices.close_all();
     }
     app.inspector.state.go_to_frame(options.frame);

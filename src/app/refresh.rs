@@ -18,23 +18,12 @@ use crate::session::{Extent, FrameData};
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>);
 
 /// The tasks whose results the session holds.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Refresh {
-    pub(crate) frame: Task<(usize, MadeWith), Arc<FrameData>>,
-    pub(crate) prediction: Task<PosedInputs, Arc<Predicted>>,
-    pub(crate) survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>>,
-    replaced: Task<Replacements, Arc<Footage>>,
-}
-
-impl Default for Refresh {
-    fn default() -> Self {
-        Self {
-            frame: Task::new(priority::FRAME),
-            prediction: Task::new(priority::PREDICTION),
-            survey: Task::new(priority::SURVEY),
-            replaced: Task::new(priority::CALIBRATION),
-        }
-    }
+    pub(crate) frame: Task<(usize, MadeWith), Arc<FrameData>, { priority::FRAME }>,
+    pub(crate) prediction: Task<PosedInputs, Arc<Predicted>, { priority::PREDICTION }>,
+    pub(crate) survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>, { priority::SURVEY }>,
+    replaced: Task<Replacements, Arc<Footage>, { priority::CALIBRATION }>,
 }
 
 impl Inspector {

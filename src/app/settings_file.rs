@@ -96,13 +96,13 @@ pub(crate) struct SettingsWriter {
     folder: Option<PathBuf>,
     written: Settings,
     failed: bool,
-    task: Task<(), Result<(), FileError>>,
+    task: Task<(), Result<(), FileError>, { priority::SETTINGS }>,
 }
 
 impl SettingsWriter {
     /// They are in the file as they are.
     pub(crate) fn new(folder: Option<PathBuf>, settings: &Settings) -> Self {
-        Self { folder, written: settings.clone(), failed: false, task: Task::new(priority::SETTINGS) }
+        Self { folder, written: settings.clone(), failed: false, task: Task::default() }
     }
 
     /// Writes the settings, if they are others than in the file.

@@ -26,7 +26,7 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// A clock that stands still, so many seconds east of Greenwich; `None` if there is no such place.
+    /// A clock that stands still, in the time zone this many seconds east of Greenwich; `None` if there is no such zone.
     pub fn fixed(now: SystemTime, seconds_east: i32) -> Option<Self> {
         let zone = TimeZone::fixed(Offset::from_seconds(seconds_east).ok()?);
         Some(Self { fixed: Some(now), zone: Some(zone) })

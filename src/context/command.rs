@@ -4,31 +4,31 @@
 //! |---|---|
 //! | `groups` | the commands of each feature |
 //! | `table` | text, tooltip, menu and keys of every command |
-//! | `menu` | the menus |
 //! | `keys` | which keys were pressed, and how they are written |
 
-/// Declares a group of commands. `every` lists them: a variant that carries something says what it may be.
-macro_rules! group {
-    ($(#[$meta:meta])* $name:ident { $($variant:ident $(($carried:ty) of $values:expr)?),* $(,)? }) => {
-        $(#[$meta])*
+/// Declares groups of commands. `every` lists those of a group: a variant that carries something says what it may be.
+macro_rules! groups {
+    (@values $variant:ident) => { vec![Self::$variant] };
+    (@values $variant:ident $values:expr) => { $values.into_iter().map(Self::$variant).collect() };
+    ($($(#[$meta:meta])* $name:ident {
+        $($variant:ident $(($carried:ty) of $values:expr)?),* $(,)?
+    })*) => {
+        $($(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum $name { $($variant $(($carried))?),* }
 
         impl $name {
             #[cfg(test)]
             pub(super) fn every() -> Vec<Self> {
-                let groups: Vec<Vec<Self>> = vec![$(group!(@values $variant $($values)?)),*];
+                let groups: Vec<Vec<Self>> = vec![$(groups!(@values $variant $($values)?)),*];
                 groups.concat()
             }
-        }
+        })*
     };
-    (@values $variant:ident) => { vec![Self::$variant] };
-    (@values $variant:ident $values:expr) => { $values.into_iter().map(Self::$variant).collect() };
 }
 
 mod groups;
 mod keys;
-mod menu;
 mod table;
 
 pub use groups::BasinView;
@@ -38,14 +38,13 @@ pub(crate) use groups::{
     SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
-pub(crate) use menu::Menu;
 
 use egui::KeyboardShortcut;
 
 use backlit_take::demonstration::Demonstration;
 use table::{CommandRow, TABLE};
 
-group! {
+groups! {
     /// A command.
     Command {
         File(FileCommand) of FileCommand::every(),
@@ -109,8 +108,39 @@ impl Command {
         self.row().map_or(&[], |row| row.keys)
     }
 
-    /// Its row of the table, where it has one: a ninth camera has none, nor has a tree of so many spheres.
+    /// Its row of the table. A ninth camera has none, nor has a sphere tree with a fixed number of spheres.
     fn row(self) -> Option<&'static CommandRow> {
         TABLE.iter().find(|row| row.command == self)
+    }
+}
+
+/// The menus, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Menu {
+    File,
+    Edit,
+    View,
+    Fit,
+    Track,
+    Demonstrate,
+    Help,
+}
+
+impl Menu {
+    /// All menus.
+    pub(crate) const ALL: [Self; 7] =
+        [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Demonstrate, Self::Help];
+
+    /// The menu's label.
+    pub(crate) const fn text(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::View => "View",
+            Self::Fit => "Fit",
+            Self::Track => "Track",
+            Self::Demonstrate => "Demonstrate",
+            Self::Help => "Help",
+        }
     }
 }

@@ -1,11 +1,13 @@
 //! Commands as buttons and menu rows: what cannot be used is grey, and its tooltip says why.
 
+use backlit_document::fit_words::preset_like;
 use backlit_document::history::Gesture;
+use backlit_tracking::fit::Preset;
 use backlit_ui::style::theme::size;
-use backlit_ui::widgets::{Icon, icon_button, primary_button};
+use backlit_ui::widgets::{Icon, choice, icon_button, primary_button};
 use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
 
-use crate::context::command::Command;
+use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, Requests, unavailable};
 
 /// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
@@ -128,4 +130,16 @@ pub(crate) fn next_gesture(ctx: &egui::Context) -> Gesture {
         *newest += 1;
         Gesture(*newest)
     })
+}
+
+/// A box of the presets.
+pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+    let chosen = preset_like(&context.document().fit).map_or("Custom", Preset::label);
+    let choices = [Preset::Robust, Preset::Report].map(|preset| {
+        let command = Command::Fit(FitCommand::Preset(preset));
+        (command, command.text(), command.tooltip())
+    });
+    if let Some(command) = choice(ui, "Preset", width, chosen, &choices) {
+        requests.run(command);
+    }
 }

@@ -94,7 +94,7 @@ impl Preferences {
         self.used_commands.truncate(MAX_RECENT);
     }
 
-    /// Whether a pane is open in the layout, for a take with so many cameras.
+    /// Whether a pane is open in the layout, for a take with this number of cameras.
     pub(crate) fn is_open(&self, pane: Pane, cameras: usize) -> bool {
         match self.kept.get(self.layout, cameras) {
             Some(tree) => arrangement::is_open(tree, pane),

@@ -245,7 +245,7 @@ impl Requests {
 
     /// What a task has sent since the last call. That it broke down is said, and what it was `doing`, as the beginning of a
     /// sentence.
-    pub(crate) fn outputs<I, O>(&mut self, doing: &str, task: &mut Task<I, O>) -> Vec<O> {
+    pub(crate) fn outputs<I, O, const P: u8>(&mut self, doing: &str, task: &mut Task<I, O, P>) -> Vec<O> {
         let mut outputs = Vec::new();
         for news in task.poll() {
             match news {

@@ -145,7 +145,7 @@ impl BasinResults {
 }
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Basin {
     /// What is chosen, kept from start to start.
     pub(crate) preferences: BasinPreferences,
@@ -153,22 +153,9 @@ pub struct Basin {
     pub results: BasinResults,
     /// Why nothing could be begun, until something else is tried.
     pub problem: Option<BasinProblem>,
-    task: Task<(), Result<Trial, BasinError>>,
+    task: Task<(), Result<Trial, BasinError>, { priority::BASIN }>,
     began: Option<Instant>,
     dialogs: FileDialogs<FileKind>,
-}
-
-impl Default for Basin {
-    fn default() -> Self {
-        Self {
-            preferences: BasinPreferences::default(),
-            results: BasinResults::default(),
-            problem: None,
-            task: Task::new(priority::BASIN),
-            began: None,
-            dialogs: FileDialogs::default(),
-        }
-    }
 }
 
 impl Basin {

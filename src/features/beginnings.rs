@@ -50,9 +50,9 @@ struct At {
 }
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Beginnings {
-    task: Task<(), Found>,
+    task: Task<(), Found, { priority::BASIN }>,
     about: Option<About>,
     /// What each way led to, or why it led nowhere.
     ended: BTreeMap<Way, Result<Arc<Outcome>, String>>,
@@ -67,23 +67,6 @@ pub(crate) struct Beginnings {
     drawn: Option<(At, Arc<Ghosts>)>,
     /// All are tried as soon as the frame is read.
     waits: bool,
-}
-
-impl Default for Beginnings {
-    fn default() -> Self {
-        Self {
-            task: Task::new(priority::BASIN),
-            about: None,
-            ended: BTreeMap::new(),
-            running: None,
-            no_start: false,
-            at: None,
-            is_shown: false,
-            plays: None,
-            drawn: None,
-            waits: false,
-        }
-    }
 }
 
 impl Beginnings {

@@ -26,8 +26,8 @@ pub use overlays::ObservedMarks;
 pub(crate) use pane::TilePlace;
 pub use tile::{CameraTileInput, TileResponse, camera_tile};
 
+use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
-use crate::context::picture_alone::PictureAlone;
 use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
 use crate::session::prediction::Derivatives;

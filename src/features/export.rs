@@ -38,7 +38,7 @@ pub(crate) mod series;
 mod tests;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Export {
     /// What was chosen last, kept from start to start.
     pub(crate) preferences: ExportChoices,
@@ -48,7 +48,7 @@ pub(crate) struct Export {
     running: Option<ExportProgress>,
     /// Folder of the last export.
     folder: Option<PathBuf>,
-    task: Task<(), Exported>,
+    task: Task<(), Exported, { priority::EXPORT }>,
     dialogs: FileDialogs<()>,
 }
 
@@ -67,20 +67,6 @@ struct ExportProgress {
     total: usize,
     /// How it ends, once that is known.
     outcome: Exported,
-}
-
-impl Default for Export {
-    fn default() -> Self {
-        Self {
-            preferences: ExportChoices::default(),
-            card: None,
-            order: None,
-            running: None,
-            folder: None,
-            task: Task::new(priority::EXPORT),
-            dialogs: FileDialogs::default(),
-        }
-    }
 }
 
 impl Export {

@@ -34,9 +34,9 @@ use variants::VariantRun;
 use crate::context::{Context, Requests, priority};
 use crate::session::prediction::{FitInputs, Predicted};
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Fit {
-    task: Task<(), FitMessage>,
+    task: Task<(), FitMessage, { priority::FIT }>,
     /// The run that may go on.
     live: Option<LiveRun>,
     /// The fit of that run between two steps.
@@ -72,23 +72,6 @@ struct LiveRun {
     is_over: bool,
     /// It is to be compared with others: the body stays as it was.
     is_comparison: bool,
-}
-
-impl Default for Fit {
-    fn default() -> Self {
-        Self {
-            task: Task::new(priority::FIT),
-            live: None,
-            paused: None,
-            pending_steps: 0,
-            gesture: None,
-            refitting: None,
-            refits: BTreeMap::new(),
-            again: VecDeque::new(),
-            edits_stages: false,
-            step_seconds: None,
-        }
-    }
 }
 
 impl Fit {

@@ -42,7 +42,7 @@ use crate::context::file_dialog::FileDialogs;
 use crate::context::priority;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Laboratory {
     /// What is compared.
     pub lineup: Lineup,
@@ -68,34 +68,11 @@ pub struct Laboratory {
     pending_steps: usize,
     /// The fits, between two steps.
     fits: Vec<Racing>,
-    steps: Task<(), Stepped>,
-    looks: Task<Lacking, Look>,
+    steps: Task<(), Stepped, { priority::LABORATORY }>,
+    looks: Task<Lacking, Look, { priority::LABORATORY_LOOK }>,
     /// Known by the fits and poses whose gradients are checked.
-    checks: Task<Vec<(usize, Pose)>, job::Found>,
+    checks: Task<Vec<(usize, Pose)>, job::Found, { priority::LABORATORY_CHECK }>,
     dialogs: FileDialogs<()>,
-}
-
-impl Default for Laboratory {
-    fn default() -> Self {
-        Self {
-            lineup: Lineup::default(),
-            start: StartChoice::default(),
-            axis: None,
-            camera: 0,
-            is_log: false,
-            marked: None,
-            comparison: None,
-            step_seconds: None,
-            comparisons: 0,
-            wants_run: false,
-            pending_steps: 0,
-            fits: Vec::new(),
-            steps: Task::new(priority::LABORATORY),
-            looks: Task::new(priority::LABORATORY_LOOK),
-            checks: Task::new(priority::LABORATORY_CHECK),
-            dialogs: FileDialogs::default(),
-        }
-    }
 }
 
 impl Laboratory {

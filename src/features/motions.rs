@@ -26,13 +26,13 @@ use std::sync::Arc;
 use backlit_jobs::Task;
 
 use crate::context::file_dialog::FileDialogs;
-use crate::context::motions::MotionMarks;
+use crate::context::marks::MotionMarks;
 use crate::context::priority;
 use job::{Found, Inputs, Missing};
 pub(crate) use preferences::MotionsPreferences;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Motions {
     /// What is chosen, kept from start to start.
     pub(crate) preferences: MotionsPreferences,
@@ -42,20 +42,6 @@ pub(crate) struct Motions {
     /// Why there are no names, once somebody has looked.
     missing: Option<Missing>,
     marks: MotionMarks,
-    task: Task<Inputs, Result<Arc<Found>, Missing>>,
+    task: Task<Inputs, Result<Arc<Found>, Missing>, { priority::MOTIONS }>,
     dialogs: FileDialogs<()>,
-}
-
-impl Default for Motions {
-    fn default() -> Self {
-        Self {
-            preferences: MotionsPreferences::default(),
-            model: None,
-            found: None,
-            missing: None,
-            marks: MotionMarks::default(),
-            task: Task::new(priority::MOTIONS),
-            dialogs: FileDialogs::default(),
-        }
-    }
 }

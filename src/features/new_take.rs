@@ -24,8 +24,8 @@ pub(crate) struct NewTake {
     rate: String,
     out: String,
     stage: ImportStage,
-    look: Task<(Vec<PathBuf>, ImportOptions), Result<Looked, String>>,
-    write: Task<(), Written>,
+    look: Task<(Vec<PathBuf>, ImportOptions), Result<Looked, String>, { priority::OPEN }>,
+    write: Task<(), Written, { priority::EXPORT }>,
     dialogs: FileDialogs<Asked>,
 }
 
@@ -58,8 +58,8 @@ impl Default for NewTake {
             rate: String::new(),
             out: String::new(),
             stage: ImportStage::Empty,
-            look: Task::new(priority::OPEN),
-            write: Task::new(priority::EXPORT),
+            look: Task::default(),
+            write: Task::default(),
             dialogs: FileDialogs::default(),
         }
     }

@@ -3,14 +3,12 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`observed`] | [`Observed`]: the figures of a pose |
 //! | `sway` | the way along a direction, and the body on it |
-//! | `update` | commands; figures are asked for where they are wanted and old |
+//! | `update` | [`Observed`]: the figures of a pose; commands; figures are asked for where they are wanted and old |
 //! | `panel` | the Observability section, with its chart of singular values |
 //! | `camera_subsets` | the Camera subsets section |
 
 mod camera_subsets;
-pub(crate) mod observed;
 mod panel;
 mod sway;
 #[cfg(test)]
@@ -25,8 +23,8 @@ use backlit_tracking::observability::{Direction, JointUncertainty, Observability
 use backlit_tracking::posing::LimitedAngle;
 use backlit_ui::drawing::automatic_factor;
 
-pub(crate) use observed::Observed;
 use sway::Sway;
+pub(crate) use update::Observed;
 
 use crate::context::priority;
 use crate::session::prediction::PosedInputs;
@@ -52,7 +50,7 @@ impl Default for Choices {
 
 /// What panels show in a frame.
 #[derive(Debug, Clone, Copy, Default)]
-struct Shown {
+struct PanelMarks {
     /// A section shows figures: they are wanted.
     figures: bool,
     /// The set of cameras under the pointer, by its place in the list.
@@ -69,12 +67,12 @@ pub struct Observability {
     believed: Option<Arc<Vec<JointUncertainty>>>,
     is_stale: bool,
     /// What panels have shown in the last frame, and what they show in this one.
-    shown: Shown,
-    drawn: Shown,
+    shown: PanelMarks,
+    drawn: PanelMarks,
     picked: Option<usize>,
     sway: Option<Sway>,
     choices: Choices,
-    task: Task<PosedInputs, Result<Arc<Observed>, FitError>>,
+    task: Task<PosedInputs, Result<Arc<Observed>, FitError>, { priority::OBSERVABILITY }>,
 }
 
 impl Default for Observability {
@@ -83,12 +81,12 @@ impl Default for Observability {
             found: None,
             believed: None,
             is_stale: true,
-            shown: Shown::default(),
-            drawn: Shown::default(),
+            shown: PanelMarks::default(),
+            drawn: PanelMarks::default(),
             picked: None,
             sway: None,
             choices: Choices::default(),
-            task: Task::new(priority::OBSERVABILITY),
+            task: Task::default(),
         }
     }
 }

@@ -35,27 +35,21 @@ pub(crate) struct Offsets {
     sides: [PictureSide; 2],
     /// A place in a picture, and which: the other picture shows the line on which it can be.
     pointed_at: Option<(usize, DVec2)>,
-    find: Task<(), SearchMessage>,
+    find: Task<(), SearchMessage, { priority::TRACK }>,
     /// How far the search is: frames done, and in all.
     progress: Option<[usize; 2]>,
     found: Option<Result<Box<TakeClocks>, String>>,
-    write: Task<(), Result<(), String>>,
+    write: Task<(), Result<(), String>, { priority::EXPORT }>,
     /// The take that is written to.
     path: PathBuf,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct PictureSide {
-    task: Task<OffsetPicture, PictureRead>,
+    task: Task<OffsetPicture, PictureRead, { priority::FRAME }>,
     /// The picture that was read last, and of what.
     picture: Option<(OffsetPicture, Arc<ColorImage>)>,
     problem: Option<String>,
-}
-
-impl Default for PictureSide {
-    fn default() -> Self {
-        Self { task: Task::new(priority::FRAME), picture: None, problem: None }
-    }
 }
 
 impl Default for Offsets {
@@ -66,10 +60,10 @@ impl Default for Offsets {
             shifts: Vec::new(),
             sides: Default::default(),
             pointed_at: None,
-            find: Task::new(priority::TRACK),
+            find: Task::default(),
             progress: None,
             found: None,
-            write: Task::new(priority::EXPORT),
+            write: Task::default(),
             path: PathBuf::new(),
         }
     }

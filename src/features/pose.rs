@@ -25,7 +25,7 @@ use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
 use egui::Ui;
 
-use crate::context::drag_marks::DragMarks;
+use crate::context::marks::DragMarks;
 use crate::context::{Context, Requests};
 
 /// The feature.

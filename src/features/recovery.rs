@@ -3,25 +3,19 @@
 //! | file | holds |
 //! |---|---|
 //! | `copies` | [`Copies`]: the files, who may write which, and which are offered |
-//! | `about` | `About`: what is written beside a copy |
-//! | `left` | `Left`: a copy that a window has left, in words |
-//! | `picture` | `Picture`: what a camera showed, small |
+//! | `left` | `Left`: a copy that a window has left, in words; the note and the picture beside it |
 //! | `update` | the copy written after every change; what the user decides about what was left |
 //! | `panel` | a card for each of what was left |
 
-mod about;
 mod copies;
 mod left;
 mod panel;
-mod picture;
 #[cfg(test)]
 mod tests;
 mod update;
 
-pub(crate) use about::About;
 pub use copies::Copies;
-pub(crate) use left::Left;
-pub(crate) use picture::Picture;
+pub(crate) use left::{CopyNote, Left, Thumbnail};
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -35,7 +29,7 @@ use backlit_jobs::Task;
 use crate::context::priority;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Recovery {
     /// `None` without a folder for them.
     copies: Option<Copies>,
@@ -46,7 +40,7 @@ pub(crate) struct Recovery {
     /// The copies that a notice has told of.
     told: BTreeSet<PathBuf>,
     /// Writes a version to the copy.
-    task: Task<Version, Result<(), ProjectError>>,
+    task: Task<Version, Result<(), ProjectError>, { priority::SAVE }>,
     /// Held while the copy is being written.
     writing: Arc<Mutex<()>>,
     /// The version that is in the copy.
@@ -62,26 +56,6 @@ pub(crate) struct Recovery {
     adopted: Option<Left>,
     /// The copies that were discarded last: where they are now.
     discarded: Vec<PathBuf>,
-}
-
-impl Default for Recovery {
-    fn default() -> Self {
-        Self {
-            copies: None,
-            offered: Vec::new(),
-            is_put_off: false,
-            told: BTreeSet::new(),
-            task: Task::new(priority::SAVE),
-            writing: Arc::default(),
-            written: None,
-            is_picture_old: false,
-            begun: None,
-            failed: false,
-            has_stayed_open: false,
-            adopted: None,
-            discarded: Vec::new(),
-        }
-    }
 }
 
 impl Recovery {

@@ -41,7 +41,7 @@ mod tests;
 mod viewpoint;
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Scene {
     /// What is shown.
     pub(crate) preferences: ScenePreferences,
@@ -50,20 +50,8 @@ pub struct Scene {
     /// The picture. While a newer one is drawn, the old stays.
     pub drawing: Option<Arc<SceneDrawing>>,
     /// Makes the picture of the order with this key.
-    draw: Task<u64, Arc<SceneDrawing>>,
-    carve: Task<HullInputs, Option<Arc<VisualHull>>>,
-}
-
-impl Default for Scene {
-    fn default() -> Self {
-        Self {
-            preferences: ScenePreferences::default(),
-            hulls: HullCache::default(),
-            drawing: None,
-            draw: Task::new(priority::SCENE),
-            carve: Task::new(priority::HULL),
-        }
-    }
+    draw: Task<u64, Arc<SceneDrawing>, { priority::SCENE }>,
+    carve: Task<HullInputs, Option<Arc<VisualHull>>, { priority::HULL }>,
 }
 
 impl Scene {

@@ -11,7 +11,7 @@ use egui::accesskit::Role;
 use egui::{Rect, Ui};
 use glam::DVec3;
 
-use card::{Card, STEPS, Wish};
+use card::{CardAnswer, STEPS, TourCard};
 
 use crate::context::command::Command;
 use crate::context::feature::Feature;
@@ -28,7 +28,7 @@ const DRAGGED_M: f64 = 0.02;
 pub(crate) struct Tour {
     /// Whether it was offered, kept from start to start.
     pub(crate) was_offered: bool,
-    stage: Stage,
+    stage: TourStage,
     /// The last step that was reached: up to there one may go on without doing it again.
     furthest: usize,
     /// The camera in whose view the joint was dragged last.
@@ -39,7 +39,7 @@ pub(crate) struct Tour {
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Stage {
+enum TourStage {
     /// It is over, or was not begun.
     #[default]
     Over,
@@ -65,12 +65,12 @@ impl Feature for Tour {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let is_open = shows_built_in(context);
         match self.stage {
-            Stage::Over | Stage::Offered => {}
-            Stage::Opening if is_open && context.selection.frame != 0 => {
+            TourStage::Over | TourStage::Offered => {}
+            TourStage::Opening if is_open && context.selection.frame != 0 => {
                 requests.request(SessionRequest::Visit(0));
                 context.egui.request_repaint();
             }
-            Stage::Opening if is_open => {
+            TourStage::Opening if is_open => {
                 if context.session.frames.get(0).is_some() {
                     for layout in [Layout::Pose, Layout::Debug] {
                         requests.request(FeatureRequest::ShowMode(layout, ViewMode::Tinted));
@@ -79,10 +79,10 @@ impl Feature for Tour {
                 }
             }
             // Where it could not be opened that was said.
-            Stage::Opening if context.busy.opening => {}
-            Stage::Opening => self.stage = Stage::Over,
-            Stage::At(_) if !is_open => self.stage = Stage::Over,
-            Stage::At(step) => self.follow(step, context, requests),
+            TourStage::Opening if context.busy.opening => {}
+            TourStage::Opening => self.stage = TourStage::Over,
+            TourStage::At(_) if !is_open => self.stage = TourStage::Over,
+            TourStage::At(step) => self.follow(step, context, requests),
         }
     }
 
@@ -100,13 +100,13 @@ impl Tour {
     /// Offers it, once.
     pub(crate) fn offer(&mut self) {
         if !self.was_offered {
-            self.stage = Stage::Offered;
+            self.stage = TourStage::Offered;
         }
     }
 
     /// Begins it; the built-in take is opened if it is not open.
     pub(crate) fn begin(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        *self = Self { was_offered: true, stage: Stage::Opening, ..Self::default() };
+        *self = Self { was_offered: true, stage: TourStage::Opening, ..Self::default() };
         if !shows_built_in(context) {
             requests.request(DesktopRequest::Open(TakeSource::BuiltIn));
         }
@@ -115,9 +115,9 @@ impl Tour {
     /// The step on the screen, counted from one; zero while the tour is offered.
     pub(crate) fn step(&self, context: &Context<'_>) -> Option<usize> {
         match self.stage {
-            Stage::Offered => can_offer(context).then_some(0),
-            Stage::Over | Stage::Opening => None,
-            Stage::At(step) => Some(step + 1),
+            TourStage::Offered => can_offer(context).then_some(0),
+            TourStage::Over | TourStage::Opening => None,
+            TourStage::At(step) => Some(step + 1),
         }
     }
 
@@ -133,7 +133,7 @@ impl Tour {
         }
         if step + 1 == STEPS.len() {
             requests.inform("That was the tour. Help › Tour shows it again.", None);
-            self.stage = Stage::Over;
+            self.stage = TourStage::Over;
         } else {
             self.enter(step + 1, context, requests);
         }
@@ -152,7 +152,7 @@ impl Tour {
             // The step that was looked at is left: the renderers are compared on the pose of the frame.
             requests.request(SessionRequest::LeaveStep);
         }
-        self.stage = Stage::At(step);
+        self.stage = TourStage::At(step);
         self.furthest = self.furthest.max(step);
         self.dragged_in = None;
         self.begun = Begun {
@@ -184,26 +184,26 @@ impl Tour {
 
     /// Shows the card, and does what is asked on it. The offer lies above `bottom`.
     pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>, bottom: f32, requests: &mut Requests) {
-        let wish = match self.stage {
-            Stage::Offered if can_offer(context) => card::offer(ui, bottom),
-            Stage::At(step) if !context.is_covered => {
+        let answer = match self.stage {
+            TourStage::Offered if can_offer(context) => card::offer(ui, bottom),
+            TourStage::At(step) if !context.is_covered => {
                 let (target, camera) = self.target(step, context);
                 let can_go_on = step == 0 || step < self.furthest;
-                card::card(ui, &Card { step, target, camera, can_go_on })
+                card::card(ui, &TourCard { step, target, camera, can_go_on })
             }
-            Stage::Over | Stage::Offered | Stage::Opening | Stage::At(_) => None,
+            TourStage::Over | TourStage::Offered | TourStage::Opening | TourStage::At(_) => None,
         };
-        match wish {
-            Some(Wish::Begin) => self.begin(context, requests),
-            Some(Wish::Skip) => *self = Self { was_offered: true, ..Self::default() },
-            Some(Wish::Back) => self.go(-1, context, requests),
-            Some(Wish::Next) => self.go(1, context, requests),
+        match answer {
+            Some(CardAnswer::Begin) => self.begin(context, requests),
+            Some(CardAnswer::Skip) => *self = Self { was_offered: true, ..Self::default() },
+            Some(CardAnswer::Back) => self.go(-1, context, requests),
+            Some(CardAnswer::Next) => self.go(1, context, requests),
             None => {}
         }
     }
 
     fn go(&mut self, by: isize, context: &Context<'_>, requests: &mut Requests) {
-        if let Stage::At(step) = self.stage {
+        if let TourStage::At(step) = self.stage {
             self.enter(step.saturating_add_signed(by).min(STEPS.len() - 1), context, requests);
         }
     }

@@ -39,9 +39,9 @@ use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_trac
 use crate::context::{Context, Requests, priority};
 use update::{joined, keys_around};
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Tracking {
-    task: Task<(), Applied>,
+    task: Task<(), Applied, { priority::TRACK }>,
     work: Option<TrackingWork>,
     /// All frames of a track are one undoable act.
     gesture: Option<Gesture>,
@@ -102,23 +102,6 @@ struct OtherPoses {
     found: Vec<OtherPose>,
     /// The choices of the fit by which they were measured.
     fit: Arc<FitOptions>,
-}
-
-impl Default for Tracking {
-    fn default() -> Self {
-        Self {
-            task: Task::new(priority::TRACK),
-            work: None,
-            gesture: None,
-            tracked: Vec::new(),
-            other_poses: BTreeMap::new(),
-            follows: false,
-            newest: None,
-            shown: None,
-            tracks_then: false,
-            tracks_next: false,
-        }
-    }
 }
 
 impl Feature for Tracking {

@@ -1,6 +1,6 @@
-//! Playing frames: speed, loop, and where the film stands at a time.
+//! Playing frames: speed, loop, and the frame that is due at a time.
 //!
-//! The film keeps time: where pictures come too late, frames are left out. It waits for none but the first.
+//! Playing keeps time: frames whose pictures come too late are left out. It waits only for the first picture.
 
 /// Speeds that are offered, as multiples of the take's own.
 pub(crate) const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0];
@@ -176,7 +176,7 @@ impl Playback {
         Some((due - now).max(0.0))
     }
 
-    /// The frame that will be due in so many seconds, to be read ahead.
+    /// The frame that will be due in this many seconds: it is read ahead.
     pub(crate) fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
         let film = self.film?;
         let ahead = passed(film, rate * self.speed, now + seconds) + 1;
@@ -194,7 +194,7 @@ fn passed(film: RunningFilm, rate: f64, now: f64) -> usize {
     ((now - film.since) * rate + 1e-6).max(0.0) as usize
 }
 
-/// The frame so many after another, round and round in a range.
+/// The frame `by` frames after another, round and round in a range.
 fn wrapped(from: usize, by: usize, range: FrameRange) -> usize {
     let at = from.clamp(range.first, range.last) - range.first;
     range.first + (at + by) % range.count()

@@ -12,9 +12,10 @@ use super::menus;
 use crate::context::command::{
     Command, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
+use crate::context::command_button::preset_box;
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
-use crate::context::{Context, Requests, ShellRequest, preset_box};
+use crate::context::{Context, Requests, ShellRequest};
 use crate::features::Features;
 use crate::features::fit::renderer;
 
@@ -126,7 +127,7 @@ fn right(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: 
     if context.preferences.layout == Layout::Demonstrate && context.session.take.is_some() {
         // The laboratory has buttons of its own.
         if width >= size::FOLD_CHOICES {
-            preset_box::show(ui, context, requests, 92.0);
+            preset_box(ui, context, requests, 92.0);
             features.laboratory.lineup_box(ui);
         }
         return;
@@ -139,7 +140,7 @@ fn right(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: 
     icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
     if width >= size::FOLD_CHOICES && context.session.take.is_some() {
         ui.add_space(space::WIDGET);
-        preset_box::show(ui, context, requests, 92.0);
+        preset_box(ui, context, requests, 92.0);
         ui.add_space(space::ROW);
         renderer::kind_box(ui, context, requests, 100.0);
     }

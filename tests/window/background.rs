@@ -11,7 +11,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::{Rgba, RgbaImage};
 
-use crate::support::app_window::{click, open_sized, press, settle, type_into_palette};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle, type_into_palette};
 use crate::support::take;
 
 /// Frames of the take: enough for the forearm to leave every pixel.
@@ -37,8 +37,8 @@ fn open(source: TakeSource) -> Harness<'static, App> {
 
 /// How many pixels of the front camera's silhouette are unknown.
 fn unknown(harness: &Harness<'_, App>) -> usize {
-    let session = &harness.state().inspector.state.session;
-    let frame = session.frames.get(harness.state().inspector.state.selection.frame).unwrap();
+    let session = harness.session();
+    let frame = session.frames.get(harness.selection().frame).unwrap();
     let mask = frame.cameras[0].mask.as_ref().unwrap();
     mask.labels().iter().filter(|label| **label == Label::Unknown).count()
 }
@@ -67,21 +67,21 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     assert!(why.contains("There is no track yet"), "{why}");
 
     click(&mut harness, "Track forward");
-    let tracked = harness.state().inspector.document().estimates.len();
+    let tracked = harness.document().estimates.len();
     assert_eq!(tracked, FRAMES);
     press(&mut harness, Modifiers::NONE, Key::Home);
     type_into_palette(&mut harness, NAME);
     press(&mut harness, Modifiers::NONE, Key::Enter);
 
     harness.get_by_label_contains("Learnt the background of 2 cameras without the body.");
-    let plates = harness.state().inspector.document().plates.clone();
+    let plates = harness.document().plates.clone();
     let place = folder.path().join("background without body");
     assert_eq!(plates.values().collect::<Vec<_>>(), [&place.join("front.png"), &place.join("above.png")]);
     assert!(plates.values().all(|path| path.is_file()));
     let after = unknown(&harness);
     // Half of the hole is behind the arm in nearly all frames.
     assert!(3 * after < 2 * before, "{after} of {before} pixels are still unknown");
-    assert_eq!(harness.state().inspector.document().estimates.len(), tracked, "the track stays");
+    assert_eq!(harness.document().estimates.len(), tracked, "the track stays");
 
     // The project keeps them, and a further time does not write over them.
     let project = folder.path().join("arm.backlit");
@@ -90,13 +90,13 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     assert_eq!(read_project(&project).unwrap().document.plates, plates);
     type_into_palette(&mut harness, NAME);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    let again = harness.state().inspector.document().plates.clone();
+    let again = harness.document().plates.clone();
     assert_eq!(again[&0], folder.path().join("background without body 2/front.png"));
 
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().inspector.document().plates, plates);
+    assert_eq!(harness.document().plates, plates);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().inspector.document().plates.is_empty());
+    assert!(harness.document().plates.is_empty());
     assert_eq!(unknown(&harness), before, "undone, the silhouettes are as they were");
 }
 
@@ -115,9 +115,9 @@ fn where_a_camera_cannot_be_learnt_nothing_changes() {
     click(&mut harness, "Track forward");
     // The footage is gone.
     std::fs::rename(folder.path().join("above"), folder.path().join("elsewhere")).unwrap();
-    let document = harness.state().inspector.document().clone();
+    let document = harness.document().clone();
     type_into_palette(&mut harness, NAME);
     press(&mut harness, Modifiers::NONE, Key::Enter);
     harness.get_by_label_contains("The background cannot be learnt: ");
-    assert_eq!(*harness.state().inspector.document(), document);
+    assert_eq!(*harness.document(), document);
 }

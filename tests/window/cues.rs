@@ -11,7 +11,7 @@ use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::app_window::{click, open_sized, settle};
+use crate::support::app_window::{WindowState, click, open_sized, settle};
 
 fn legends(window: &Harness<'_, App>) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
@@ -25,9 +25,9 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     // Opening it tracks it.
     let mut window =
         open_sized(AppOptions { settings, opening, ..AppOptions::default() }, vec2(1600.0, 1600.0));
-    assert_eq!(window.state().inspector.document().tracking.cues, CueChoice::Keypoints);
-    let here = window.state().inspector.state.selection.frame;
-    assert!(window.state().inspector.document().estimates.contains_key(&here));
+    assert_eq!(window.document().tracking.cues, CueChoice::Keypoints);
+    let here = window.selection().frame;
+    assert!(window.document().estimates.contains_key(&here));
     let said = legends(&window);
     assert!(!said.is_empty() && said.iter().all(|legend| legend.contains("2-D keypoint")), "{said:?}");
     assert!(window.query_by_label_contains("Unsure limbs: ").is_some());
@@ -36,7 +36,7 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     window.run_steps(3);
     window.get_by_label("None").click();
     settle(&mut window);
-    assert_eq!(window.state().inspector.document().tracking.cues, CueChoice::None);
+    assert_eq!(window.document().tracking.cues, CueChoice::None);
     let said = legends(&window);
     assert!(said.iter().all(|legend| !legend.contains("2-D keypoint")), "{said:?}");
 }

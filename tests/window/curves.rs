@@ -1,6 +1,6 @@
 //! The convergence panel through the real window: runs named, hidden, removed, brought back, read out, exported.
 
-use crate::support::app_window::{click, open_sized, press, settle, write_curves};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle, write_curves};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::settings::Settings;
@@ -25,7 +25,7 @@ fn open_dark() -> Harness<'static, App> {
 }
 
 fn names(harness: &Harness<'_, App>) -> Vec<String> {
-    harness.state().inspector.runs().iter().map(|run| run.name.clone()).collect()
+    harness.runs().iter().map(|run| run.name.clone()).collect()
 }
 
 /// Runs the fit from the take's start with each renderer.
@@ -76,12 +76,12 @@ fn removed_runs_come_back_with_one_undo() {
     click(&mut harness, "Undo remove runs");
     assert_eq!(names(&harness), before);
 
-    let document = harness.state().inspector.document().clone();
+    let document = harness.document().clone();
     click(&mut harness, "Remove run 2");
     assert_eq!(names(&harness), ["Capsule", "Sphere tree"]);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(names(&harness), before);
-    assert_eq!(*harness.state().inspector.document(), document, "the document is not what is undone");
+    assert_eq!(*harness.document(), document, "the document is not what is undone");
 
     // Runs that were made since stay, and colours are not used twice.
     click(&mut harness, "Clear runs");
@@ -90,7 +90,7 @@ fn removed_runs_come_back_with_one_undo() {
     harness.get_by_role(Role::TextInput).type_text("undo remove");
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    let runs = harness.state().inspector.runs();
+    let runs = harness.runs();
     assert_eq!(runs.iter().map(|run| run.number).collect::<Vec<_>>(), [1, 2, 3, 4]);
 }
 
@@ -101,7 +101,7 @@ fn a_branch_is_named_after_its_step_and_the_old_run_stays() {
     for _ in 0..3 {
         press(&mut harness, Modifiers::NONE, Key::Comma);
     }
-    let step = harness.state().inspector.state.selection.step.unwrap().step;
+    let step = harness.selection().step.unwrap().step;
     click(&mut harness, "Branch");
     click(&mut harness, "Run");
     let expected = format!("From step {step} of run 1");
@@ -113,16 +113,16 @@ fn a_branch_is_named_after_its_step_and_the_old_run_stays() {
 fn the_slider_takes_arrow_keys_once_it_has_the_focus() {
     let mut harness = open_dark();
     click(&mut harness, "Run");
-    let frame = harness.state().inspector.state.selection.frame;
+    let frame = harness.selection().frame;
     harness.get_by_role_and_label(Role::Slider, "Step").click();
     settle(&mut harness);
-    let at = harness.state().inspector.state.selection.step.unwrap().step;
+    let at = harness.selection().step.unwrap().step;
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert_eq!(harness.state().inspector.state.selection.step.unwrap().step, at - 1);
+    assert_eq!(harness.selection().step.unwrap().step, at - 1);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    assert_eq!(harness.state().inspector.state.selection.step.unwrap().step, at + 1);
-    assert_eq!(harness.state().inspector.state.selection.frame, frame);
+    assert_eq!(harness.selection().step.unwrap().step, at + 1);
+    assert_eq!(harness.selection().frame, frame);
     // Keys that it has no use for are the window's.
     press(&mut harness, Modifiers::NONE, Key::Space);
     settle(&mut harness);
@@ -133,14 +133,14 @@ fn the_slider_takes_arrow_keys_once_it_has_the_focus() {
 fn the_plot_stands_where_the_views_do() {
     let mut harness = open_dark();
     click(&mut harness, "Run");
-    let last = harness.state().inspector.runs()[0].steps.len() - 1;
+    let last = harness.runs()[0].steps.len() - 1;
     harness.get_by_label(&format!("Step {last} of {last}"));
     for _ in 0..3 {
         press(&mut harness, Modifiers::NONE, Key::Comma);
     }
-    let step = harness.state().inspector.state.selection.step.unwrap().step;
+    let step = harness.selection().step.unwrap().step;
     click(&mut harness, "Branch");
-    assert_eq!(harness.state().inspector.state.selection.step, None);
+    assert_eq!(harness.selection().step, None);
     harness.get_by_label(&format!("Step {step} of {last}"));
     // Undone is the branch, then the fit.
     press(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -177,7 +177,7 @@ fn curves_are_written_as_they_are_shown() {
     settle(&mut harness);
     harness.get_by_label("Wrote curves.csv.");
     let text = std::fs::read_to_string(&csv).unwrap();
-    let steps: usize = harness.state().inspector.runs().iter().map(|run| run.steps.len()).sum();
+    let steps: usize = harness.runs().iter().map(|run| run.steps.len()).sum();
     assert_eq!(text.lines().count(), steps + 1);
     assert!(text.starts_with("run,name,") && text.contains("Sphere tree"));
     let picture = image::open(&png).unwrap();

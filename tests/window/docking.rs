@@ -1,6 +1,6 @@
 //! Tiles of the centre in the real window: splits, headers, closing, one alone, layouts; and the scene's tile.
 
-use crate::support::app_window::{click, command, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, command, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::settings::Settings;
@@ -105,7 +105,7 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     let wider = header(&harness, "Camera 1").width();
     assert!((wider - first - 70.0).abs() < 2.0, "{first} {wider}");
     assert_fills(&harness);
-    assert!(harness.state().inspector.settings().kept.get(Layout::Debug, 2).is_some());
+    assert!(harness.settings().kept.get(Layout::Debug, 2).is_some());
 
     command(&mut harness, "Arrange tiles");
     assert!((header(&harness, "Camera 1").width() - first).abs() < 0.5);
@@ -113,14 +113,11 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     assert!((header(&harness, "Camera 1").width() - wider).abs() < 0.5);
 
     press(&mut harness, Modifiers::COMMAND, Key::B);
-    let before = harness.state().inspector.settings();
+    let before = harness.settings();
     command(&mut harness, "Reset layout");
-    assert!(
-        harness.state().inspector.settings().panel
-            && harness.state().inspector.settings().kept.get(Layout::Debug, 2).is_none()
-    );
+    assert!(harness.settings().panel && harness.settings().kept.get(Layout::Debug, 2).is_none());
     undo_in_notice(&mut harness);
-    let look = harness.state().inspector.settings();
+    let look = harness.settings();
     assert_eq!((&look.kept, look.panel), (&before.kept, false));
 }
 
@@ -145,7 +142,7 @@ fn the_arrangement_is_there_at_the_next_start() {
     let split = split_right_of(&harness, "Camera 1");
     drag(&mut harness, split, vec2(-60.0, 0.0));
     let widths = DEBUG_PANES.map(|pane| header(&harness, pane).width());
-    let text = serde_json::to_string(&harness.state().inspector.settings()).unwrap();
+    let text = serde_json::to_string(&harness.settings()).unwrap();
     let again = open(serde_json::from_str(&text).unwrap());
     assert_eq!(DEBUG_PANES.map(|pane| header(&again, pane).width()), widths);
     // The other layout has its own.
@@ -202,12 +199,12 @@ fn any_tile_fills_the_window_and_esc_brings_the_others_back() {
 #[test]
 fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     let mut harness = debug();
-    let orbit = |harness: &Harness<'_, App>| match harness.state().inspector.settings().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
     let at = header(&harness, "Scene").center_bottom() + vec2(0.0, 250.0);
-    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
+    assert_eq!(harness.settings().scene.viewpoint, None);
     drag(&mut harness, at, vec2(60.0, 10.0));
     let turned = orbit(&harness);
     drag_by(&mut harness, PointerButton::Middle, at, vec2(0.0, 40.0));
@@ -224,27 +221,27 @@ fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     harness.run_steps(20);
     assert!(orbit(&harness).distance < panned.distance);
     double_click(&mut harness, at);
-    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
+    assert_eq!(harness.settings().scene.viewpoint, None);
 }
 
 #[test]
 fn a_click_on_a_camera_in_the_scene_makes_its_tile_the_active_one() {
     let mut harness = debug();
-    assert_eq!(harness.state().inspector.state.selection.camera, 0);
+    assert_eq!(harness.selection().camera, 0);
     click(&mut harness, "Scene camera 2");
-    assert_eq!(harness.state().inspector.state.selection.camera, 1);
+    assert_eq!(harness.selection().camera, 1);
     command(&mut harness, "Scene from the active camera");
-    assert_eq!(harness.state().inspector.settings().scene.viewpoint, Some(Viewpoint::Camera(1)));
+    assert_eq!(harness.settings().scene.viewpoint, Some(Viewpoint::Camera(1)));
     assert!(harness.query_by_role_and_label(Role::Button, "Scene camera 2").is_none());
 }
 
 #[test]
 fn the_hull_is_carved_for_the_scene() {
     let harness = debug();
-    let session = &harness.state().inspector.state.session;
+    let session = harness.session();
     let frame = session.shown_frame(0).unwrap();
     let hull = harness.state().inspector.features.scene.hulls.get(frame).unwrap().unwrap();
-    let model = &harness.state().inspector.document().model;
+    let model = &harness.document().model;
     let truth = backlit_tracking::body::Kinematics::new(model, &take::truth(model, 0));
     for (start, end) in truth.starts().iter().zip(truth.ends()) {
         for joint in [start, end] {
@@ -257,7 +254,7 @@ fn the_hull_is_carved_for_the_scene() {
     harness.get_by_label_contains("Visual hull ");
     let hidden = ScenePreferences { hull: ShownHull::Hidden, ..ScenePreferences::default() };
     let harness = open(Settings { layout: Layout::Debug, scene: hidden, ..Settings::default() });
-    let session = &harness.state().inspector.state.session;
+    let session = harness.session();
     let hulls = &harness.state().inspector.features.scene.hulls;
     assert!(hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
 }

@@ -5,7 +5,7 @@ use backlit_document::project::read_project;
 use crate::support::take;
 use std::path::{Path, PathBuf};
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
@@ -69,7 +69,7 @@ fn said<'a>(harness: &'a Harness<'_, App>) -> &'a str {
 }
 
 fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
-    let frame = harness.state().inspector.state.session.frames.get(0).unwrap();
+    let frame = harness.session().frames.get(0).unwrap();
     frame.cameras[camera].mask.as_ref().unwrap().count(Label::Subject)
 }
 
@@ -77,11 +77,9 @@ fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
 fn a_calibration_replaces_the_cameras_and_is_undone() {
     let folder = folder();
     let mut harness = open(folder.path());
-    let centre = |harness: &Harness<'_, App>| {
-        harness.state().inspector.state.session.take.as_ref().unwrap().cameras[0].centre()
-    };
+    let centre = |harness: &Harness<'_, App>| harness.session().take.as_ref().unwrap().cameras[0].centre();
     let before = centre(&harness);
-    let iou = harness.state().inspector.state.session.iou().unwrap();
+    let iou = harness.session().iou().unwrap();
     let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
     // The first camera sees through the second one's place.
     let swapped = text.replace("front", "?").replace("above", "front").replace('?', "above");
@@ -90,36 +88,33 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     drop_on(&mut harness, std::slice::from_ref(&path));
     assert_eq!(said(&harness), "The 2 cameras now come from swapped.json.");
     assert!(centre(&harness).distance(before) > 0.5);
-    assert!(
-        harness.state().inspector.state.session.iou().unwrap() < iou,
-        "the body is not where these cameras see it"
-    );
+    assert!(harness.session().iou().unwrap() < iou, "the body is not where these cameras see it");
 
     let project = folder.path().join("a.backlit");
     harness.state_mut().save_to(&project);
     settle(&mut harness);
     let saved = read_project(&project).unwrap().document;
-    assert_eq!(saved, *harness.state().inspector.document());
+    assert_eq!(saved, *harness.document());
     let again = open(&project);
     assert!(centre(&again).distance(before) > 0.5, "a project brings its cameras");
 
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(centre(&harness).distance(before) < 1e-9);
-    assert!((harness.state().inspector.state.session.iou().unwrap() - iou).abs() < 1e-12);
+    assert!((harness.session().iou().unwrap() - iou).abs() < 1e-12);
 }
 
 #[test]
 fn a_calibration_of_another_rig_is_an_error_that_says_what_differs() {
     let folder = folder();
     let mut harness = open(folder.path());
-    let before = harness.state().inspector.document().clone();
+    let before = harness.document().clone();
     let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
     let path = folder.path().join("one.json");
     let first = text.find("{\"name\": \"above\"").unwrap();
     std::fs::write(&path, format!("{}]}}", text[..first].trim_end().trim_end_matches(','))).unwrap();
     drop_on(&mut harness, &[path]);
     assert!(said(&harness).contains("one.json: has 1 camera (front); the take has 2 cameras (front, above)"));
-    assert_eq!(*harness.state().inspector.document(), before);
+    assert_eq!(*harness.document(), before);
 }
 
 #[test]
@@ -150,27 +145,27 @@ fn silhouettes_replace_those_of_the_frame_and_are_undone() {
 fn poses_bodies_projects_and_takes_are_taken_in() {
     let (folder, other) = (folder(), folder());
     let mut harness = open(folder.path());
-    let model = harness.state().inspector.document().model.clone();
+    let model = harness.document().model.clone();
     let pose = take::truth(&model, 2);
     let path = folder.path().join("truth.json");
     pose_file::write(&path, &model, &pose).unwrap();
     drop_on(&mut harness, &[path]);
     assert_eq!(said(&harness), "Frame 0 now has the pose of truth.json.");
-    assert!(harness.state().inspector.document().pose_at(0).root.distance(pose.root) < 1e-12);
+    assert!(harness.document().pose_at(0).root.distance(pose.root) < 1e-12);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().inspector.document().keys.is_empty());
+    assert!(harness.document().keys.is_empty());
 
     let body = folder.path().join("long.toml");
     let text = std::fs::read_to_string(folder.path().join("arm.toml")).unwrap();
     std::fs::write(&body, text.replace("length = 0.3\n", "length = 0.4\n")).unwrap();
     drop_on(&mut harness, std::slice::from_ref(&body));
-    assert_eq!(harness.state().inspector.document().model.limbs()[0].length, 0.4);
+    assert_eq!(harness.document().model.limbs()[0].length, 0.4);
     std::fs::write(&body, text.replace("right forearm", "tail")).unwrap();
     drop_on(&mut harness, &[body]);
     assert!(said(&harness).contains("other limbs"), "{}", said(&harness));
 
     drop_on(&mut harness, &[other.path().to_owned()]);
-    assert_eq!(harness.state().inspector.document().model.limbs()[0].length, 0.3, "another take is open");
+    assert_eq!(harness.document().model.limbs()[0].length, 0.3, "another take is open");
     let strange = folder.path().join("notes.txt");
     std::fs::write(&strange, "hello").unwrap();
     drop_on(&mut harness, &[strange]);
@@ -205,7 +200,7 @@ fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
     let name = here.path().file_name().unwrap().to_string_lossy().into_owned();
     harness.get_by_role_and_label(Role::Link, &name).click();
     settle(&mut harness);
-    assert!(harness.state().inspector.state.session.take.is_some());
+    assert!(harness.session().take.is_some());
 }
 
 #[test]

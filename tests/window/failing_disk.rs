@@ -13,7 +13,9 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::export::{command, export_to};
-use crate::support::app_window::{PATIENCE, click, drag, open_sized, press, settle, write_curves};
+use crate::support::app_window::{
+    PATIENCE, WindowState, click, drag, open_sized, press, settle, write_curves,
+};
 use crate::support::storage::NoStorage;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::features::convergence::CurvesFile;
@@ -120,7 +122,7 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 10.0));
     harness.state_mut().save_to(&good);
     settle(&mut harness);
-    assert_eq!(read_project(&good).unwrap().document, *harness.state().inspector.document());
+    assert_eq!(read_project(&good).unwrap().document, *harness.document());
 }
 
 #[test]
@@ -190,10 +192,10 @@ fn a_copy_that_cannot_be_written_is_said_once_and_again_when_it_works() {
     harness.get_by_role_and_label(Role::Button, "Save as…");
     std::fs::remove_file(&data).unwrap();
     wait_for(&mut harness, WORKS);
-    assert_eq!(read_project(&copy).unwrap().document, *harness.state().inspector.document());
+    assert_eq!(read_project(&copy).unwrap().document, *harness.document());
     harness.step();
     assert!(harness.query_by_label_contains(FAILED).is_none(), "the card has gone");
-    assert!(harness.state().inspector.document().has_pose(0));
+    assert!(harness.document().has_pose(0));
 }
 
 #[test]
@@ -202,15 +204,15 @@ fn work_that_can_be_kept_nowhere_is_not_left_at_the_first_try() {
     std::fs::write(folder.path().join("data"), "a file").unwrap();
     let mut harness = open(folder.path());
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
-    let work = harness.state().inspector.document().clone();
+    let work = harness.document().clone();
     let other = folder.path().join("arm");
     harness.state_mut().open(Opening::of(&other));
     settle(&mut harness);
-    assert_eq!(*harness.state().inspector.document(), work);
+    assert_eq!(*harness.document(), work);
     wait_for(&mut harness, "Not opened: your work is not saved");
     harness.state_mut().open(Opening::of(&other));
     settle(&mut harness);
-    assert_ne!(*harness.state().inspector.document(), work);
+    assert_ne!(*harness.document(), work);
 
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     let close = |harness: &mut Harness<'_, App>| {
@@ -263,7 +265,7 @@ fn work_on_a_bad_disk() {
         wait_for(&mut harness, WORKS);
         harness.state_mut().save_to(&good);
         settle(&mut harness);
-        assert_eq!(read_project(&good).unwrap().document, *harness.state().inspector.document());
+        assert_eq!(read_project(&good).unwrap().document, *harness.document());
     }
     let parts = |folder: &Path| {
         let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());

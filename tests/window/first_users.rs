@@ -12,7 +12,7 @@ use egui::{Key, Modifiers, Order, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::app_window::{click, command, drag, open_sized, press};
+use crate::support::app_window::{WindowState, click, command, drag, open_sized, press};
 use crate::support::take;
 
 /// The smallest window, and the commonest laptop's.
@@ -69,7 +69,7 @@ fn runs_from_one_start_are_measured_alike() {
     for over in ["ramp", "preset", "renderer"] {
         command(&mut window, &format!("Run again with each {over}"));
     }
-    let runs = window.state().inspector.runs();
+    let runs = window.runs();
     assert!(runs.len() >= 6, "{} runs", runs.len());
     let start = runs[0].steps[0].mismatch;
     for run in runs.iter().filter(|run| run.choices.fit.renderer == runs[0].choices.fit.renderer) {
@@ -80,7 +80,7 @@ fn runs_from_one_start_are_measured_alike() {
     press(&mut window, Modifiers::SHIFT, Key::Backspace);
     command(&mut window, "Report 2004");
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert_eq!(window.state().inspector.runs().last().unwrap().steps[0].mismatch, start);
+    assert_eq!(window.runs().last().unwrap().steps[0].mismatch, start);
 }
 
 /// Opens a menu; a narrow window has one button for all of them.
@@ -140,7 +140,7 @@ fn a_dragged_wrist_leaves_the_other_arm_alone() {
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
     let mut window = open(opening, Layout::Pose, vec2(1600.0, 1000.0));
     let places = |window: &Harness<'_, App>| {
-        let document = window.state().inspector.document();
+        let document = window.document();
         let kinematics = Kinematics::new(&document.model, document.pose_at(0));
         ["right hand", "left hand", "left foot"].map(|name| {
             let limb = document.model.limbs().iter().position(|limb| limb.name.contains(name)).unwrap();
@@ -157,7 +157,7 @@ fn a_dragged_wrist_leaves_the_other_arm_alone() {
 #[test]
 fn stages_are_edited_and_the_next_run_obeys() {
     let mut window = open_arm();
-    let stages = window.state().inspector.document().fit.stages.len();
+    let stages = window.document().fit.stages.len();
     click(&mut window, "Edit stages");
     for stage in 1..=stages {
         let field = format!("Stage {stage}, steps value");
@@ -169,10 +169,10 @@ fn stages_are_edited_and_the_next_run_obeys() {
         window.run_steps(2);
         press(&mut window, Modifiers::NONE, Key::Enter);
     }
-    let fit = &window.state().inspector.document().fit;
+    let fit = &window.document().fit;
     assert!(fit.stages.iter().all(|stage| stage.iterations == 1), "{:?}", fit.stages);
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let run = window.state().inspector.runs().last().unwrap();
+    let run = window.runs().last().unwrap();
     // Rejected steps do not count.
     let accepted = run.accepted_until(run.last_step());
     assert!((1..=stages).contains(&accepted), "{accepted} steps");
@@ -183,7 +183,7 @@ fn demonstrations_of_the_report_open_ready_to_compare() {
     for demonstration in Demonstration::ALL[..7].iter().filter(|which| which.is_available()) {
         let opening = Opening::Take(TakeSource::Demonstration(*demonstration));
         let window = open(Some(opening), Layout::Pose, vec2(1366.0, 768.0));
-        assert_eq!(window.state().inspector.settings().layout, Layout::Demonstrate, "{demonstration:?}");
+        assert_eq!(window.settings().layout, Layout::Demonstrate, "{demonstration:?}");
         let tries = ["Compare", "Fit with camera", "Track"];
         let offers = tries.iter().any(|text| window.query_all_by_label_contains(text).next().is_some());
         assert!(offers, "{demonstration:?} offers nothing to try");

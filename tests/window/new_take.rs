@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::footage::footage;
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions};
@@ -69,7 +69,7 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     assert!(harness.query_by_label("Create take").is_none(), "the card has closed");
     let take = folder.path().join("practice take");
     assert!(take.join("take.toml").is_file() && take.join("background/cam2.png").is_file());
-    let session = &harness.state().inspector.state.session;
+    let session = harness.session();
     assert_eq!(session.frame_count(), FRAMES);
     harness.get_by_role_and_label(Role::Button, "Track forward");
 }
@@ -90,9 +90,9 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
     harness.event(egui::Event::Text(folder.path().join("take").display().to_string()));
     harness.run_steps(2);
     click(&mut harness, "Create take");
-    let frames = harness.state().inspector.state.session.frame_count();
+    let frames = harness.session().frame_count();
     assert_eq!(frames, 70);
-    if harness.state().inspector.document().cameras.len() < 4 {
+    if harness.document().cameras.len() < 4 {
         eprintln!("SKIPPED: one of the videos needs ffmpeg");
         return;
     }
@@ -100,7 +100,7 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
     harness.state_mut().inspector.state.go_to_frame(LATE);
     settle(&mut harness);
     click(&mut harness, "Track forward");
-    let found: Vec<_> = harness.state().inspector.document().estimates.range(LATE..).collect();
+    let found: Vec<_> = harness.document().estimates.range(LATE..).collect();
     assert_eq!(found.len(), frames - LATE);
     assert!(found.iter().all(|(_, estimate)| !estimate.lost));
     let iou = found.iter().filter_map(|(_, estimate)| estimate.iou).sum::<f64>() / found.len() as f64;

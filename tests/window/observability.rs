@@ -1,6 +1,6 @@
 //! What the cameras see, through the real window on a tiny take: picking, swaying, ellipses, sets of cameras.
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::settings::Settings;
@@ -38,7 +38,7 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     assert_eq!(found.shown.directions.len(), 9);
     assert_eq!(found.shown.null_count(), 2, "the twists of both limbs");
     assert!(harness.state().inspector.features.observability.swaying().is_none(), "still until asked");
-    let document = harness.state().inspector.document().clone();
+    let document = harness.document().clone();
 
     // The middle of the chart is a direction that is seen.
     chart(&harness).click();
@@ -53,7 +53,7 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     let (here, there) = (kinematics(&shown.pose), kinematics(&swayed));
     let farthest = here.ends().iter().zip(there.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     assert!(farthest > 1e-3 && farthest < 0.065, "no joint sways farther than 60 mm: {farthest}");
-    assert_eq!(*harness.state().inspector.document(), document, "the document is not touched");
+    assert_eq!(*harness.document(), document, "the document is not touched");
 
     click(&mut harness, "Hold");
     let held = harness.state().inspector.features.observability.swayed_pose().unwrap();
@@ -67,7 +67,7 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     assert!(harness.state().inspector.features.observability.is_playing());
     press(&mut harness, Modifiers::NONE, Key::X);
     press(&mut harness, Modifiers::SHIFT, Key::Backspace);
-    assert_ne!(harness.state().inspector.document(), &document);
+    assert_ne!(harness.document(), &document);
     assert!(!harness.state().inspector.features.observability.is_swaying(), "an edited pose stops it");
     assert!(!harness.state().inspector.features.observability.is_stale(), "and is looked at again");
 }
@@ -94,11 +94,11 @@ fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(harness.state().inspector.features.observability.picked(), Some(7));
-    assert_eq!(harness.state().inspector.state.selection.frame, 0, "the arrow is the chart's");
-    let steps = harness.state().inspector.runs()[0].steps.len();
+    assert_eq!(harness.selection().frame, 0, "the arrow is the chart's");
+    let steps = harness.runs()[0].steps.len();
     press(&mut harness, Modifiers::NONE, Key::Space);
     assert!(harness.state().inspector.features.observability.is_playing());
-    assert_eq!(harness.state().inspector.runs()[0].steps.len(), steps, "and so is Space");
+    assert_eq!(harness.runs()[0].steps.len(), steps, "and so is Space");
 }
 
 #[test]
@@ -125,17 +125,17 @@ fn ellipses_and_sets_of_cameras() {
     assert_eq!(others, Some(&[1][..]));
     assert!(joints[2].worst_deviation_m() > two, "one camera knows less");
 
-    let before = harness.state().inspector.document().clone();
+    let before = harness.document().clone();
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().inspector.document().used_cameras().collect::<Vec<_>>(), [1]);
+    assert_eq!(harness.document().used_cameras().collect::<Vec<_>>(), [1]);
     assert_eq!(
         harness.state().inspector.features.observability.found().unwrap().shown.cameras,
         [1],
         "looked at again"
     );
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().inspector.document(), before, "undone as one");
+    assert_eq!(*harness.document(), before, "undone as one");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use backlit_take::source::TakeSource;
 use crate::support::take;
 use std::path::Path;
 
-use crate::support::app_window::{click, drag, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, drag, open_sized, press, settle};
 use backlit::app::{App, AppOptions, Opening};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -28,7 +28,7 @@ fn project() -> (tempfile::TempDir, Document) {
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 20.0));
     harness.state_mut().save_to(&folder.path().join("work.backlit"));
     settle(&mut harness);
-    let document = harness.state().inspector.document().clone();
+    let document = harness.document().clone();
     (folder, document)
 }
 
@@ -57,7 +57,7 @@ fn a_take_that_has_moved_is_found_again() {
     harness.state_mut().find_take(&new);
     settle(&mut harness);
     let expected = Document { take: Some(TakeSource::Path(new.clone())), ..saved };
-    assert_eq!(*harness.state().inspector.document(), expected);
+    assert_eq!(*harness.document(), expected);
     assert!(harness.state().inspector.state.history.is_dirty(), "the file still names the old place");
     press(&mut harness, Modifiers::COMMAND, Key::S);
     assert!(!harness.state().inspector.state.history.is_dirty());
@@ -73,7 +73,7 @@ fn a_take_may_stand_beside_its_project() {
     std::fs::rename(folder.path().join("arm"), inner.join("arm")).unwrap();
     write_project(&inner.join("work.backlit"), &document, &[]).unwrap();
     let harness = open(&inner.join("work.backlit"));
-    assert_eq!(harness.state().inspector.document().take, Some(TakeSource::Path(inner.join("arm"))));
+    assert_eq!(harness.document().take, Some(TakeSource::Path(inner.join("arm"))));
     assert!(!harness.state().inspector.state.history.is_dirty());
 }
 
@@ -90,7 +90,7 @@ fn a_take_with_other_cameras_is_refused_by_name() {
         said.contains("work.backlit") && said.contains("the cameras front, above; the take has front"),
         "{said}"
     );
-    assert!(harness.state().inspector.state.session.take.is_none());
+    assert!(harness.session().take.is_none());
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn a_take_with_its_cameras_in_another_order_is_the_same() {
     let text = std::fs::read_to_string(&take).unwrap();
     assert!(text.find("above") < text.find("front"), "{text}");
     let harness = open(&folder.path().join("work.backlit"));
-    let document = harness.state().inspector.document();
+    let document = harness.document();
     let names: Vec<&str> = document.cameras.iter().map(|camera| camera.name.as_str()).collect();
     assert_eq!((names, &document.keys), (vec!["above", "front"], &saved.keys));
 }
@@ -118,12 +118,12 @@ fn a_take_with_fewer_frames_keeps_all_poses_and_says_so() {
     let mut harness = open(&folder.path().join("work.backlit"));
     let said = last_said(&harness);
     assert!(said.contains("only 2 frames") && said.contains("up to frame 2"), "{said}");
-    assert_eq!(*harness.state().inspector.document(), saved);
+    assert_eq!(*harness.document(), saved);
     for key in [Key::End, Key::N, Key::CloseBracket, Key::CloseBracket] {
         press(&mut harness, Modifiers::NONE, key);
     }
     click(&mut harness, "Track back");
-    assert!(harness.state().inspector.state.selection.frame < 2);
+    assert!(harness.selection().frame < 2);
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn what_is_no_project_is_refused_in_words() {
         let harness = open(&path);
         let said = last_said(&harness);
         assert!(said.contains("work.backlit") && said.contains(expected), "{said}");
-        assert!(harness.state().inspector.state.session.take.is_none());
+        assert!(harness.session().take.is_none());
     }
 }
 

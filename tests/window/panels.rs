@@ -3,7 +3,7 @@
 use crate::support::take;
 use std::path::PathBuf;
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
@@ -111,7 +111,7 @@ fn convergence_of_a_finished_run() {
         click(&mut harness, "Step back");
         press(&mut harness, Modifiers::NONE, Key::Y);
         click(&mut harness, "Run");
-        let steps = &harness.state().inspector.runs()[1].steps;
+        let steps = &harness.runs()[1].steps;
         assert!(
             steps.iter().skip(1).any(|step| !step.iteration.accepted),
             "the run has rejected steps to show"

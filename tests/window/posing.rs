@@ -5,7 +5,7 @@ use backlit_take::source::TakeSource;
 use crate::support::take;
 use std::collections::BTreeMap;
 
-use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::app_window::{WindowState, click, open_sized, press, settle};
 use backlit::app::{App, AppOptions, Opening};
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_ui::drawing::JointId;
@@ -24,7 +24,7 @@ fn open() -> Harness<'static, App> {
 }
 
 fn pose(harness: &Harness<'_, App>) -> Pose {
-    harness.state().inspector.document().pose_at(0).clone()
+    harness.document().pose_at(0).clone()
 }
 
 fn pointer(at: Pos2, pressed: bool, modifiers: Modifiers) -> Event {
@@ -61,9 +61,9 @@ fn marks(harness: &Harness<'_, App>) -> BTreeMap<String, Rect> {
 
 /// The second joint of the forearm in the picture of the first camera.
 fn wrist_px(harness: &Harness<'_, App>) -> DVec2 {
-    let model = &harness.state().inspector.document().model;
+    let model = &harness.document().model;
     let wrist = Kinematics::new(model, &pose(harness)).ends()[1];
-    harness.state().inspector.state.session.take.as_ref().unwrap().cameras[0].project(wrist).unwrap()
+    harness.session().take.as_ref().unwrap().cameras[0].project(wrist).unwrap()
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn the_frame_after_a_pointer_move_shows_the_new_pose_in_all_views() {
         // Nothing else is waited for: when the worker is done, everything is where it was.
         settle(&mut harness);
         assert_eq!(marks(&harness), after);
-        assert_eq!(harness.state().inspector.state.session.predicted.as_ref().unwrap().pose, pose(&harness));
+        assert_eq!(harness.session().predicted.as_ref().unwrap().pose, pose(&harness));
     }
     release(&mut harness, from);
 }
@@ -114,7 +114,7 @@ fn a_modifier_on_the_way_is_the_same_act() {
     release(&mut harness, from);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(pose(&harness), before);
-    assert!(harness.state().inspector.document().keys.is_empty());
+    assert!(harness.document().keys.is_empty());
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn arrows_nudge_the_joint_and_are_undone_together() {
 #[test]
 fn tab_goes_through_the_tree_and_back() {
     let mut harness = open();
-    let joint = |harness: &Harness<'_, App>| harness.state().inspector.state.selection.joint;
+    let joint = |harness: &Harness<'_, App>| harness.selection().joint;
     let first = joint(&harness);
     press(&mut harness, Modifiers::NONE, Key::Tab);
     assert_eq!(joint(&harness), JointId::End(1));
@@ -256,7 +256,7 @@ fn sizes_are_dragged_in_the_view() {
     harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
     settle(&mut harness);
     let size = |harness: &Harness<'_, App>| {
-        let limb = &harness.state().inspector.document().model.limbs()[1];
+        let limb = &harness.document().model.limbs()[1];
         (limb.length, limb.radius)
     };
     let before = size(&harness);
@@ -291,11 +291,11 @@ fn the_body_is_scaled_as_a_whole_and_undone_at_once() {
     let mut harness = open();
     harness.get_by_role_and_label(Role::Button, "Size").click();
     settle(&mut harness);
-    let before = harness.state().inspector.document().model.clone();
+    let before = harness.document().model.clone();
     let from = harness.get_by_role_and_label(Role::Slider, "Body").rect().center();
     grab(&mut harness, from, &[vec2(6.0, 0.0), vec2(20.0, 0.0)]);
     release(&mut harness, from + vec2(20.0, 0.0));
-    let after = harness.state().inspector.document().model.clone();
+    let after = harness.document().model.clone();
     let ratios = after
         .limbs()
         .iter()
@@ -304,7 +304,7 @@ fn the_body_is_scaled_as_a_whole_and_undone_at_once() {
     let ratios: Vec<f64> = ratios.collect();
     assert!(ratios.iter().all(|ratio| (ratio - ratios[0]).abs() < 1e-9 && *ratio > 1.05), "{ratios:?}");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().inspector.document().model, *before);
+    assert_eq!(*harness.document().model, *before);
 }
 
 #[test]
@@ -312,7 +312,7 @@ fn each_drag_of_a_weight_is_undone_by_itself() {
     // Wide enough for the gutter beside a picture in landscape format.
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(2400.0, 800.0));
-    let weight = |harness: &Harness<'_, App>| harness.state().inspector.document().cameras[1].weight;
+    let weight = |harness: &Harness<'_, App>| harness.document().cameras[1].weight;
     let mut weights = vec![weight(&harness)];
     for by in [10.0, -25.0] {
         let from = harness.get_by_role_and_label(Role::Slider, "Weight of Camera 2").rect().center();
@@ -345,9 +345,8 @@ fn wipe_blink_and_the_jacobians_axis_have_keys() {
     assert!(shown(&harness, "Tinted overlay on footage"));
     press(&mut harness, Modifiers::NONE, Key::J);
     assert!(shown(&harness, "Jacobian column, right upper arm about x"));
-    let column = |harness: &Harness<'_, App>| {
-        harness.state().inspector.state.session.predicted.as_ref().unwrap().scene.derivatives.column
-    };
+    let column =
+        |harness: &Harness<'_, App>| harness.session().predicted.as_ref().unwrap().scene.derivatives.column;
     let first = column(&harness).unwrap();
     press(&mut harness, Modifiers::NONE, Key::J);
     assert!(shown(&harness, "Jacobian column, right upper arm about y"));

@@ -9,7 +9,7 @@ use std::fs::File;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use crate::support::app_window::{click, drag, open_sized, press};
+use crate::support::app_window::{WindowState, click, drag, open_sized, press};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
@@ -41,13 +41,13 @@ fn take_in(folder: &Path, options: AppOptions) -> AppOptions {
     AppOptions { opening: Some(Opening::of(&folder.join("arm"))), ..options }
 }
 
-/// A window is closed with unsaved work, so many seconds ago.
+/// A window is closed with unsaved work, some seconds ago.
 fn leave(folder: &Path, seconds_ago: u64, work: impl Fn(&mut Harness<'_, App>)) -> Document {
     let options = AppOptions { data_folder: Some(folder.join("new")), ..options(folder) };
     let mut harness = open_sized(take_in(folder, options), vec2(1500.0, 900.0));
     work(&mut harness);
     eframe::App::on_exit(harness.state_mut(), None);
-    let document = harness.state().inspector.document().clone();
+    let document = harness.document().clone();
     drop(harness);
     let copy = folder.join("new/unsaved.backlit");
     File::options()
@@ -132,15 +132,15 @@ fn each_copy_is_restored_discarded_or_left_for_later() {
     click(&mut harness, "Discard arm, today 14:32, 12 minutes ago");
     // Of one copy alone the buttons need not say which.
     click(&mut harness, "Restore");
-    assert_eq!(*harness.state().inspector.document(), older);
-    assert_eq!(harness.state().inspector.state.selection.frame, 2);
+    assert_eq!(*harness.document(), older);
+    assert_eq!(harness.selection().frame, 2);
     drop(harness);
     let aside = folder.path().join("data/left-1.backlit");
     let harness = open_sized(
         AppOptions { opening: Some(Opening::of(&aside)), ..AppOptions::default() },
         vec2(1100.0, 700.0),
     );
-    assert_eq!(*harness.state().inspector.document(), newer, "what was discarded is a project");
+    assert_eq!(*harness.document(), newer, "what was discarded is a project");
 }
 
 #[test]
@@ -149,22 +149,19 @@ fn a_named_take_is_opened_at_once_and_a_notice_tells_of_what_was_left() {
     let [_, newer] = leave_two(folder.path());
     let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
     let mut harness = open();
-    assert!(harness.state().inspector.state.session.take.is_some(), "nothing stands before the take");
+    assert!(harness.session().take.is_some(), "nothing stands before the take");
     harness.get_by_label("Unsaved work of 2 windows is kept, the last arm, today 14:32, 12 minutes ago.");
     click(&mut harness, "Unsaved work…");
     assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
     click(&mut harness, "Restore arm, today 14:32, 12 minutes ago");
-    assert_eq!(*harness.state().inspector.document(), newer);
+    assert_eq!(*harness.document(), newer);
     assert!(titles(&harness).is_empty(), "the card has closed");
     drop(harness);
 
     let mut harness = open();
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Discard all");
-    assert!(
-        harness.state().inspector.state.session.take.is_some()
-            && !harness.state().inspector.state.history.is_dirty()
-    );
+    assert!(harness.session().take.is_some() && !harness.state().inspector.state.history.is_dirty());
     drop(harness);
     let harness = open();
     assert!(harness.query_by_label_contains("is kept").is_none(), "nothing is offered any more");
@@ -176,16 +173,16 @@ fn opening_another_take_says_that_the_work_is_kept_and_offers_the_way_back() {
     take::write_to(&folder.path().join("arm"));
     let mut harness = open_sized(take_in(folder.path(), options(folder.path())), vec2(1500.0, 900.0));
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
-    let work = harness.state().inspector.document().clone();
+    let work = harness.document().clone();
     harness.get_by_role_and_label(Role::Button, "File").click();
     harness.run_steps(2);
     harness.get_all_by_label_contains("Open built-in take").next().unwrap().click();
     crate::support::app_window::settle(&mut harness);
-    assert_ne!(harness.state().inspector.document().take, work.take);
+    assert_ne!(harness.document().take, work.take);
     harness.get_by_label_contains("Unsaved work is kept: arm, ");
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Restore");
-    assert_eq!(*harness.state().inspector.document(), work);
+    assert_eq!(*harness.document(), work);
 }
 
 #[test]

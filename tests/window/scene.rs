@@ -13,7 +13,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{open_sized, press, settle};
+use crate::support::app_window::{WindowState, open_sized, press, settle};
 use crate::support::take;
 
 fn open() -> Harness<'static, App> {
@@ -111,7 +111,7 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     let at = middle(&harness);
     harness.event(Event::PointerMoved(at));
     settle(&mut harness);
-    let orbit = |harness: &Harness<'_, App>| match harness.state().inspector.settings().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
@@ -127,25 +127,19 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     press(&mut harness, Modifiers::NONE, Key::Minus);
     press(&mut harness, Modifiers::NONE, Key::Minus);
     assert!(orbit(&harness).distance > turned.distance);
-    assert_eq!(harness.state().inspector.state.selection.frame, 0);
+    assert_eq!(harness.selection().frame, 0);
     press(&mut harness, Modifiers::NONE, Key::Home);
-    assert_eq!(harness.state().inspector.settings().scene.viewpoint, None);
+    assert_eq!(harness.settings().scene.viewpoint, None);
 
     harness.event(Event::PointerGone);
     settle(&mut harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    assert_eq!(
-        (
-            harness.state().inspector.state.selection.frame,
-            harness.state().inspector.settings().scene.viewpoint
-        ),
-        (1, None)
-    );
+    assert_eq!((harness.selection().frame, harness.settings().scene.viewpoint), (1, None));
 
     harness.get_by_role_and_label(Role::Image, "Scene").focus();
     settle(&mut harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert!(orbit(&harness).distance > 0.0 && harness.state().inspector.state.selection.frame == 1);
+    assert!(orbit(&harness).distance > 0.0 && harness.selection().frame == 1);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::imageops::crop_imm;
 
-use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
+use crate::support::app_window::{PATIENCE, WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 
@@ -34,11 +34,11 @@ fn open() -> Window {
 }
 
 fn document(window: &Window) -> &Document {
-    window.state().inspector.document()
+    window.document()
 }
 
 fn frame(window: &Window) -> usize {
-    window.state().inspector.state.selection.frame
+    window.selection().frame
 }
 
 fn tracked(window: &Window) -> Vec<usize> {

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use backlit_take::source::TakeSource;
 
-use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
+use crate::support::app_window::{PATIENCE, WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
@@ -122,7 +122,7 @@ fn walk(harness: &mut Harness<'_, App>) {
     harness.run_steps(2);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     let start = Instant::now();
-    while harness.state().inspector.document().estimates.len() < 3 {
+    while harness.document().estimates.len() < 3 {
         assert!(start.elapsed() < PATIENCE);
         harness.step();
     }
@@ -157,7 +157,7 @@ fn the_tour_is_offered_once() {
     harness.get_by_label("Offer of the tour");
     click(&mut harness, "Not now");
     assert!(harness.query_by_label("Offer of the tour").is_none());
-    let look = harness.state().inspector.settings();
+    let look = harness.settings();
     assert!(look.tour_offered);
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
     let again = open_sized(

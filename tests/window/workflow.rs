@@ -13,7 +13,7 @@ use egui::{Event, Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{PATIENCE, click, drag, open_sized, pointer, press, settle};
+use crate::support::app_window::{PATIENCE, WindowState, click, drag, open_sized, pointer, press, settle};
 use crate::support::storage::NoStorage;
 
 fn open(options: AppOptions) -> Harness<'static, App> {
@@ -25,7 +25,7 @@ fn open_arm() -> Harness<'static, App> {
 }
 
 fn iou(harness: &Harness<'_, App>) -> f64 {
-    harness.state().inspector.state.session.iou().unwrap()
+    harness.session().iou().unwrap()
 }
 
 #[test]
@@ -35,50 +35,50 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
     assert!(rough > 0.2 && rough < 0.9, "the start is near, not there: {rough}");
 
     drag(&mut harness, "right wrist, Camera 1", vec2(6.0, -60.0));
-    let dragged = harness.state().inspector.document().pose_at(0).clone();
-    assert_ne!(dragged, *harness.state().inspector.document().start);
-    assert_eq!(harness.state().inspector.document().keys.len(), 1, "a drag sets a key pose, once");
+    let dragged = harness.document().pose_at(0).clone();
+    assert_ne!(dragged, *harness.document().start);
+    assert_eq!(harness.document().keys.len(), 1, "a drag sets a key pose, once");
 
     click(&mut harness, "Step");
     click(&mut harness, "Step");
-    let runs = harness.state().inspector.runs();
+    let runs = harness.runs();
     assert_eq!((runs.len(), runs[0].steps.len()), (1, 3), "the second step goes on");
-    let stepped = harness.state().inspector.document().pose_at(0).clone();
+    let stepped = harness.document().pose_at(0).clone();
 
     click(&mut harness, "Step back");
-    assert_eq!(harness.state().inspector.state.selection.step.map(|step| step.step), Some(1));
-    assert_eq!(*harness.state().inspector.document().pose_at(0), stepped, "looking back changes nothing");
+    assert_eq!(harness.selection().step.map(|step| step.step), Some(1));
+    assert_eq!(*harness.document().pose_at(0), stepped, "looking back changes nothing");
 
     click(&mut harness, "Run");
-    let runs = harness.state().inspector.runs();
+    let runs = harness.runs();
     assert_eq!(runs.len(), 2, "from an earlier step a new run begins");
     assert!(runs[1].ending.is_some() && runs[1].steps.len() > 3);
     assert!(iou(&harness) > 0.8, "fitted: {}", iou(&harness));
 
     press(&mut harness, Modifiers::NONE, Key::Y);
-    assert_eq!(harness.state().inspector.document().fit.renderer.name(), "cylinder");
+    assert_eq!(harness.document().fit.renderer.name(), "cylinder");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().inspector.document().fit.renderer.name(), "capsule");
+    assert_eq!(harness.document().fit.renderer.name(), "capsule");
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(harness.state().inspector.document().fit.renderer.name(), "cylinder");
+    assert_eq!(harness.document().fit.renderer.name(), "cylinder");
     press(&mut harness, Modifiers::NONE, Key::C);
 
     click(&mut harness, "Track forward");
-    let document = harness.state().inspector.document();
+    let document = harness.document();
     assert_eq!(document.estimates.len(), take::FRAMES);
     assert!(document.estimates.values().all(|found| !found.lost && found.iou.unwrap() > 0.75));
-    assert_eq!(harness.state().inspector.state.selection.frame, take::FRAMES - 1, "the screen follows");
+    assert_eq!(harness.selection().frame, take::FRAMES - 1, "the screen follows");
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    assert_eq!(read_project(&path).unwrap().document, *harness.state().inspector.document());
+    assert_eq!(read_project(&path).unwrap().document, *harness.document());
     harness.get_by_label_contains("Saved to arm.backlit");
 
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().inspector.document().fit.renderer.name(), "capsule");
-    assert_eq!(harness.state().inspector.document().estimates.len(), 1, "a track is undone as one");
+    assert_eq!(harness.document().fit.renderer.name(), "capsule");
+    assert_eq!(harness.document().estimates.len(), 1, "a track is undone as one");
 }
 
 #[test]
@@ -92,21 +92,20 @@ fn a_project_of_a_folder_is_reopened_equal() {
     let path = folder.path().join("work.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    let (saved, runs) =
-        (harness.state().inspector.document().clone(), harness.state().inspector.runs().to_vec());
+    let (saved, runs) = (harness.document().clone(), harness.runs().to_vec());
     assert!(runs.len() == 1 && runs[0].steps.len() > 3);
     let mut again = open(AppOptions { opening: Some(Opening::of(&path)), ..AppOptions::default() });
-    assert_eq!(*again.state().inspector.document(), saved);
-    assert_eq!(again.state().inspector.runs(), runs, "runs are kept in the project");
+    assert_eq!(*again.document(), saved);
+    assert_eq!(again.runs(), runs, "runs are kept in the project");
     press(&mut again, Modifiers::NONE, Key::Enter);
     settle(&mut again);
-    assert_eq!(again.state().inspector.runs()[1].number, 2, "the next run is another one");
+    assert_eq!(again.runs()[1].number, 2, "the next run is another one");
 }
 
 #[test]
 fn a_drag_is_seen_in_all_views_and_esc_puts_it_back() {
     let mut harness = open_arm();
-    let before = harness.state().inspector.document().clone();
+    let before = harness.document().clone();
     let other = harness.get_by_label("right wrist, Camera 2").rect().center();
     let from = harness.get_by_label("right wrist, Camera 1").rect().center();
     harness.event(Event::PointerMoved(from));
@@ -123,7 +122,7 @@ fn a_drag_is_seen_in_all_views_and_esc_puts_it_back() {
     settle(&mut harness);
     harness.event(pointer(from + vec2(0.0, 60.0), false));
     settle(&mut harness);
-    assert_eq!(*harness.state().inspector.document(), before);
+    assert_eq!(*harness.document(), before);
 }
 
 #[test]
@@ -131,19 +130,19 @@ fn a_track_that_is_cancelled_keeps_what_is_done() {
     let mut harness = open_arm();
     harness.get_by_role_and_label(Role::Button, "Track forward").click();
     let start = Instant::now();
-    while harness.state().inspector.document().estimates.is_empty() {
+    while harness.document().estimates.is_empty() {
         assert!(start.elapsed() < PATIENCE);
         harness.step();
     }
     harness.key_press(Key::Escape);
     settle(&mut harness);
-    let done = harness.state().inspector.document().estimates.len();
+    let done = harness.document().estimates.len();
     assert!((1..=take::FRAMES).contains(&done));
     harness.get_by_label_contains(if done == take::FRAMES { "Tracked 3 frames" } else { "Stopped after" });
     // The notice's own button takes it back.
     harness.get_all_by_role_and_label(Role::Button, "Undo").last().unwrap().click();
     settle(&mut harness);
-    assert!(harness.state().inspector.document().estimates.is_empty());
+    assert!(harness.document().estimates.is_empty());
 }
 
 #[test]
@@ -156,7 +155,7 @@ fn angles_are_typed_and_limbs_are_picked_in_the_tree() {
     harness.run_steps(2);
     harness.get_by_label("Twist value").type_text("31.5");
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    let document = harness.state().inspector.document();
+    let document = harness.document();
     let limb = &document.model.limbs()[1];
     let angles = limb.angles(document.pose_at(0).rotations[1]);
     assert!((angles.twist.to_degrees() - 31.5).abs() < 1e-6, "{}", angles.twist.to_degrees());
@@ -169,7 +168,7 @@ fn the_palette_finds_and_does() {
     harness.get_by_role(Role::TextInput).type_text("report 2004");
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    let fit = &harness.state().inspector.document().fit;
+    let fit = &harness.document().fit;
     assert_eq!(fit.as_preset(), Some(backlit_tracking::fit::Preset::Report));
     press(&mut harness, Modifiers::COMMAND, Key::K);
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -186,7 +185,7 @@ fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
     std::fs::write(&body, thin).unwrap();
     let mut harness = open(AppOptions { opening: Some(Opening::of(folder.path())), ..AppOptions::default() });
     click(&mut harness, "Track forward");
-    let radius = |harness: &Harness<'_, App>| harness.state().inspector.document().model.limbs()[1].radius;
+    let radius = |harness: &Harness<'_, App>| harness.document().model.limbs()[1].radius;
     assert_eq!(radius(&harness), 0.035);
     press(&mut harness, Modifiers::COMMAND, Key::K);
     harness.get_by_role(Role::TextInput).type_text("fit body to");
@@ -194,7 +193,7 @@ fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
     press(&mut harness, Modifiers::NONE, Key::Enter);
     assert!((radius(&harness) - 0.05).abs() < 0.006, "{}", radius(&harness));
     harness.get_by_label_contains("Fitted the body to 3 frames: IoU");
-    assert_eq!(harness.state().inspector.document().estimates.len(), take::FRAMES, "poses stay");
+    assert_eq!(harness.document().estimates.len(), take::FRAMES, "poses stay");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(radius(&harness), 0.035);
 }
@@ -215,7 +214,7 @@ fn a_folder_without_a_take_is_an_error_that_names_the_file() {
     let said = &harness.state().inspector.state.notices.all()[0].text;
     assert!(said.contains("take.toml") && said.contains("no such file"), "{said}");
     harness.get_by_label(said);
-    assert!(harness.state().inspector.state.session.take.is_none());
+    assert!(harness.session().take.is_none());
 }
 
 #[test]
@@ -226,23 +225,23 @@ fn unsaved_work_is_offered_at_the_next_start() {
         |opening| AppOptions { data_folder: Some(data.path().to_owned()), opening, ..AppOptions::default() };
     let mut harness = open(options(Some(Opening::of(folder.path()))));
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
-    let left = harness.state().inspector.document().clone();
+    let left = harness.document().clone();
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
     // What is named is opened at once; a notice leads to what was left.
     let mut harness = open(options(Some(Opening::of(folder.path()))));
-    assert!(harness.state().inspector.state.session.take.is_some());
-    assert_ne!(*harness.state().inspector.document(), left);
+    assert!(harness.session().take.is_some());
+    assert_ne!(*harness.document(), left);
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Restore");
-    assert_eq!(*harness.state().inspector.document(), left);
+    assert_eq!(*harness.document(), left);
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
     let mut harness = open(options(Some(Opening::of(folder.path()))));
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Discard");
-    assert!(harness.state().inspector.state.session.take.is_some());
-    assert_ne!(*harness.state().inspector.document(), left);
+    assert!(harness.session().take.is_some());
+    assert_ne!(*harness.document(), left);
     let again = open(options(None));
     assert!(again.query_by_role_and_label(Role::Button, "Restore").is_none());
 }
@@ -271,11 +270,11 @@ fn the_debug_layout_shows_the_run_and_goes_to_its_steps() {
     harness.get_by_label("Press Space to step");
     click(&mut harness, "Run");
     harness.get_by_label("Convergence plot");
-    let last = harness.state().inspector.runs()[0].steps.len() - 1;
+    let last = harness.runs()[0].steps.len() - 1;
     harness.get_by_label("Convergence plot").click();
     settle(&mut harness);
-    let step = harness.state().inspector.state.selection.step.unwrap().step;
+    let step = harness.selection().step.unwrap().step;
     assert!(step < last, "a click in the middle goes to a step there: {step} of {last}");
     click(&mut harness, "Branch");
-    assert_eq!(harness.state().inspector.state.selection.step, None);
+    assert_eq!(harness.selection().step, None);
 }

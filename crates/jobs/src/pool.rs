@@ -53,7 +53,7 @@ impl Pool {
     }
 
     /// Whether no other task has; what is written counts as another's.
-    pub fn is_idle_but<Inputs, Output>(&self, task: &Task<Inputs, Output>) -> bool {
+    pub fn is_idle_but<I, O, const P: u8>(&self, task: &Task<I, O, P>) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1 + usize::from(task.is_busy())
     }
 
@@ -106,7 +106,7 @@ pub(super) struct QueuePosition {
 
 impl QueuePosition {
     fn is_kept(self) -> bool {
-        self.priority.crew == Crew::Saving
+        self.priority.crew() == Crew::Saving
     }
 }
 
@@ -217,7 +217,7 @@ impl Shared {
 
 impl Queue {
     fn next(&mut self, crew: Crew) -> Option<(QueuePosition, Slot)> {
-        let place = self.waiting.keys().copied().find(|place| place.priority.crew == crew)?;
+        let place = self.waiting.keys().copied().find(|place| place.priority.crew() == crew)?;
         let (place, slot) = self.waiting.remove_entry(&place)?;
         self.stepping.insert(place, slot.cancel.clone());
         Some((place, slot))

@@ -27,32 +27,48 @@ impl Crew {
     }
 }
 
-/// How urgent a kind of work is, and which thread does it.
+/// How urgent a kind of work is, and which thread does it. Of one thread's the smallest level, 0 to 63, goes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Priority {
-    pub(super) crew: Crew,
-    /// The smallest goes first.
-    level: u8,
-}
+pub struct Priority(u8);
 
 impl Priority {
-    /// What the screen waits for; the smallest level goes first.
+    /// What the screen waits for.
     pub const fn screen(level: u8) -> Self {
-        Self { crew: Crew::Screen, level }
+        Self::of(Crew::Screen, level)
     }
 
     /// Large pictures.
     pub const fn drawing(level: u8) -> Self {
-        Self { crew: Crew::Drawing, level }
+        Self::of(Crew::Drawing, level)
     }
 
     /// What is written, also if its task or the pool is dropped.
     pub const fn saving(level: u8) -> Self {
-        Self { crew: Crew::Saving, level }
+        Self::of(Crew::Saving, level)
     }
 
     /// What takes its time.
     pub const fn long(level: u8) -> Self {
-        Self { crew: Crew::Long, level }
+        Self::of(Crew::Long, level)
+    }
+
+    /// As the parameter of a task's type.
+    pub const fn code(self) -> u8 {
+        self.0
+    }
+
+    pub(super) const fn of_code(code: u8) -> Self {
+        Self(code)
+    }
+
+    pub(super) const fn crew(self) -> Crew {
+        Crew::ALL[(self.0 >> LEVEL_BITS) as usize]
+    }
+
+    const fn of(crew: Crew, level: u8) -> Self {
+        assert!(level < 1 << LEVEL_BITS, "there is no such level");
+        Self(((crew as u8) << LEVEL_BITS) + level)
     }
 }
+
+const LEVEL_BITS: u8 = 6;

@@ -10,8 +10,9 @@ use super::pool::{Pool, QueuePosition, RunTurn, Shared, Slot};
 use super::priority::{Crew, Priority};
 use super::{Failure, Job, News, Outbox, Turn};
 
-/// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is to be saved.
-pub struct Task<Inputs, Output> {
+/// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is saved. By default it has
+/// the priority with the code `PRIORITY`.
+pub struct Task<Inputs, Output, const PRIORITY: u8 = 0> {
     priority: Priority,
     inputs: Option<Inputs>,
     work: Option<Pending<Output>>,
@@ -27,7 +28,13 @@ struct Pending<O> {
     _open: Arc<()>,
 }
 
-impl<I, O> Task<I, O> {
+impl<I, O, const P: u8> Default for Task<I, O, P> {
+    fn default() -> Self {
+        Self::new(Priority::of_code(P))
+    }
+}
+
+impl<I, O, const P: u8> Task<I, O, P> {
     /// A task that has nothing to do yet.
     pub const fn new(priority: Priority) -> Self {
         Self { priority, inputs: None, work: None, failure: None }
@@ -88,7 +95,7 @@ impl<I, O> Task<I, O> {
     }
 }
 
-impl<I, O: Send + 'static> Task<I, O> {
+impl<I, O: Send + 'static, const P: u8> Task<I, O, P> {
     /// Asks for work, unless the last was for the same inputs: then it is under way, or done, or has broken down and would do
     /// so again. Whether it was begun.
     pub fn ask<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) -> bool
@@ -120,7 +127,7 @@ impl<I, O: Send + 'static> Task<I, O> {
         let cancel = CancelToken::new();
         let out = Outbox::new(cancel.clone(), sender, shared.wake.clone());
         // What is to be saved is under way also when its task is gone.
-        let open = (self.priority.crew == Crew::Saving).then(|| shared.open.clone());
+        let open = (self.priority.crew() == Crew::Saving).then(|| shared.open.clone());
         let run = run(job(&inputs), out, open);
         if self.work.as_ref().is_some_and(|work| !Arc::ptr_eq(&work.shared, shared)) {
             self.forget();
@@ -137,15 +144,15 @@ impl<I, O: Send + 'static> Task<I, O> {
     }
 }
 
-impl<I, O> Drop for Task<I, O> {
+impl<I, O, const P: u8> Drop for Task<I, O, P> {
     fn drop(&mut self) {
-        if self.priority.crew != Crew::Saving {
+        if self.priority.crew() != Crew::Saving {
             self.forget();
         }
     }
 }
 
-impl<I, O> std::fmt::Debug for Task<I, O> {
+impl<I, O, const P: u8> std::fmt::Debug for Task<I, O, P> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut task = f.debug_struct("Task");
         task.field("priority", &self.priority).field("is_busy", &self.is_busy());

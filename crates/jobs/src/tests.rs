@@ -72,6 +72,8 @@ impl Job<u32> for Write {
 }
 
 type Counting = Task<[u32; 2], u32>;
+type Plain = Task<(), u32>;
+type Numbered = Task<u32, u32>;
 
 fn both_pools() -> [Pool; 2] {
     [Pool::start(|| {}).unwrap(), Pool::inline()]
@@ -125,7 +127,7 @@ fn unread_news_are_not_idle() {
 #[test]
 fn work_of_one_step_is_a_closure() {
     for pool in both_pools() {
-        let mut task = Task::<(), u32>::new(Priority::screen(2));
+        let mut task = Plain::new(Priority::screen(2));
         let word = "seven".to_owned();
         task.ask(&pool, (), |()| once(move |cancel| word.len() as u32 + u32::from(cancel.is_cancelled())));
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[5]));
@@ -204,7 +206,7 @@ fn a_step_under_way_is_the_last_of_superseded_and_forgotten_work() {
 #[test]
 fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut track = Task::<(), u32>::new(Priority::long(2));
+    let mut track = Plain::new(Priority::long(2));
     track.ask(&pool, (), |()| Endless);
     for priority in [Priority::screen(0), Priority::drawing(0), Priority::saving(0)] {
         let mut task = Counting::new(priority);
@@ -237,7 +239,7 @@ fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
 #[test]
 fn a_panic_with_words_of_its_own_or_none_is_told() {
     let pool = Pool::inline();
-    let mut task = Task::<u32, u32>::new(Priority::screen(5));
+    let mut task = Numbered::new(Priority::screen(5));
     task.ask(&pool, 7, |number| {
         let number = *number;
         once(move |_| panic!("number {number}"))
@@ -275,7 +277,7 @@ fn dropping_a_task_cancels_an_endless_job() {
     for _ in 0..2 {
         let mut endless = Counting::new(Priority::long(2));
         endless.ask(&pool, [100, u32::MAX], count);
-        let mut in_one_step = Task::<(), u32>::new(Priority::long(0));
+        let mut in_one_step = Plain::new(Priority::long(0));
         in_one_step.ask(&pool, (), |()| Endless);
     }
     assert!(pool.is_idle());
@@ -314,7 +316,7 @@ fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews()
         ("prediction", Priority::screen(0)),
         ("another fit", Priority::screen(6)),
     ] {
-        let mut task = Task::<(), u32>::new(priority);
+        let mut task = Plain::new(priority);
         task.ask(&pool, (), |()| Write(name, 0, said.clone()));
         tasks.push(task);
     }
@@ -337,8 +339,8 @@ fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews()
 fn superseding_work_takes_the_place_of_the_old() {
     let pool = Pool::inline();
     let said = Arc::new(Mutex::new(Vec::new()));
-    let mut first = Task::<u32, u32>::new(Priority::screen(6));
-    let mut second = Task::<u32, u32>::new(Priority::screen(6));
+    let mut first = Numbered::new(Priority::screen(6));
+    let mut second = Numbered::new(Priority::screen(6));
     first.ask(&pool, 0, |_| Write("old", 0, said.clone()));
     second.ask(&pool, 0, |_| Write("second", 0, said.clone()));
     first.ask(&pool, 1, |_| Write("new", 0, said.clone()));
@@ -350,10 +352,10 @@ fn superseding_work_takes_the_place_of_the_old() {
 fn what_is_to_be_saved_is_saved_without_task_and_pool() {
     for pool in both_pools() {
         let said = Arc::new(Mutex::new(Vec::new()));
-        let mut left = Task::<(), u32>::new(Priority::saving(1));
+        let mut left = Plain::new(Priority::saving(1));
         left.ask(&pool, (), |()| Write("settings", 0, said.clone()));
         for name in ["one", "two"] {
-            let mut task = Task::<(), u32>::new(Priority::saving(2));
+            let mut task = Plain::new(Priority::saving(2));
             task.ask(&pool, (), |()| Write(name, 0, said.clone()));
         }
         drop(pool);
@@ -366,7 +368,7 @@ fn what_is_to_be_saved_is_saved_without_task_and_pool() {
 fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
     for pool in both_pools() {
         let said = Arc::new(Mutex::new(Vec::new()));
-        let mut task = Task::<(), u32>::new(Priority::saving(0));
+        let mut task = Plain::new(Priority::saving(0));
         task.ask(&pool, (), |()| Write("file", 0, said.clone()));
         drop(task);
         until(|| {
@@ -380,7 +382,7 @@ fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
 #[test]
 fn what_was_to_be_saved_is_given_up_only_when_it_is_forgotten() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut task = Task::<(), u32>::new(Priority::saving(0));
+    let mut task = Plain::new(Priority::saving(0));
     task.ask(&pool, (), |()| Endless);
     task.forget();
     drop((task, pool));
@@ -409,7 +411,7 @@ fn no_thread_is_left_when_the_last_handle_is_dropped() {
     })
     .unwrap();
     let second = pool.clone();
-    let mut task = Task::<(), u32>::new(Priority::long(2));
+    let mut task = Plain::new(Priority::long(2));
     task.ask(&pool, (), |()| {
         once(|cancel| {
             until(|| cancel.is_cancelled());
@@ -428,7 +430,7 @@ fn no_thread_is_left_when_the_last_handle_is_dropped() {
 fn a_job_may_hold_the_last_handle() {
     let pool = Pool::start(|| {}).unwrap();
     let (open, go) = channel::<()>();
-    let mut task = Task::<(), u32>::new(Priority::long(2));
+    let mut task = Plain::new(Priority::long(2));
     let own = pool.clone();
     task.ask(&pool, (), |()| {
         once(move |_| {

@@ -1,7 +1,7 @@
 //! The arrangement that follows the window.
 //!
-//! The pose layout shows all cameras, in so many columns that their pictures are large; where there is room for
-//! two, the other cameras stand behind those. The debug layout has two cameras, the scene, and the
+//! The pose layout shows all cameras, in the number of columns that makes their pictures largest; where there is room
+//! for two, the other cameras stand behind those. The debug layout has two cameras, the scene, and the
 //! convergence plot beneath.
 
 use backlit_ui::style::theme::{size, space};
@@ -136,7 +136,7 @@ impl Plan {
     }
 }
 
-/// So many columns that the pictures are largest; of several the fewest.
+/// The number of columns that makes the pictures largest; of several the fewest.
 fn columns(size: Vec2, count: usize, aspect: f32) -> usize {
     let area = |columns: usize| {
         let rows = count.div_ceil(columns);

@@ -9,27 +9,19 @@ use serde::{Deserialize, Serialize};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
-group! {
+groups! {
     /// Takes and projects.
     FileCommand { NewTake, OpenTake, OpenBuiltIn, OpenProject, FindTake, Save, SaveAs, Quit }
-}
 
-group! {
     /// The document's past.
     HistoryCommand { Undo, Redo }
-}
 
-group! {
     /// Work that was left unsaved.
     RecoveryCommand { Show, UndoDiscard }
-}
 
-group! {
     /// Pictures for other people.
     ExportCommand { View, Window, Steps, Frames, Motion, Stop, ShowExported }
-}
 
-group! {
     /// Posing by hand.
     PoseCommand {
         Copy,
@@ -45,30 +37,10 @@ group! {
         PreviousJoint,
         Nudge(Nudge) of Nudge::every(),
     }
-}
 
-group! {
     /// A small move of the selected joint in the active view.
     Nudge { Left, Right, Up, Down, FarLeft, FarRight, FarUp, FarDown }
-}
 
-impl Nudge {
-    /// How far it goes in the view.
-    pub(crate) const fn by_px(self) -> DVec2 {
-        match self {
-            Self::Left => DVec2::new(-1.0, 0.0),
-            Self::Right => DVec2::new(1.0, 0.0),
-            Self::Up => DVec2::new(0.0, -1.0),
-            Self::Down => DVec2::new(0.0, 1.0),
-            Self::FarLeft => DVec2::new(-5.0, 0.0),
-            Self::FarRight => DVec2::new(5.0, 0.0),
-            Self::FarUp => DVec2::new(0.0, -5.0),
-            Self::FarDown => DVec2::new(0.0, 5.0),
-        }
-    }
-}
-
-group! {
     /// The window: how it is arranged, and what lies over it.
     WindowCommand {
         Layout(Layout) of Layout::ALL.map(|(layout, _)| layout),
@@ -87,9 +59,7 @@ group! {
         Messages,
         About,
     }
-}
 
-group! {
     /// What all camera views show, and how; keys stop at the eighth camera.
     ViewCommand {
         FitSubject,
@@ -105,14 +75,10 @@ group! {
         Compare(ModeComparison) of [ModeComparison::Wipe, ModeComparison::Blink],
         CameraAlone(usize) of 0..8,
     }
-}
 
-group! {
     /// Where the scene is seen from.
     SceneCommand { Front, Side, Top, FromCamera, Reset }
-}
 
-group! {
     /// The fit of the frame on the screen.
     FitCommand {
         Step,
@@ -130,55 +96,28 @@ group! {
         Renderer(RendererKind) of RendererKind::ALL,
         Preset(Preset) of Preset::ALL,
     }
-}
 
-group! {
     /// What differs between runs from one start.
     Variants { Renderers, Presets, Ramps }
-}
 
-group! {
     /// Which part of the body is fitted.
     BodyPart { Limb, Chain, Body }
-}
 
-group! {
     /// The runs and their plot.
     ConvergenceCommand { ClearRuns, RestoreRuns, ExportCurves, ExportPlot }
-}
 
-group! {
     /// The basin of the frame.
     BasinCommand { Run(BasinView) of [BasinView::Angles, BasinView::Map], Cancel }
-}
 
-group! {
     /// Ways to begin.
     BeginningCommand { RunAll, AcquireBody, Stop }
-}
 
-/// The two ways in which a basin is tried and shown.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BasinView {
-    /// Success over angle.
-    #[default]
-    Angles,
-    /// A map of two directions.
-    Map,
-}
-
-group! {
     /// What the cameras see.
     ObservabilityCommand { Ellipses, Sway, WeakerDirection, StrongerDirection }
-}
 
-group! {
     /// The tracker.
     TrackingCommand { FindStart, Forward, Back, Between, TurnRound, LearnBackground, Clear }
-}
 
-group! {
     /// Frames: going to them, playing them, key poses.
     TimelineCommand {
         SetKeyPose,
@@ -200,9 +139,34 @@ group! {
         NextPoor,
         PreviousPoor,
     }
-}
 
-group! {
     /// The laboratory.
     LaboratoryCommand { Restart }
+}
+
+impl Nudge {
+    /// How far it goes in the view.
+    pub(crate) const fn by_px(self) -> DVec2 {
+        match self {
+            Self::Left => DVec2::new(-1.0, 0.0),
+            Self::Right => DVec2::new(1.0, 0.0),
+            Self::Up => DVec2::new(0.0, -1.0),
+            Self::Down => DVec2::new(0.0, 1.0),
+            Self::FarLeft => DVec2::new(-5.0, 0.0),
+            Self::FarRight => DVec2::new(5.0, 0.0),
+            Self::FarUp => DVec2::new(0.0, -5.0),
+            Self::FarDown => DVec2::new(0.0, 5.0),
+        }
+    }
+}
+
+/// The two ways in which a basin is tried and shown.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BasinView {
+    /// Success over angle.
+    #[default]
+    Angles,
+    /// A map of two directions.
+    Map,
 }

@@ -10,9 +10,9 @@ use crate::context::Context;
 use crate::context::priority;
 
 /// The pictures of the frame on the screen.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct FullPictures {
-    task: Task<FrameKey, (usize, Arc<ColorImage>)>,
+    task: Task<FrameKey, (usize, Arc<ColorImage>), { priority::FRAME }>,
     of: Option<FrameKey>,
     /// By camera; `None` where it is not read yet, or cannot be.
     pictures: Vec<Option<Arc<ColorImage>>>,
@@ -28,12 +28,6 @@ struct FrameKey {
 impl PartialEq for FrameKey {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.take, &other.take) && self.frame == other.frame
-    }
-}
-
-impl Default for FullPictures {
-    fn default() -> Self {
-        Self { task: Task::new(priority::FRAME), of: None, pictures: Vec::new() }
     }
 }
 

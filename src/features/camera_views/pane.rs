@@ -23,8 +23,8 @@ use super::{
     CameraTileInput, CameraViewPreferences, CameraViews, ObservedMarks, TileEvent, TileView, camera_tile,
     picture_view,
 };
+use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
-use crate::context::picture_alone::PictureAlone;
 use crate::context::{Context, Requests};
 use crate::session::Session;
 

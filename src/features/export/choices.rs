@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SeriesOptions;
 use crate::context::Context;
-use crate::context::picture_alone::PictureAlone;
+use crate::context::marks::PictureAlone;
 
 /// Pixels of an exported picture across, at most; as much as the readers of pictures take.
 pub(crate) const MAX_SIDE: u32 = 16_384;

@@ -13,7 +13,8 @@ use backlit_ui::widgets::{hint, named_row, number_field, section, segmented};
 use egui::{RichText, Ui};
 
 use super::stages;
-use crate::context::{Context, Requests, preset_box};
+use crate::context::command_button::preset_box;
+use crate::context::{Context, Requests};
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;
@@ -33,7 +34,7 @@ pub(crate) fn ui(
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
-        row(ui, "Preset", |ui| preset_box::show(ui, context, requests, ui.available_width()));
+        row(ui, "Preset", |ui| preset_box(ui, context, requests, ui.available_width()));
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(

@@ -14,7 +14,7 @@ use backlit_tracking::cancel::CancelToken;
 use glam::DVec3;
 
 use super::words;
-use crate::context::motions::NamedStretch;
+use crate::context::marks::NamedStretch;
 
 /// A longer gap begins a new run, seconds; a shorter one is bridged.
 const BRIDGED_S: f64 = 0.25;

@@ -13,7 +13,7 @@ use super::preferences::Plane;
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::command::{Command, HistoryCommand, TrackingCommand};
-use crate::context::motions::NamedStretch;
+use crate::context::marks::NamedStretch;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 

@@ -13,7 +13,7 @@ use super::job::{Inputs, Missing};
 use crate::context::Published;
 use crate::context::feature::Feature;
 use crate::context::file_dialog::DialogKind;
-use crate::context::motions::MotionMarks;
+use crate::context::marks::MotionMarks;
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 

@@ -4,7 +4,7 @@ use backlit_recognition::{Method, Recognizer};
 
 use super::job::Missing;
 use super::preferences::Plane;
-use crate::context::motions::whole_percent;
+use crate::context::marks::whole_percent;
 
 /// What no known motion is called.
 pub(super) const UNKNOWN: &str = "unknown";

@@ -1,23 +1,22 @@
 //! Figures of what the cameras see are asked for where they are wanted and old.
 
-use backlit_formats::Footage;
-use egui::Ui;
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_jobs::{News, once};
+use backlit_tracking::body::Pose;
+use backlit_tracking::fit::{Evidence, FitError, FitView};
+use backlit_tracking::observability::{FrameInformation, JointUncertainty, SubsetFigures};
+use egui::Ui;
 
-use super::{Observability, Observed};
-use crate::context::Published;
-use crate::context::command::Command;
-use crate::context::command::ObservabilityCommand;
+use super::{Figures, Observability};
+use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::feature::Feature;
-use crate::context::observability::{ObservabilityMarks, Uncertainty};
+use crate::context::marks::{ObservabilityMarks, Uncertainty};
 use crate::context::preferences::Layout;
-use crate::context::unavailable::Why;
-use crate::context::unavailable::{because, no_take};
-use crate::context::{Context, Requests};
-use crate::session::prediction::PosedInputs;
-use backlit_tracking::observability::JointUncertainty;
+use crate::context::unavailable::{Why, because, no_take};
+use crate::context::{Context, Published, Requests};
+use crate::session::prediction::{FitInputs, PosedInputs};
 
 impl Feature for Observability {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
@@ -100,5 +99,39 @@ impl Feature for Observability {
 
     fn reset(&mut self, _: &Footage) {
         *self = Self { choices: self.choices.clone(), ..Self::default() };
+    }
+}
+
+/// What the cameras see of a pose.
+#[derive(Debug)]
+pub struct Observed {
+    /// What it depends on besides the pose.
+    pub(crate) inputs: FitInputs,
+    pub(crate) pose: Pose,
+    /// Of the cameras that count.
+    pub shown: Figures,
+    /// Sets of the cameras that have a silhouette, the best first.
+    pub(crate) subsets: Vec<SubsetFigures>,
+}
+
+impl Observed {
+    /// Looks through every camera that has a silhouette.
+    ///
+    /// # Errors
+    /// See [`FrameInformation::new`].
+    pub(crate) fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
+        let view = |camera: usize| {
+            let weight = inputs.uses.get(camera).map_or(1.0, |used| used.weight);
+            let evidence = Evidence::Measurement(inputs.data(camera)?);
+            Some(FitView { camera: inputs.cameras[camera].clone(), evidence, weight })
+        };
+        let views: Vec<Option<FitView>> = (0..inputs.cameras.len()).map(view).collect();
+        let information = FrameInformation::new(&inputs.model, &views, &inputs.fit, &pose)?;
+        let counts =
+            |camera: &usize| inputs.uses.get(*camera).is_some_and(|used| used.used && used.weight > 0.0);
+        let used: Vec<usize> = (0..views.len()).filter(counts).collect();
+        let shown = information.observe(&used);
+        let subsets = information.compare_subsets(shown.noise);
+        Ok(Self { inputs, pose, shown, subsets })
     }
 }

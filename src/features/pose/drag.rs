@@ -14,10 +14,10 @@ use glam::DVec2;
 use super::Posing;
 use super::dragged::{Dragged, dragged, joint_position, limit_sentence, words};
 use crate::context::command_button::next_gesture;
-use crate::context::drag_marks::DragMarks;
+use crate::context::marks::DragMarks;
 use crate::context::{Context, Requests, SessionRequest};
 
-/// Nudges that follow each other within so many seconds are one.
+/// Nudges that follow each other within this many seconds are one.
 pub(super) const NUDGE_SECONDS: f64 = 2.0;
 
 /// A joint that is nudged by the keyboard.

@@ -9,7 +9,7 @@ use crate::context::FeatureRequest;
 use crate::context::command::{Command, HistoryCommand, Nudge, PoseCommand};
 use crate::context::preferences::Layout;
 
-/// A drag of the tip of the limb by so many pixels of the first camera's picture.
+/// A drag of the tip of the limb by some pixels of the first camera's picture.
 fn drag(app: &App, by_px: DVec2) -> Drag {
     let (joint, camera) = (JointId::End(0), &app.inspector.state.session.take.as_ref().unwrap().cameras[0]);
     let tip =

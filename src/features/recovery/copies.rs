@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use backlit_document::project::{ProjectError, read_project};
 use backlit_formats::reason;
 
-use super::{About, Left, Picture};
+use super::{CopyNote, Left, Thumbnail};
 
 /// Beginning of a copy's name.
 const NAME: &str = "unsaved";
@@ -22,7 +22,7 @@ const ASIDE: &str = "left";
 const ENDING: &str = "backlit";
 /// So many windows can be open at once, or have left something.
 const MOST: usize = 200;
-/// Copies that were put aside are kept, the newest so many.
+/// How many of the copies that were put aside are kept, the newest first.
 const MOST_ASIDE: usize = 20;
 
 fn lock_path(copy: &Path) -> PathBuf {
@@ -141,7 +141,7 @@ impl Copies {
             match read_project(&path) {
                 Ok(project) => {
                     let saved = std::fs::metadata(&path).and_then(|data| data.modified()).ok();
-                    let (about, picture) = (About::read(&path), Picture::read(&path));
+                    let (about, picture) = (CopyNote::read(&path), Thumbnail::read(&path));
                     found.push(Left::new(path, &project.document, about, saved, picture));
                 }
                 Err(error) => wrong.push(error),
@@ -201,7 +201,7 @@ impl Copies {
 
 /// What stands beside a copy, and is moved with it.
 fn beside(copy: &Path) -> [PathBuf; 2] {
-    [About::path_of(copy), Picture::path_of(copy)]
+    [CopyNote::path_of(copy), Thumbnail::path_of(copy)]
 }
 
 /// Removes a copy with all that belongs to it. There may be none.
@@ -276,7 +276,7 @@ mod tests {
         let mut gone = Copies::new(folder.path().into());
         let path = gone.own().unwrap().to_owned();
         write(&path);
-        let about = About { frame: 30, project: Some("a.backlit".into()), ..About::default() };
+        let about = CopyNote { frame: 30, project: Some("a.backlit".into()), ..CopyNote::default() };
         about.write(&path).unwrap();
         drop(gone);
         let (mut one, mut other) = (Copies::new(folder.path().into()), Copies::new(folder.path().into()));
@@ -329,7 +329,7 @@ mod tests {
         std::fs::write(folder.path().join("unsaved.backlit"), "{").unwrap();
         let (left, wrong) = copies.left();
         assert_eq!((left.len(), wrong.len()), (1, 1));
-        let about = About { frame: 7, ..About::default() };
+        let about = CopyNote { frame: 7, ..CopyNote::default() };
         about.write(&path).unwrap();
         let aside = copies.put_aside(&path).unwrap();
         assert!(read_project(&aside).is_ok());

@@ -1,17 +1,22 @@
-//! What a window has left, in words.
+//! What a window has left: the copy in words, the note beside it, and a small picture of what a camera showed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use backlit_document::project::ProjectError;
 use backlit_document::{Document, Origin};
+use backlit_formats::{DiskFiles, FileError, TakeFiles, atomic, images};
 use backlit_take::source::TakeSource;
-use egui::ColorImage;
+use backlit_ui::drawing::{PictureInput, ViewMode, compose};
+use egui::{Color32, ColorImage};
+use image::{DynamicImage, RgbImage, imageops};
+use serde::{Deserialize, Serialize};
 
-use super::About;
 use crate::context::clock::Clock;
+use crate::session::prediction::Predicted;
 
-/// Work that a window has left.
+/// UnsavedWork that a window has left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Left {
     /// The copy.
@@ -19,7 +24,7 @@ pub struct Left {
     /// When it was written last.
     pub(crate) saved: Option<SystemTime>,
     /// Where the user was.
-    pub(crate) about: About,
+    pub(crate) about: CopyNote,
     /// The take: "balancing", "Built-in take".
     pub(crate) take: String,
     /// Frames whose pose was set by hand.
@@ -37,7 +42,7 @@ impl Left {
     pub(crate) fn new(
         path: PathBuf,
         document: &Document,
-        about: About,
+        about: CopyNote,
         saved: Option<SystemTime>,
         picture: Option<ColorImage>,
     ) -> Self {
@@ -91,7 +96,7 @@ impl Left {
     }
 }
 
-fn take_of(document: &Document, about: &About) -> String {
+fn take_of(document: &Document, about: &CopyNote) -> String {
     match (&document.take, &about.take) {
         (Some(TakeSource::Demonstration(which)), _) => format!("Demonstration “{}”", which.name()),
         (Some(TakeSource::Path(_)), Some(name)) => name.clone(),
@@ -100,6 +105,141 @@ fn take_of(document: &Document, about: &About) -> String {
         }
         _ => "Built-in take".to_owned(),
     }
+}
+
+/// No more is ever written.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// What a copy's project does not say.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct CopyNote {
+    /// The frame on the screen.
+    pub(crate) frame: usize,
+    /// Frames of the take.
+    pub(crate) frames: Option<usize>,
+    /// The take's name.
+    pub(crate) take: Option<String>,
+    /// The project file that the work belongs to.
+    pub(crate) project: Option<PathBuf>,
+}
+
+impl CopyNote {
+    /// The file beside a copy.
+    pub(crate) fn path_of(copy: &Path) -> PathBuf {
+        copy.with_extension("about.json")
+    }
+
+    /// Writes it beside a copy.
+    ///
+    /// # Errors
+    /// The file system says no.
+    pub(crate) fn write(&self, copy: &Path) -> Result<(), ProjectError> {
+        let path = Self::path_of(copy);
+        let json =
+            serde_json::to_vec(self).map_err(|error| ProjectError::Json { path: path.clone(), error })?;
+        Ok(atomic::write(&path, &json)?)
+    }
+
+    /// What was written beside a copy; nothing is known if that cannot be read.
+    pub(crate) fn read(copy: &Path) -> Self {
+        let text = DiskFiles.read(&Self::path_of(copy), MAX_BYTES).unwrap_or_default();
+        serde_json::from_slice(&text).unwrap_or_default()
+    }
+}
+
+/// Longest side, pixels: two a point of the card.
+const SIDE: u32 = 224;
+/// What is kept around subject and body, of the larger side of both.
+const MARGIN: f64 = 0.12;
+/// Darker is body.
+const HALF: f32 = 127.5;
+
+/// What a camera shows of a pose. It holds what is on the screen by reference: it is painted where there is time.
+#[derive(Debug, Clone)]
+pub(crate) struct Thumbnail {
+    /// What the pose predicts.
+    pub(crate) predicted: Arc<Predicted>,
+    pub(crate) camera: usize,
+}
+
+impl Thumbnail {
+    /// The file beside a copy.
+    pub(crate) fn path_of(copy: &Path) -> PathBuf {
+        copy.with_extension("png")
+    }
+
+    /// Paints it and writes it beside a copy.
+    ///
+    /// # Errors
+    /// The file system says no.
+    pub(crate) fn write(&self, copy: &Path) -> Result<(), FileError> {
+        match self.paint() {
+            Some(picture) => images::write_png(&Self::path_of(copy), &DynamicImage::ImageRgb8(picture)),
+            None => Ok(()),
+        }
+    }
+
+    /// What was written beside a copy, if it is there and can be read.
+    pub(crate) fn read(copy: &Path) -> Option<ColorImage> {
+        let picture = images::read(&Self::path_of(copy)).ok()?;
+        let (width, height) = picture.dimensions();
+        let is_ours = width > 0 && height > 0 && width.max(height) <= SIDE;
+        is_ours.then(|| ColorImage::from_rgb([width as usize, height as usize], picture.as_raw()))
+    }
+
+    /// Subject and body, and a little around them; `None` if the camera has no picture.
+    fn paint(&self) -> Option<RgbImage> {
+        let shown = self.predicted.cameras.get(self.camera)?;
+        let data = self.predicted.scene.frame.as_ref()?.cameras.get(self.camera)?;
+        let frame = data.image.as_deref()?;
+        let input = PictureInput {
+            frame: Some(frame),
+            mask: data.mask.as_deref(),
+            data: shown.data.as_deref(),
+            prediction: Some(&shown.prediction),
+            ..PictureInput::empty([frame.width() as usize, frame.height() as usize])
+        };
+        let image = compose(ViewMode::Tinted, &input);
+        let [width, height] = image.size;
+        let [left, top, right, bottom] = around_body(&input);
+        let mut part = RgbImage::new((right - left) as u32, (bottom - top) as u32);
+        for (x, y, pixel) in part.enumerate_pixels_mut() {
+            let at = (top + y as usize).min(height - 1) * width + (left + x as usize).min(width - 1);
+            let [r, g, b, _] = image.pixels.get(at).unwrap_or(&Color32::BLACK).to_array();
+            pixel.0 = [r, g, b];
+        }
+        let scale = f64::from(SIDE) / f64::from(part.width().max(part.height()));
+        if scale >= 1.0 {
+            return Some(part);
+        }
+        let side = |length: u32| ((f64::from(length) * scale).round() as u32).clamp(1, SIDE);
+        Some(imageops::thumbnail(&part, side(part.width()), side(part.height())))
+    }
+}
+
+/// Left, top, right, bottom of subject and body with a margin; the whole picture if there is neither.
+fn around_body(input: &PictureInput<'_>) -> [usize; 4] {
+    let [width, height] = input.size;
+    let mut rect: Option<[usize; 4]> = None;
+    for y in 0..height {
+        for x in 0..width {
+            let Some(sample) = input.sample(x, y) else { continue };
+            let is_dark = |level: Option<f32>| level.is_some_and(|level| level < HALF);
+            if is_dark(sample.prediction) || (!sample.is_unknown && is_dark(sample.data)) {
+                let [left, top, right, bottom] = rect.unwrap_or([x, y, x, y]);
+                rect = Some([left.min(x), top.min(y), right.max(x + 1), bottom.max(y + 1)]);
+            }
+        }
+    }
+    let Some([left, top, right, bottom]) = rect else { return [0, 0, width, height] };
+    let margin = (MARGIN * (right - left).max(bottom - top) as f64).ceil() as usize;
+    [
+        left.saturating_sub(margin),
+        top.saturating_sub(margin),
+        (right + margin).min(width),
+        (bottom + margin).min(height),
+    ]
 }
 
 #[cfg(test)]
@@ -117,16 +257,16 @@ mod tests {
         let clock = Clock::fixed(saved + Duration::from_secs(720), 0).unwrap();
         let mut document = Document::new(builtin::single_limb());
         document.take = Some(TakeSource::Path(PathBuf::from("/takes/b")));
-        let about = About {
+        let about = CopyNote {
             frame: 30,
             frames: Some(70),
             take: Some("balancing".to_owned()),
             project: Some(PathBuf::from("/work/arm.backlit")),
         };
-        let left = |document: &Document, about: &About| {
+        let left = |document: &Document, about: &CopyNote| {
             Left::new(PathBuf::from("unsaved.backlit"), document, about.clone(), Some(saved), None)
         };
-        let nothing = left(&document, &About::default());
+        let nothing = left(&document, &CopyNote::default());
         assert_eq!((nothing.take.as_str(), nothing.place()), ("b", "At frame 0".to_owned()));
         assert_eq!(
             (nothing.work(), nothing.belongs()),

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use backlit_jobs::{News, once};
 
-use super::{About, Left, Picture, Recovery};
+use super::{CopyNote, Left, Recovery, Thumbnail};
 use crate::context::FeatureRequest;
 use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
@@ -32,18 +32,18 @@ const AGAIN: Duration = Duration::from_secs(2);
 const COPY: &str = "The copy of unsaved work was not written";
 
 /// What is written for the next start.
-struct Work {
+struct UnsavedWork {
     document: Document,
     runs: Vec<Run>,
-    about: About,
-    picture: Option<Picture>,
+    about: CopyNote,
+    picture: Option<Thumbnail>,
 }
 
-impl Work {
+impl UnsavedWork {
     fn new(context: &Context<'_>) -> Self {
         let (session, selection) = (context.session, context.selection);
         let take = session.take.as_ref();
-        let about = About {
+        let about = CopyNote {
             frame: selection.frame,
             frames: take.map(|take| take.frame_count()),
             take: take.map(|take| take.take().name().to_owned()),
@@ -53,7 +53,7 @@ impl Work {
         let picture = session.predicted.clone().filter(|predicted| {
             predicted.scene.frame.as_ref().is_some_and(|frame| frame.frame == selection.frame)
         });
-        let picture = picture.map(|predicted| Picture { predicted, camera: selection.camera });
+        let picture = picture.map(|predicted| Thumbnail { predicted, camera: selection.camera });
         let runs = context.history.runs().all().to_vec();
         Self { document: context.document().clone(), runs, about, picture }
     }
@@ -162,7 +162,7 @@ impl Recovery {
         self.is_picture_old = is_stale;
         match copies.own().map(Path::to_owned).map_err(|error| copies.said(&error)) {
             Ok(path) => {
-                let (work, writing) = (Work::new(context), self.writing.clone());
+                let (work, writing) = (UnsavedWork::new(context), self.writing.clone());
                 self.task.begin(context.pool, version, |_| {
                     once(move |cancel| {
                         let _writing = writing.lock().unwrap_or_else(PoisonError::into_inner);
@@ -231,7 +231,7 @@ impl Recovery {
             return Ok(());
         }
         let path = copies.own().map(Path::to_owned).map_err(|error| anyhow!(copies.said(&error)));
-        let work = Work::new(context);
+        let work = UnsavedWork::new(context);
         let written = path.and_then(|path| Ok(work.write(&path)?));
         match &written {
             Ok(()) => self.wrote(context.history.version(), requests),
@@ -305,7 +305,7 @@ impl Recovery {
 
     /// Something was opened: the copy of what was there before stays as it is, and is offered. Says whether what was
     /// opened is work that was left, and what is known about that.
-    pub(crate) fn begin(&mut self, opened: Option<&Path>) -> Option<About> {
+    pub(crate) fn begin(&mut self, opened: Option<&Path>) -> Option<CopyNote> {
         let about = self.adopt(opened);
         if let Some(copies) = &self.copies {
             // What cannot be read was said at the start.
@@ -335,7 +335,7 @@ impl Recovery {
         Some(text)
     }
 
-    fn adopt(&mut self, opened: Option<&Path>) -> Option<About> {
+    fn adopt(&mut self, opened: Option<&Path>) -> Option<CopyNote> {
         self.task.forget();
         self.written = None;
         self.begun = None;

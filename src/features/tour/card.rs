@@ -47,7 +47,7 @@ const EDGE: f32 = 12.0;
 
 /// A step on the screen.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Card {
+pub(super) struct TourCard {
     /// Counted from zero.
     pub(super) step: usize,
     /// What it points at.
@@ -60,7 +60,7 @@ pub(super) struct Card {
 
 /// What was asked for on a card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wish {
+pub(super) enum CardAnswer {
     Begin,
     Skip,
     Back,
@@ -68,7 +68,7 @@ pub(super) enum Wish {
 }
 
 /// The offer at the first start, above `bottom`.
-pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<Wish> {
+pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<CardAnswer> {
     let mut event = None;
     let window = ui.ctx().content_rect();
     let area = Area::new(Id::unique("tour offer")).order(Order::Foreground).pivot(egui::Align2::LEFT_BOTTOM);
@@ -81,10 +81,10 @@ pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<Wish> {
             ui.add_space(space::ROW);
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if primary_button(ui, "Take the tour").clicked() {
-                    event = Some(Wish::Begin);
+                    event = Some(CardAnswer::Begin);
                 }
                 if small_button(ui, "Not now", "Help › Tour begins it at any time") {
-                    event = Some(Wish::Skip);
+                    event = Some(CardAnswer::Skip);
                 }
             });
         });
@@ -93,7 +93,7 @@ pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<Wish> {
 }
 
 /// A step's card.
-pub(super) fn card(ui: &Ui, input: &Card) -> Option<Wish> {
+pub(super) fn card(ui: &Ui, input: &TourCard) -> Option<CardAnswer> {
     let mut event = None;
     let ctx = ui.ctx();
     let id = Id::unique("tour card");
@@ -116,14 +116,14 @@ pub(super) fn card(ui: &Ui, input: &Card) -> Option<Wish> {
                 ui.label(RichText::new(count).monospace().color(palette.text3));
                 ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                     if input.can_go_on && primary_button(ui, "Next").clicked() {
-                        event = Some(Wish::Next);
+                        event = Some(CardAnswer::Next);
                     }
                     let back = |ui: &mut Ui| small_button(ui, "Back", "To the step before");
                     if ui.add_enabled_ui(input.step > 0, back).inner {
-                        event = Some(Wish::Back);
+                        event = Some(CardAnswer::Back);
                     }
                     if small_button(ui, "Skip", "End the tour; Help › Tour begins it again") {
-                        event = Some(Wish::Skip);
+                        event = Some(CardAnswer::Skip);
                     }
                 });
             });

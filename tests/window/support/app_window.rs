@@ -3,8 +3,13 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use backlit::app::{App, AppOptions};
+use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Inspector};
 use backlit::features::convergence::CurvesFile;
+use backlit::session::Session;
+use backlit::session::selection::Selection;
+use backlit_document::Document;
+use backlit_document::run::Run;
 use backlit_tracking::processor::use_narrow_vectors;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
@@ -16,6 +21,37 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
 
 /// What has come to rest so often is at rest; what plays never is.
 const ROUNDS: usize = 2;
+
+/// What is read of a window.
+pub(crate) trait WindowState {
+    fn inspector(&self) -> &Inspector;
+
+    fn document(&self) -> &Document {
+        self.inspector().document()
+    }
+
+    fn runs(&self) -> &[Run] {
+        self.inspector().runs()
+    }
+
+    fn settings(&self) -> Settings {
+        self.inspector().settings()
+    }
+
+    fn selection(&self) -> Selection {
+        self.inspector().state.selection
+    }
+
+    fn session(&self) -> &Session {
+        &self.inspector().state.session
+    }
+}
+
+impl WindowState for Harness<'_, App> {
+    fn inspector(&self) -> &Inspector {
+        &self.state().inspector
+    }
+}
 
 /// A window of `size` points, when nothing is being worked on any more.
 pub(crate) fn open_sized(options: AppOptions, size: Vec2) -> Harness<'static, App> {

@@ -59,7 +59,7 @@ pub(crate) fn files() -> Vec<(PathBuf, Vec<u8>)> {
     files_of(FRAMES, &[])
 }
 
-/// The files of a take of so many frames; the arm is out of the picture in the `empty` ones.
+/// The files of a take with this number of frames; the arm is out of the picture in the `empty` ones.
 fn files_of(frames: usize, empty: &[usize]) -> Vec<(PathBuf, Vec<u8>)> {
     let cameras = cameras();
     let mut files = vec![
@@ -87,7 +87,7 @@ pub(crate) fn write_to(folder: &Path) {
     write_frames_to(folder, FRAMES);
 }
 
-/// The same with so many frames.
+/// The same with another number of frames.
 pub(crate) fn write_frames_to(folder: &Path, frames: usize) {
     for (path, bytes) in files_of(frames, &[]) {
         let path = folder.join(path);
@@ -101,7 +101,7 @@ pub(crate) fn take() -> Take {
     Take::from_files(Arc::new(MemoryFiles::new(files())), Path::new("take.toml")).unwrap()
 }
 
-/// A take of so many frames; the arm is out of the picture in the `empty` ones.
+/// A take with this number of frames; the arm is out of the picture in the `empty` ones.
 pub(crate) fn take_of(frames: usize, empty: &[usize]) -> Take {
     let files = MemoryFiles::new(files_of(frames, empty));
     Take::from_files(Arc::new(files), Path::new("take.toml")).unwrap()

@@ -3,7 +3,7 @@
 use egui::epaint::{ClippedShape, RectShape, TextShape};
 use egui::{Color32, Rect, Shape};
 
-/// Ink may leave its clip, or lie on other ink, by so many points.
+/// Ink may leave its clip, or lie on other ink, by this many points.
 const SLACK: f32 = 1.5;
 /// A ground that is at least this opaque hides what is under it.
 const HIDES: u8 = 190;

@@ -11,7 +11,8 @@ use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Te
 use super::Action;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
-use crate::context::{Context, Requests, preset_box, unavailable};
+use crate::context::command_button::preset_box;
+use crate::context::{Context, Requests, unavailable};
 use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
 
 /// Height of the header, and of its rows.
@@ -149,7 +150,7 @@ fn choices(
         camera_box(ui, laboratory, context, actions);
     }
     if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < size::FOLD_CHOICES {
-        preset_box::show(ui, context, requests, 92.0);
+        preset_box(ui, context, requests, 92.0);
         actions.extend(lineup_box(ui, laboratory.lineup).map(Action::Lineup));
     }
 }

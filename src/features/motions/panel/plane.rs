@@ -10,7 +10,7 @@ use egui::{
 };
 
 use crate::context::Context;
-use crate::context::motions::whole_percent;
+use crate::context::marks::whole_percent;
 use crate::features::motions::job::Found;
 use crate::features::motions::preferences::Plane;
 use crate::features::motions::words;

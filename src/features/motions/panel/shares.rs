@@ -5,7 +5,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{motion_colours, space};
 use egui::{Align2, Id, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use crate::context::motions::whole_percent;
+use crate::context::marks::whole_percent;
 use crate::features::motions::job::Found;
 
 /// Height of the line that says what the frame is.

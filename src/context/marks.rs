@@ -1,0 +1,130 @@
+//! What features let others draw: what the cameras see, a drag that goes on, names of motions, a picture alone.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::observability::JointUncertainty;
+use backlit_tracking::posing::LimitedAngle;
+use backlit_ui::drawing::{JointEllipse, JointId, Swaying, joint_ellipses};
+use backlit_ui::style::format;
+
+/// What is drawn in a frame.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ObservabilityMarks {
+    /// Whether what is known is of an older pose, frame or set of cameras than the one on the screen.
+    pub(crate) is_stale: bool,
+    /// Whether the body is on its way.
+    pub(crate) is_playing: bool,
+    /// The body on its way, if it sways or is held there.
+    pub(crate) swaying: Option<Swaying>,
+    pub(crate) swayed_pose: Option<Pose>,
+    /// What is known of the joints, if it is shown.
+    pub(crate) uncertainty: Option<Uncertainty>,
+    /// Ellipses are drawn this many times as large as they are.
+    pub(crate) factor: u32,
+    /// The angle of the selected limb whose limits are to be seen.
+    pub(crate) angle: Option<LimitedAngle>,
+}
+
+/// What cameras know of joints.
+#[derive(Debug, Clone)]
+pub(crate) struct Uncertainty {
+    /// The body.
+    pub(crate) model: Arc<Model>,
+    pub(crate) joints: Vec<JointUncertainty>,
+    /// Whether the cameras are others than those in use.
+    pub(crate) is_of_others: bool,
+    /// Whether it is what a Kalman filter believes.
+    pub(crate) is_believed: bool,
+}
+
+impl Uncertainty {
+    /// Ellipses of the joints in a camera's view.
+    pub(crate) fn ellipses(&self, camera: &Camera) -> Vec<JointEllipse> {
+        joint_ellipses(&self.model, &self.joints, camera)
+    }
+}
+
+/// Frames that follow each other and have one name.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NamedStretch {
+    /// In plain words, in the middle of a sentence.
+    pub(crate) name: String,
+    /// The number of its class, which says its colour; `None` is no known motion.
+    pub(crate) class: Option<usize>,
+    pub(crate) frames: RangeInclusive<usize>,
+    /// Mean probability of the name, 0 to 1.
+    pub(crate) confidence: f64,
+}
+
+impl NamedStretch {
+    /// Name, frames, and how sure that is.
+    pub(crate) fn said(&self) -> String {
+        let [first, last] =
+            [self.frames.start(), self.frames.end()].map(|frame| format::count(*frame as i64));
+        let sure = whole_percent(self.confidence);
+        let how = match self.class {
+            Some(_) => format!("{sure} sure"),
+            None => "like no motion that was learnt".to_owned(),
+        };
+        format!("{}, frames {first} to {last}, {how}", format::capitalised(&self.name))
+    }
+}
+
+/// A probability in whole per cent: more digits would say more than is known.
+pub(crate) fn whole_percent(share: f64) -> String {
+    format!("{}{}%", format::number(100.0 * share, 0), format::THIN_SPACE)
+}
+
+/// The take's motions by name.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MotionMarks {
+    /// In the order of their frames; none where nothing is recognised.
+    pub(crate) stretches: Arc<Vec<NamedStretch>>,
+    /// Whether they are of an older track than the document's.
+    pub(crate) is_stale: bool,
+}
+
+impl MotionMarks {
+    /// The stretch that a frame is part of.
+    pub(crate) fn at(&self, frame: usize) -> Option<&NamedStretch> {
+        self.stretches.iter().find(|stretch| stretch.frames.contains(&frame))
+    }
+}
+
+/// A drag that goes on in a camera's view, as others see it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct DragMarks {
+    /// The camera in whose view something is dragged.
+    pub(crate) camera: Option<usize>,
+    /// The joint that is dragged: its sight ray is in the other views.
+    pub(crate) joint: Option<JointId>,
+    /// The limb that is twisted: no outline shows how far.
+    pub(crate) twisted: Option<usize>,
+    /// The pose in which the drag, or the last nudges, began: limits that are met since then are shown.
+    pub(crate) from: Option<Arc<Pose>>,
+}
+
+impl DragMarks {
+    /// Whether something is dragged.
+    pub(crate) fn is_dragging(&self) -> bool {
+        self.camera.is_some()
+    }
+
+    /// The joint that is dragged, and in which camera's view.
+    pub(crate) fn dragged_joint(&self) -> Option<(usize, JointId)> {
+        self.camera.zip(self.joint)
+    }
+}
+
+/// What an exported picture of a camera has besides the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PictureAlone {
+    pub(crate) camera: usize,
+    /// Joints, limbs and rays.
+    pub(crate) marks: bool,
+    /// The strip that explains the colours, under the picture.
+    pub(crate) legend: bool,
+}
