@@ -18,23 +18,51 @@ const MAX_ERROR_MM: f64 = 80.0;
 /// Smallest mean overlap: 0.869, the report's 0.857.
 const IOU: f64 = 0.865;
 
-#[test]
-fn a_real_person_is_followed_from_a_noisy_start() {
-    let Some(footage) = footage() else { return };
+/// What the program prints of the real take; `None` where there is no footage.
+fn json(command: &[&str], options: &str) -> Option<Value> {
+    let footage = footage()?;
     let out = tempfile::tempdir().unwrap();
-    // Every fifth frame of 70: faster, and harder than all of them.
     let output = Command::new(env!("CARGO_BIN_EXE_backlit"))
         .env("BACKLIT_DATA", std::path::absolute(footage.parent().unwrap()).unwrap())
-        .arg("track")
+        .args(command)
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing"))
-        .args(["--every", "5", "--start", "reference", "--start-noise", "5deg,3cm", "--seed", "1", "--json"])
-        .arg("--out")
+        .args(options.split(' '))
+        .args(["--json", "--out"])
         .arg(out.path())
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     // Nothing but JSON on standard output.
-    let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}
+
+/// Four cameras, with the person's own sizes.
+#[test]
+fn the_real_person_is_found_without_a_start() {
+    let Some(found) = json(&["experiment", "no-start"], "--sets-of 4 --frames 0") else { return };
+    assert_eq!(found["report"]["groups"][0]["found"], 1, "{found}");
+}
+
+/// Every other camera's clock is shifted by whole frames; all four cameras together are the last case.
+#[test]
+fn a_shift_of_real_footage_is_found() {
+    let Some(found) = json(&["experiment", "sync"], "--shifts 0,7,-12") else { return };
+    let cases = found["report"]["cases"].as_array().unwrap();
+    let offsets = cases.last().unwrap()["found"].as_array().unwrap();
+    assert_eq!(offsets.len(), 9);
+    for offset in offsets {
+        let (error, period) = (offset["error_s"].as_f64().unwrap(), offset["period_s"].as_f64().unwrap());
+        assert!(error.abs() <= 0.5 * period, "{offset}");
+    }
+}
+
+#[test]
+fn a_real_person_is_followed_from_a_noisy_start() {
+    // Every fifth frame of 70: faster, and harder than all of them.
+    let Some(summary) = json(&["track"], "--every 5 --start reference --start-noise 5deg,3cm --seed 1")
+    else {
+        return;
+    };
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(14), Some(0)), "{summary}");
     let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
     assert!(number("/joint_error_mm/mean") <= MEAN_ERROR_MM, "{summary}");

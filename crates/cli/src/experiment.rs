@@ -1,52 +1,197 @@
-//! `backlit experiment`: the report's experiments again. The numbers are the core's; here are words, files and plots.
+//! `backlit experiment`: measurements on data of known truth, most of them figures of the report.
 //!
-//! | file | holds |
-//! |---|---|
-//! | [`arguments`] | options that all experiments share |
-//! | [`files`] | the files of an experiment, and the table on the screen |
-//! | [`waiting`] | the bar while one runs |
-//! | [`fig51`] | `backlit experiment fig5.1` |
-//! | [`fig52`] | `backlit experiment fig5.2` and `fig5.3` |
-//! | [`sequence`] | options of those that run on a sequence: a take, or the simulated one |
-//! | [`fig54`] | `backlit experiment fig5.4` |
-//! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
-//! | [`inverse`] | `backlit experiment inverse` |
-//! | [`bias`] | `backlit experiment bias` |
-//! | [`shadow`] | `backlit experiment shadow` |
-//! | [`sizes`] | `backlit experiment sizes` |
-//! | [`track`] | `backlit experiment track` |
-//! | [`robustness`] | `backlit experiment robustness` |
-//! | [`acquire`] | `backlit experiment acquire` |
-//! | [`begin`] | `backlit experiment begin` |
-//! | [`basin`] | `backlit experiment basin` |
-//! | [`frame_basin`] | `backlit experiment basin --take`, with and without `--map` |
-//! | [`footage`] | `backlit experiment footage` |
-//! | [`sync`] | `backlit experiment sync` |
-//! | [`no_start`] | `backlit experiment no-start` |
+//! An experiment is one file, listed in [`EXPERIMENTS`]. Its options are a struct: the command line fills it in, and the file
+//! with the numbers keeps it. [`Experiment::run`] measures; [`Experiment::table`] and [`Experiment::pictures`] show the report.
+//! [`Experiment::perform`] does the rest: progress, Ctrl+C, files, the screen.
 
-pub(crate) mod acquire;
-pub(crate) mod arguments;
-pub(crate) mod basin;
-pub(crate) mod begin;
-pub(crate) mod bias;
-pub(crate) mod fig51;
-pub(crate) mod fig52;
-pub(crate) mod fig54;
-pub(crate) mod fig55;
-pub(crate) mod files;
-pub(crate) mod footage;
-pub(crate) mod frame_basin;
-pub(crate) mod inverse;
-pub(crate) mod no_start;
-pub(crate) mod robustness;
-pub(crate) mod sequence;
-pub(crate) mod shadow;
-pub(crate) mod sizes;
-pub(crate) mod sync;
-pub(crate) mod track;
-pub(crate) mod waiting;
+mod acquire;
+mod arguments;
+mod basin;
+mod begin;
+mod bias;
+mod fig51;
+mod fig52;
+mod fig54;
+mod fig55;
+mod files;
+mod footage;
+mod frame_basin;
+mod inverse;
+mod measures;
+mod no_start;
+mod noise;
+mod own_sizes;
+mod robustness;
+mod sequence;
+mod shadow;
+mod sizes;
+mod sync;
+mod track;
+mod waiting;
 
-use clap::{Args, Subcommand};
+use anyhow::ensure;
+use backlit_plot::Drawn;
+use backlit_tracking::cancel::CancelToken;
+use clap::{ArgMatches, Args, FromArgMatches, Subcommand};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use self::arguments::OutputArguments;
+use crate::interrupt::{self, Interrupted};
+
+/// A measurement. Its fields are its options.
+pub(crate) trait Experiment: Serialize {
+    /// What it is called on the command line and in its files.
+    const NAME: &'static str;
+    /// What was measured.
+    type Report: Serialize;
+
+    /// Measures. Options that are known only now are filled in.
+    ///
+    /// # Errors
+    /// An option is out of range, a file cannot be read, or Ctrl+C was pressed.
+    fn run(&mut self, run: &Run) -> anyhow::Result<Self::Report>;
+
+    /// The report in words and numbers.
+    fn table(&self, report: &Self::Report) -> String;
+
+    /// The report in pictures, each with the name of its file.
+    fn pictures(&self, _report: &Self::Report) -> Vec<(String, Drawn)> {
+        Vec::new()
+    }
+
+    /// Runs it, writes its files and prints.
+    ///
+    /// # Errors
+    /// It cannot run, or a file cannot be written.
+    fn perform(&mut self, output: &OutputArguments) -> anyhow::Result<()>
+    where
+        Self: Sized,
+    {
+        let run = Run { cancel: interrupt::listen()?, bar: waiting::bar() };
+        let report = self.run(&run)?;
+        run.bar.finish_and_clear();
+        let (pictures, table) = (self.pictures(&report), self.table(&report));
+        files::finish(output, Self::NAME, self, &report, &pictures, &table)
+    }
+}
+
+/// A run of an experiment: how far it is, and whether it is to stop.
+#[derive(Debug)]
+pub(crate) struct Run {
+    /// What fits listen to.
+    pub(crate) cancel: CancelToken,
+    bar: ProgressBar,
+}
+
+impl Run {
+    /// Tells that so many of all are done.
+    ///
+    /// # Errors
+    /// Ctrl+C was pressed.
+    pub(crate) fn progress(&self, done: usize, total: usize) -> Result<(), Interrupted> {
+        self.bar.set_length(total as u64);
+        self.bar.set_position(done as u64);
+        self.check()
+    }
+
+    /// # Errors
+    /// Ctrl+C was pressed: what fits have found since is worth nothing.
+    pub(crate) fn check(&self) -> Result<(), Interrupted> {
+        if self.cancel.is_cancelled() { Err(Interrupted) } else { Ok(()) }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn hidden() -> Self {
+        Self { cancel: CancelToken::new(), bar: ProgressBar::hidden() }
+    }
+}
+
+/// Refuses an option that is too small.
+///
+/// # Errors
+/// It is less than `least`.
+pub(crate) fn check_least(option: &str, value: usize, least: usize) -> anyhow::Result<()> {
+    ensure!(value >= least, "`{option}` is {value}; expected {least} or more");
+    Ok(())
+}
+
+/// What the command line tells one experiment. Its documentation is the help.
+trait ExperimentArguments: Args {
+    const NAME: &'static str;
+    fn run(self) -> anyhow::Result<()>;
+}
+
+/// An experiment's options, and where its files go.
+#[derive(Debug, Args)]
+struct WithOutput<E: Args> {
+    #[command(flatten)]
+    experiment: E,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+impl<E: Experiment + Args> ExperimentArguments for WithOutput<E> {
+    const NAME: &'static str = E::NAME;
+    fn run(mut self) -> anyhow::Result<()> {
+        self.experiment.perform(&self.output)
+    }
+}
+
+/// How an experiment is told its arguments, and how it then runs.
+struct Registration {
+    command: fn() -> clap::Command,
+    run: fn(&ArgMatches) -> anyhow::Result<()>,
+}
+
+impl Registration {
+    const fn of<E: Experiment + Args>() -> Self {
+        Self::arguments::<WithOutput<E>>()
+    }
+
+    const fn arguments<A: ExperimentArguments>() -> Self {
+        Self {
+            command: || A::augment_args(clap::Command::new(A::NAME)),
+            run: |matches| A::from_arg_matches(matches)?.run(),
+        }
+    }
+}
+
+/// Those that write and print by themselves.
+macro_rules! by_themselves {
+    ($($module:ident)*) => {$(
+        impl ExperimentArguments for $module::Arguments {
+            const NAME: &'static str = stringify!($module);
+            fn run(self) -> anyhow::Result<()> {
+                $module::run(&self)
+            }
+        }
+    )*};
+}
+
+by_themselves!(acquire basin begin);
+
+/// All experiments, in the order of the help.
+const EXPERIMENTS: &[Registration] = &[
+    Registration::of::<fig51::SingleLimb>(),
+    Registration::of::<fig52::UpperBody<1>>(),
+    Registration::of::<fig52::UpperBody<2>>(),
+    Registration::of::<fig54::OneFrame>(),
+    Registration::of::<fig55::Followed<192, 144>>(),
+    Registration::of::<fig55::Followed<48, 36>>(),
+    Registration::of::<inverse::Inverses>(),
+    Registration::of::<bias::RampBias>(),
+    Registration::of::<shadow::Shadows>(),
+    Registration::arguments::<sizes::Arguments>(),
+    Registration::of::<track::Speeds>(),
+    Registration::of::<robustness::Robustness>(),
+    Registration::arguments::<basin::Arguments>(),
+    Registration::arguments::<acquire::Arguments>(),
+    Registration::arguments::<begin::Arguments>(),
+    Registration::arguments::<footage::Arguments>(),
+    Registration::of::<no_start::NoStart>(),
+    Registration::arguments::<sync::Arguments>(),
+];
 
 const AFTER_HELP: &str = "\
 Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The \
@@ -55,81 +200,49 @@ same options give the same numbers. docs/report.md has the report's figures besi
 /// What `backlit experiment` is told.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
-pub struct ExperimentArguments {
+pub struct Arguments {
     #[command(subcommand)]
-    experiment: Experiment,
+    chosen: Chosen,
 }
 
-#[derive(Debug, Subcommand)]
-enum Experiment {
-    /// One limb seen from the side: the cylinder never moves along its axis, capsule and sphere tree do
-    #[command(name = "fig5.1")]
-    Fig51(fig51::Arguments),
-    /// The upper body before one camera, from many starts: cost and joint error per iteration
-    #[command(name = "fig5.2")]
-    Fig52(fig52::Arguments),
-    /// The same from the same starts before two cameras
-    #[command(name = "fig5.3")]
-    Fig53(fig52::Arguments),
-    /// One frame of a take, or of the simulated upper body, iteration by iteration: D and Λ of two cameras
-    #[command(name = "fig5.4")]
-    Fig54(fig54::Arguments),
-    /// A take, or the simulated upper body, followed in 192 × 144 pixels: joint error and overlap per frame
-    #[command(name = "fig5.5")]
-    Fig55(fig55::Arguments),
-    /// The same with 48 × 36 pixels
-    #[command(name = "fig5.6")]
-    Fig56(fig55::Arguments),
-    /// The step (4.10) as written, and the pseudo-inverse and dampings that can stand for it
-    Inverse(inverse::Arguments),
-    /// Where a fit that begins at the truth ends: the bias of each ramp on hard masks, by number of cameras
-    Bias(bias::Arguments),
-    /// Simulated rooms with shadows: what each shadow test makes of subject, shadow and joints; what noise makes of β
-    Shadow(shadow::Arguments),
-    /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
-    Sizes(sizes::Arguments),
-    /// The upper body followed at one to four times its speed through noisy masks, by kind of motion
-    Track(track::Arguments),
-    /// The full body with one thing wrong at a time: noise, holes, cameras, sizes, calibration
-    Robustness(robustness::Arguments),
-    /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
-    Basin(Box<basin::Arguments>),
-    /// First bodies of people of several builds, grown with nothing known, beside fitted ones; or of a take's person
-    Acquire(acquire::Arguments),
-    /// Ways to begin, side by side: downhill, particles, templates, the search; what they find, evaluations of Λ, time
-    Begin(Box<begin::Arguments>),
-    /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
-    Footage(Box<footage::Arguments>),
-    /// A take with keypoints, single frames without a start, by all sets of cameras: how many find the person
-    #[command(name = "no-start")]
-    NoStart(no_start::Arguments),
-    /// Cameras whose clocks are off by known times, found from the motion of the silhouettes
-    Sync(sync::Arguments),
+/// The experiment that was asked for.
+#[derive(Debug)]
+struct Chosen(String, ArgMatches);
+
+impl FromArgMatches for Chosen {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let missing = || clap::Error::new(clap::error::ErrorKind::MissingSubcommand);
+        let (name, matches) = matches.subcommand().ok_or_else(missing)?;
+        Ok(Self(name.to_owned(), matches.clone()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Subcommand for Chosen {
+    fn augment_subcommands(command: clap::Command) -> clap::Command {
+        let commands = EXPERIMENTS.iter().map(|experiment| (experiment.command)());
+        command.subcommands(commands).subcommand_required(true).arg_required_else_help(true)
+    }
+
+    fn augment_subcommands_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_subcommands(command)
+    }
+
+    fn has_subcommand(name: &str) -> bool {
+        EXPERIMENTS.iter().any(|experiment| (experiment.command)().get_name() == name)
+    }
 }
 
 /// Runs the experiment.
 ///
 /// # Errors
-/// Options that make no sense, or files that cannot be written.
-pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
-    match &arguments.experiment {
-        Experiment::Fig51(arguments) => fig51::run(arguments),
-        Experiment::Fig52(arguments) => fig52::run(arguments, "fig5.2", 1),
-        Experiment::Fig53(arguments) => fig52::run(arguments, "fig5.3", 2),
-        Experiment::Fig54(arguments) => fig54::run(arguments),
-        Experiment::Fig55(arguments) => fig55::run(arguments, "fig5.5", [192, 144]),
-        Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
-        Experiment::Inverse(arguments) => inverse::run(arguments),
-        Experiment::Bias(arguments) => bias::run(arguments),
-        Experiment::Shadow(arguments) => shadow::run(arguments),
-        Experiment::Sizes(arguments) => sizes::run(arguments),
-        Experiment::Track(arguments) => track::run(arguments),
-        Experiment::Robustness(arguments) => robustness::run(arguments),
-        Experiment::Basin(arguments) => basin::run(arguments),
-        Experiment::Acquire(arguments) => acquire::run(arguments),
-        Experiment::Begin(arguments) => begin::run(arguments),
-        Experiment::Footage(arguments) => footage::run(arguments),
-        Experiment::NoStart(arguments) => no_start::run(arguments),
-        Experiment::Sync(arguments) => sync::run(arguments),
-    }
+/// An option is out of range, a file cannot be read or written, or Ctrl+C was pressed.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let Chosen(name, matches) = &arguments.chosen;
+    let chosen = EXPERIMENTS.iter().find(|experiment| (experiment.command)().get_name() == name);
+    chosen.map_or(Ok(()), |experiment| (experiment.run)(matches))
 }

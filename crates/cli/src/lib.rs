@@ -73,7 +73,7 @@ pub enum Command {
     /// Name motions: walking, running, boxing …; learn names from named motions, and test them
     Recognise(recognise::RecogniseArguments),
     /// Run an experiment of the report again: numbers, a table and plots
-    Experiment(experiment::ExperimentArguments),
+    Experiment(experiment::Arguments),
 }
 
 impl Command {

@@ -45,8 +45,8 @@ pub(crate) fn print_result<T: Serialize>(
 }
 
 /// A number with this many digits, or a dash.
-pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
+pub(crate) fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
+    value.into().map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
 }
 
 /// A factor as the change that it makes: "+3.0 %".

@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+/// A column: its title, and its cell of a row.
+pub(crate) type Column<'a, R> = (&'a str, &'a dyn Fn(&R) -> String);
+
 /// A table in the making.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Table {
@@ -11,6 +14,13 @@ pub(crate) struct Table {
 impl Table {
     pub(crate) fn new<const N: usize>(titles: [&str; N]) -> Self {
         Self { rows: vec![titles.map(str::to_owned).to_vec()] }
+    }
+
+    /// A table with a row each of `rows`: titles, and what stands below them.
+    pub(crate) fn of<R>(rows: impl IntoIterator<Item = R>, columns: &[Column<'_, R>]) -> String {
+        let titles = columns.iter().map(|(title, _)| (*title).to_owned()).collect();
+        let cells = |row: R| columns.iter().map(|(_, cell)| cell(&row)).collect();
+        Self { rows: std::iter::once(titles).chain(rows.into_iter().map(cells)).collect() }.to_text()
     }
 
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {

@@ -16,6 +16,7 @@ use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use clap::Args;
 use clap::error::ErrorKind;
+use serde::Serialize;
 
 use crate::{output, person};
 
@@ -240,7 +241,7 @@ fn note(remark: &str) {
 }
 
 /// How far a start is moved away.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct StartNoise {
     /// Angle of every rotation, radians.
     pub(crate) angle_rad: f64,

@@ -8,12 +8,13 @@
 //! | [`studio`] | the cameras of the built-in take |
 //! | [`render`] | rays into pictures: empty room, figure, shadows, edges |
 //! | [`noise`] | the sensor: exposure, curve, noise |
-//! | [`silhouettes`] | exact masks |
+//! | [`masks`] | exact masks of the figure, and masks with known faults |
 //! | [`exercise`] | different motions one after the other, whose names are looked for |
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
 //! | [`squats`] | the full body's squats with raised arms, before two telephones |
-//! | [`occlusions`] | arms folded, legs crossed and the like before two telephones |
-//! | [`retarget`] | recorded motion on a body |
+//! | [`filmed`] | what the telephones see of squats: pictures, masks, keypoints |
+//! | [`single_limb`] | one limb seen from the side |
+//! | [`people`] | people of several builds |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
@@ -22,24 +23,24 @@ mod anatomy;
 pub mod capsules;
 pub mod exercise;
 pub mod figure;
+pub mod filmed;
 mod furniture;
+pub mod masks;
 pub mod motion;
 pub mod noise;
-pub mod occlusions;
 pub mod people;
 pub mod render;
-pub mod retarget;
 pub mod room;
 mod shading;
-pub mod silhouettes;
+pub mod single_limb;
 mod solid;
 pub mod squats;
 pub mod studio;
 pub mod upper_body;
 
 pub use figure::{Build, Figure, Material};
+pub use masks::silhouette;
 pub use noise::Sensor;
 pub use render::{Picture, Plate};
 pub use room::Room;
 pub use shading::Lighting;
-pub use silhouettes::silhouette;

@@ -13,9 +13,8 @@ mod take;
 
 use backlit_formats::footage::DrawnPictures;
 use backlit_lab::experiment::Simulation;
-use backlit_lab::experiment::bias;
-use backlit_lab::synthetic::exercise;
-use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_lab::synthetic::{exercise, upper_body};
+use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -220,9 +219,7 @@ impl Demonstration {
     /// The choices that the take begins with.
     pub fn fit(self) -> FitOptions {
         if self == Self::Bias {
-            let mut looks = bias::Options::default().looks.into_iter();
-            let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);
-            return thesis.map(|look| look.fit()).unwrap_or_default();
+            return upper_body::least_cost_fit(Ramp::Thesis, DataView::Hard);
         }
         FitOptions::preset(self.data().preset)
     }

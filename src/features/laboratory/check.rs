@@ -142,15 +142,15 @@ pub(crate) fn column_name(model: &Model, parameters: Parameters, column: usize) 
 
 #[cfg(test)]
 mod tests {
-    use backlit_lab::experiment::fig51;
+    use backlit_lab::synthetic::single_limb;
 
     use super::*;
 
     fn check(renderer: RendererKind) -> ColumnCheck {
         ColumnCheck {
             model: Arc::new(backlit_tracking::body::builtin::single_limb()),
-            pose: fig51::start(0.1),
-            camera: Arc::new(fig51::camera(0.8, [96, 72]).unwrap()),
+            pose: single_limb::start(0.1),
+            camera: single_limb::camera(0.8, [96, 72]).unwrap(),
             renderer,
             ramp: Ramp::Thesis,
             parameters: Parameters::Raw,
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_three_renderers_pass() {
-        for renderer in fig51::RENDERERS {
+        for renderer in single_limb::RENDERERS {
             let found = run(&check(renderer), |_, _| {});
             assert!(found.is_whole() && found.passes() && found.compared > 1000, "{renderer}: {found:?}");
             assert!(found.largest_error < 1e-5 && found.worst.is_some(), "{renderer}: {found:?}");

@@ -180,16 +180,16 @@ impl Pushed {
 
 #[cfg(test)]
 mod tests {
-    use backlit_lab::experiment::fig51;
+    use backlit_lab::synthetic::single_limb;
     use backlit_tracking::body::builtin;
 
     use super::*;
 
     fn counts(axis: PushAxis, distance_m: f64) -> Vec<(usize, usize)> {
         let model = builtin::single_limb();
-        let camera = fig51::camera(distance_m, [192, 144]).unwrap();
-        let start = fig51::start(0.1);
-        let looks = fig51::RENDERERS
+        let camera = single_limb::camera(distance_m, [192, 144]).unwrap();
+        let start = single_limb::start(0.1);
+        let looks = single_limb::RENDERERS
             .map(|renderer| Push::new(&model, &start, &camera, (renderer, Ramp::Thesis), (axis, 0)));
         Pushed::all(looks.into()).iter().map(|push| (push.pushing, push.in_ramp)).collect()
     }

@@ -10,11 +10,11 @@ use clap::Args;
 
 use super::arguments::OutputArguments;
 use super::files;
-use super::waiting::Waiting;
+use super::waiting::listener;
 use crate::table::Table;
 use crate::take_options;
 
-/// What `backlit experiment acquire` is told.
+/// First bodies of people of several builds, grown with nothing known, beside fitted ones; or of a take's person
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// How many of the six builds
@@ -44,7 +44,7 @@ const NO_PLOTS: [(String, Figure); 0] = [];
 /// # Errors
 /// Options that make no sense, a take that cannot be read, or files that cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (cancel, listener) = (CancelToken::new(), Waiting::new().listener());
+    let (cancel, listener) = (CancelToken::new(), listener());
     if let Some(take) = &arguments.take {
         let by_hand = Take::open(take)?;
         let footage = take_options::open_with_model(take, Some("full_body"))?;

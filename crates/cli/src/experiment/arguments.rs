@@ -5,7 +5,10 @@ use std::str::FromStr;
 
 use backlit_lab::experiment::Simulation;
 use backlit_plot::Theme;
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::search::start::perturb;
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use crate::take_options::StartNoise;
 
@@ -23,25 +26,37 @@ pub(crate) struct OutputArguments {
     pub(crate) theme: ThemeWord,
 }
 
-/// The random starts of an experiment.
-#[derive(Debug, Clone, Copy, Args)]
-pub(crate) struct StartArguments {
+/// The random starts of an experiment. Defaults are the experiment's own.
+#[derive(Debug, Clone, Copy, Args, Serialize)]
+pub(crate) struct Starts {
+    /// Number of starts
+    #[arg(long, value_name = "N")]
+    pub(crate) starts: usize,
     /// Seed of the random starts
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Number of starts [default: the experiment's own]
-    #[arg(long, value_name = "N")]
-    pub(crate) starts: Option<usize>,
-    /// How far every joint of a start is turned and its root moved, e.g. 5deg,3cm [default: the experiment's own]
+    /// How far every joint of a start is turned and its root moved
     #[arg(long, value_name = "ANGLE,DISTANCE")]
-    pub(crate) start_noise: Option<StartNoise>,
+    #[serde(flatten)]
+    pub(crate) start_noise: StartNoise,
 }
 
-impl StartArguments {
-    /// How many starts, or as many as the experiment has; and radians and metres that they are off, likewise.
-    pub(crate) fn or(&self, starts: usize, angle_rad: f64, distance_m: f64) -> (usize, f64, f64) {
-        let noise = self.start_noise.unwrap_or(StartNoise { angle_rad, distance_m });
-        (self.starts.unwrap_or(starts), noise.angle_rad, noise.distance_m)
+impl Starts {
+    /// A start, counted from 0, off from a pose.
+    pub(crate) fn from(&self, model: &Model, pose: &Pose, start: usize) -> Pose {
+        let StartNoise { angle_rad, distance_m } = self.start_noise;
+        perturb(model, pose, angle_rad, distance_m, self.seed.wrapping_add(start as u64))
+    }
+
+    /// In words.
+    pub(crate) fn text(&self) -> String {
+        let StartNoise { angle_rad, distance_m } = self.start_noise;
+        format!("{} starts {:.0}° and {:.0} cm off", self.starts, angle_rad.to_degrees(), 100.0 * distance_m)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn new(starts: usize, degrees: f64, distance_m: f64) -> Self {
+        Self { starts, seed: 1, start_noise: StartNoise { angle_rad: degrees.to_radians(), distance_m } }
     }
 }
 
@@ -64,25 +79,27 @@ impl From<ThemeWord> for Theme {
 }
 
 /// What the simulated cameras see.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum DataWord {
+#[derive(Debug, Clone, Copy, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SimulatedData {
     /// The renderer's own grey levels of the true pose, as in the report's simulations
+    #[default]
     Prediction,
     /// Black-and-white silhouettes, as segmentation gives them
     Mask,
 }
 
-impl From<DataWord> for Simulation {
-    fn from(word: DataWord) -> Self {
+impl From<SimulatedData> for Simulation {
+    fn from(word: SimulatedData) -> Self {
         match word {
-            DataWord::Prediction => Self::Prediction,
-            DataWord::Mask => Self::Mask,
+            SimulatedData::Prediction => Self::Prediction,
+            SimulatedData::Mask => Self::Mask,
         }
     }
 }
 
 /// Pixels across and down.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct PictureSize(pub(crate) [u64; 2]);
 
 impl FromStr for PictureSize {
@@ -93,4 +110,11 @@ impl FromStr for PictureSize {
         let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
         sides.map(Self).ok_or("expected WIDTHxHEIGHT, 1 to 4096 pixels each")
     }
+}
+
+/// An experiment as the command line gives it without any argument.
+#[cfg(test)]
+pub(crate) fn defaults<E: Args>() -> E {
+    let command = E::augment_args(clap::Command::new("experiment"));
+    E::from_arg_matches(&command.get_matches_from(["experiment"])).expect("defaults for all")
 }

@@ -21,11 +21,11 @@ use serde::Serialize;
 use super::arguments::{OutputArguments, PictureSize};
 use super::files;
 use super::frame_basin::{self, FrameArguments};
-use super::waiting::Waiting;
+use super::waiting;
 use crate::output;
 use crate::table::Table;
 
-/// What `backlit experiment basin` is told.
+/// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Numbers of cameras
@@ -141,7 +141,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Fits all starts with each number of cameras, one after the other on one core; without starts on all cores.
 fn basins(cameras: &[usize], starts: &[Start], choice: &FitChoice) -> anyhow::Result<Vec<CameraBasin>> {
-    let (mut listener, total) = (Waiting::new().listener(), cameras.len() * starts.len());
+    let (mut listener, total) = (waiting::listener(), cameras.len() * starts.len());
     let mut found = Vec::with_capacity(cameras.len());
     for (index, &cameras) in cameras.iter().enumerate() {
         let subject = |start: &Start| {

@@ -13,11 +13,11 @@ use serde::Serialize;
 use super::arguments::{OutputArguments, PictureSize};
 use super::basin;
 use super::files;
-use super::waiting::Waiting;
+use super::waiting::listener;
 use crate::table::Table;
 use crate::take_options;
 
-/// What `backlit experiment begin` is told.
+/// Ways to begin, side by side: downhill, particles, templates, the search; what they find, evaluations of Λ, time
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Ways to begin: report, ramp, particles, templates, search
@@ -80,7 +80,7 @@ struct Conditions<'a> {
 /// Options that make no sense, or files that cannot be read or written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = options(arguments);
-    let (cancel, listener) = (CancelToken::new(), Waiting::new().listener());
+    let (cancel, listener) = (CancelToken::new(), listener());
     if let Some(take) = &arguments.take {
         let frames = frames(arguments)?;
         let report = on_footage(take, &options, &frames, &cancel, listener)?;

@@ -1,75 +1,135 @@
-//! `backlit experiment fig5.1`: one limb seen from the side, with three renderers.
+//! Fig. 5.1: one limb seen from the side, started off along its own axis, with three renderers.
+//!
+//! Moving along the axis changes only the ends of the limb's silhouette. A capsule's round ends and the spheres
+//! of a sphere tree pull it home. A cylinder's flat cap, seen from the side, covers no pixel, and the distance to
+//! its axis does not depend on where along the axis the ray passes: the pixels at the ends have no gradient, and
+//! the fit stays where it began. A camera that is near looks at the caps from the front a little; there the
+//! cylinder feels them.
 
-use backlit_lab::experiment::fig51::{self, Options, Part, Report};
-use backlit_plot::{Axis, Figure, Line};
-use backlit_tracking::cancel::CancelToken;
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use backlit_lab::experiment::scene;
+use backlit_lab::synthetic::single_limb::{OFFSET_M, RENDERERS, camera, start, truth};
+use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_tracking::body::builtin;
+use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::render::RendererKind;
 use clap::Args;
+use serde::Serialize;
 
-use super::arguments::{DataWord, OutputArguments};
-use super::files;
+use super::arguments::SimulatedData;
+use super::measures::FitCurve;
+use super::{Experiment, Run};
+use crate::output::number;
 use crate::table::Table;
 
-/// What `backlit experiment fig5.1` is told.
-#[derive(Debug, Args)]
-pub(crate) struct Arguments {
+/// One limb seen from the side: the cylinder never moves along its axis, capsule and sphere tree do
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct SingleLimb {
     /// Distances of the camera, metres; the limb is as large in all pictures
-    #[arg(long, value_name = "M,…", value_delimiter = ',', default_values_t = [10.0, 0.8])]
-    distance: Vec<f64>,
+    #[arg(long = "distance", value_name = "M,…", value_delimiter = ',', default_values_t = [10.0, 0.8])]
+    distances_m: Vec<f64>,
     /// How far along its axis the limb starts from the truth, metres
-    #[arg(long, value_name = "M", default_value_t = 0.1, allow_negative_numbers = true)]
-    offset: f64,
+    #[arg(long = "offset", value_name = "M", default_value_t = OFFSET_M, allow_negative_numbers = true)]
+    offset_m: f64,
+    #[arg(skip = [192, 144])]
+    size_px: [u64; 2],
     /// What the camera sees
-    #[arg(long, value_enum, default_value_t = DataWord::Prediction)]
-    data: DataWord,
-    #[command(flatten)]
-    output: OutputArguments,
+    #[arg(long = "data", value_enum, default_value_t)]
+    simulation: SimulatedData,
+    /// Its renderer is replaced by each of the three.
+    #[arg(skip = FitOptions { run_all: true, ..FitOptions::preset(Preset::Report) })]
+    fit: FitOptions,
 }
 
-/// Runs the experiment, writes and prints.
-///
-/// # Errors
-/// Options that make no sense, or files that cannot be written.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let options = Options {
-        distances_m: arguments.distance.clone(),
-        offset_m: arguments.offset,
-        simulation: arguments.data.into(),
-        ..Options::default()
-    };
-    let report = fig51::run(&options, &CancelToken::new(), |_| {})?;
-    let figures: Vec<(String, Figure)> =
-        report.parts.iter().map(|part| (format!("fig5.1-{}m", part.distance_m), figure(part))).collect();
-    files::finish(&arguments.output, "fig5.1", &options, &report, &figures, &table(&report))
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    parts: Vec<Distance>,
 }
 
-fn table(report: &Report) -> String {
-    let mut table =
-        Table::new(["camera, renderer", "start cost", "end cost", "% of start", "joint error, mm"]);
-    for part in &report.parts {
-        for curve in &part.curves {
-            let [start, end] =
-                [curve.costs.first(), curve.costs.last()].map(|cost| cost.copied().unwrap_or(0.0));
-            table.row([
-                format!("{} m, {}", part.distance_m, curve.name),
-                format!("{start:.0}"),
-                format!("{end:.0}"),
-                format!("{:.2}", curve.final_percent()),
-                format!("{:.1}", curve.final_joint_error_mm()),
-            ]);
+/// One distance of the camera.
+#[derive(Debug, Serialize)]
+struct Distance {
+    distance_m: f64,
+    /// One a renderer, named after it.
+    curves: Vec<FitCurve>,
+}
+
+impl Experiment for SingleLimb {
+    const NAME: &'static str = "fig5.1";
+    type Report = Report;
+
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        ensure!(
+            self.offset_m.is_finite(),
+            "`offset_m` is {}; expected a finite number of metres",
+            self.offset_m
+        );
+        let model = Arc::new(builtin::single_limb());
+        let (truth, start) = (truth(), start(self.offset_m));
+        let mut parts = Vec::new();
+        for &distance_m in &self.distances_m {
+            let camera = camera(distance_m, self.size_px)?;
+            let ramp = self.fit.final_ramp();
+            let view =
+                scene::view(&model, &truth, &camera, self.simulation.into(), RendererKind::Capsule, ramp)?;
+            let curve = |renderer: RendererKind| {
+                let fit = FitOptions { renderer, ..self.fit.clone() };
+                FitCurve::of(renderer.name(), &model, &truth, vec![view.clone()], &start, fit, run)
+            };
+            parts.push(Distance {
+                distance_m,
+                curves: RENDERERS.into_iter().map(curve).collect::<Result<_>>()?,
+            });
         }
+        Ok(Report { parts })
     }
-    table.to_text()
+
+    fn table(&self, report: &Report) -> String {
+        Table::of(
+            report.parts.iter().flat_map(|part| part.curves.iter().map(|curve| (part.distance_m, curve))),
+            &[
+                ("camera, renderer", &|(distance_m, curve)| format!("{distance_m} m, {}", curve.name)),
+                ("start cost", &|(_, curve)| number(curve.costs[0], 0)),
+                ("end cost", &|(_, curve)| number(curve.costs.last().copied(), 0)),
+                ("% of start", &|(_, curve)| number(curve.final_percent(), 2)),
+                ("joint error, mm", &|(_, curve)| number(curve.final_joint_error_mm(), 1)),
+            ],
+        )
+    }
+
+    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+        let figure = |Distance { distance_m, curves }: &Distance| {
+            let line = |(style, curve): (_, &FitCurve)| {
+                Line::of_values(&curve.name, style, &curve.percent_of_start())
+            };
+            let figure = Figure {
+                title: "One limb seen from the side, started off along its axis".to_owned(),
+                subtitle: format!("Report 2004, thesis ramp; the camera is {distance_m} m away"),
+                x: Axis::linear("iteration"),
+                y: Axis::log("cost, % of the start").within(0.01, 150.0),
+                lines: curves.iter().enumerate().map(line).collect(),
+            };
+            (format!("fig5.1-{distance_m}m"), Drawn::Figure(figure))
+        };
+        report.parts.iter().map(figure).collect()
+    }
 }
 
-fn figure(part: &Part) -> Figure {
-    let lines = part.curves.iter().enumerate();
-    Figure {
-        title: "One limb seen from the side, started off along its axis".to_owned(),
-        subtitle: format!("Report 2004, thesis ramp; the camera is {} m away", part.distance_m),
-        x: Axis::linear("iteration"),
-        y: Axis::log("cost, % of the start").within(0.01, 150.0),
-        lines: lines
-            .map(|(style, curve)| Line::of_values(&curve.name, style, &curve.percent_of_start()))
-            .collect(),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::arguments::defaults;
+
+    #[test]
+    fn from_afar_the_cylinder_stays_and_the_others_come_home_and_near_by_it_feels_its_caps() {
+        let report = defaults::<SingleLimb>().run(&Run::hidden()).unwrap();
+        let percent =
+            |part: usize| report.parts[part].curves.iter().map(FitCurve::final_percent).collect::<Vec<_>>();
+        let (far, near) = (percent(0), percent(1));
+        assert!(far[0] >= 99.0 && far[1] < 5.0 && far[2] < 5.0, "{far:?}");
+        assert!(report.parts[0].curves[1].final_joint_error_mm() < 10.0);
+        assert!(near[0] < 90.0, "{near:?}");
     }
 }

@@ -11,15 +11,16 @@ use clap::Args;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use super::ExperimentArguments;
 use crate::follow_options::FollowArguments;
 use crate::output::{self, number};
 use crate::progress::each_frame;
 use crate::table::Table;
 use crate::take_options::{self, PartArguments, StartArguments};
 use crate::track::{measure_overlaps, take_in};
-use crate::track_report::{TrackReport, TrackSummary};
+use crate::track_report::{ErrorSummary, TrackReport, TrackSummary};
 
-/// What `backlit experiment footage` is told.
+/// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Take: its folder or its take.toml. It needs reference keypoints
@@ -59,80 +60,85 @@ struct OneStart {
     track: TrackSummary,
 }
 
-/// Runs the experiment and prints. All starts go through the take together, so that each frame is segmented once.
-///
-/// # Errors
-/// A take that cannot be read, or one without reference keypoints.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let smoothing = arguments.follow.smoothing()?;
-    let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
-    let take = footage.take();
-    let (frames, cameras) = (arguments.part.frames(take)?, arguments.part.cameras(take)?);
-    let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras));
-    let (cancel, mut starts) = (CancelToken::new(), Vec::new());
-    for seed in (arguments.start.seed..).take(arguments.starts as usize) {
-        let fit = arguments.follow.solver.options()?;
-        let start = StartArguments { seed, ..arguments.start.clone() };
-        let start = start.pose(&footage, &reader.cameras, frames[0], &fit)?;
-        let run = TrackRun::new(reader.clone(), arguments.follow.plan(take, start, &frames)?);
-        starts.push((seed, run, TrackReport::new(take, &reader.cameras)));
+impl ExperimentArguments for Arguments {
+    const NAME: &'static str = "footage";
+
+    fn run(self) -> anyhow::Result<()> {
+        let report = self.report()?;
+        if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
     }
-    let hidden = ProgressBar::hidden();
-    each_frame(&reader, &frames, |_, read| {
-        for (seed, run, report) in &mut starts {
-            let (began, mut failed) = (Instant::now(), None);
-            run.step_with(read, &cancel, &mut |message| match message {
-                TrackMessage::Done(TrackEnding::Failed { frame, error }) => failed = Some((frame, error)),
-                message => take_in(take, message, report, began.elapsed().as_secs_f64() * 1e3, &hidden),
-            });
-            if let Some((frame, error)) = failed {
-                return Err(error).with_context(|| format!("seed {seed}, frame {frame}"));
+}
+
+impl Arguments {
+    /// All starts go through the take together, so that each frame is segmented once.
+    fn report(&self) -> anyhow::Result<Report> {
+        let smoothing = self.follow.smoothing()?;
+        let footage = take_options::open_with_model(&self.take, self.model.as_deref())?;
+        let take = footage.take();
+        let (frames, cameras) = (self.part.frames(take)?, self.part.cameras(take)?);
+        let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras));
+        let (cancel, mut starts) = (CancelToken::new(), Vec::new());
+        for seed in (self.start.seed..).take(self.starts as usize) {
+            let fit = self.follow.solver.options()?;
+            let start = StartArguments { seed, ..self.start.clone() };
+            let start = start.pose(&footage, &reader.cameras, frames[0], &fit)?;
+            let run = TrackRun::new(reader.clone(), self.follow.plan(take, start, &frames)?);
+            starts.push((seed, run, TrackReport::new(take, &reader.cameras)));
+        }
+        let hidden = ProgressBar::hidden();
+        each_frame(&reader, &frames, |_, read| {
+            for (seed, run, report) in &mut starts {
+                let (began, mut failed) = (Instant::now(), None);
+                run.step_with(read, &cancel, &mut |message| match message {
+                    TrackMessage::Done(TrackEnding::Failed { frame, error }) => failed = Some((frame, error)),
+                    message => take_in(take, message, report, began.elapsed().as_secs_f64() * 1e3, &hidden),
+                });
+                if let Some((frame, error)) = failed {
+                    return Err(error).with_context(|| format!("seed {seed}, frame {frame}"));
+                }
             }
+            Ok(())
+        })?;
+        if smoothing.is_some() {
+            for (_, run, report) in &mut starts {
+                run.end(TrackEnding::Whole, &mut |message| take_in(take, message, report, 0.0, &hidden));
+                report.not_smoothed.map_or(Ok(()), Err)?;
+            }
+            let renderer = self.follow.solver.options()?.renderer;
+            let mut reports: Vec<&mut TrackReport> = starts.iter_mut().map(|(_, _, report)| report).collect();
+            measure_overlaps(&reader, &frames, renderer, &mut reports)?;
         }
-        Ok(())
-    })?;
-    if smoothing.is_some() {
-        for (_, run, report) in &mut starts {
-            run.end(TrackEnding::Whole, &mut |message| take_in(take, message, report, 0.0, &hidden));
-            report.not_smoothed.map_or(Ok(()), Err)?;
+        let mut report = Report { within_mm: self.within_mm, held: 0, starts: Vec::new() };
+        for (seed, _, mut track) in starts {
+            track.finish(take);
+            let Some(errors) = track.errors.overall() else {
+                bail!("the take has no reference keypoints in these frames to compare with");
+            };
+            let held = errors.max <= self.within_mm;
+            report.held += usize::from(held);
+            report.starts.push(OneStart { seed, held, track: track.summary() });
         }
-        let renderer = arguments.follow.solver.options()?.renderer;
-        let mut reports: Vec<&mut TrackReport> = starts.iter_mut().map(|(_, _, report)| report).collect();
-        measure_overlaps(&reader, &frames, renderer, &mut reports)?;
+        Ok(report)
     }
-    let mut report = Report { within_mm: arguments.within_mm, held: 0, starts: Vec::new() };
-    for (seed, _, mut track) in starts {
-        track.finish(take);
-        let Some(errors) = track.errors.overall() else {
-            bail!("the take has no reference keypoints in these frames to compare with");
-        };
-        let held = errors.max <= arguments.within_mm;
-        report.held += usize::from(held);
-        report.starts.push(OneStart { seed, held, track: track.summary() });
-    }
-    if arguments.json { output::print_json(&report) } else { output::print(&text(&report)) }
 }
 
 fn text(report: &Report) -> String {
-    let titles = ["seed", "error, mm: mean", "max", "without offsets", "IoU", "lost", "jitter, mm", "held"];
-    let mut table = Table::new(titles);
-    for start in &report.starts {
-        let errors = start.track.joint_error_mm.as_ref();
-        let without = errors.and_then(|errors| errors.without_offsets.as_ref()).map(|errors| errors.mean);
-        let (mean, max) = (errors.map(|errors| errors.overall.mean), errors.map(|errors| errors.overall.max));
-        let [mean, max, without] = [mean, max, without].map(|mm| number(mm, 1));
-        let held = if start.held { "yes" } else { "no" };
-        table.row([
-            start.seed.to_string(),
-            mean,
-            max,
-            without,
-            number(start.track.iou.mean, 3),
-            start.track.lost.to_string(),
-            number(start.track.jitter_mm, 1),
-            held.to_owned(),
-        ]);
-    }
+    let error = |start: &&OneStart, of: fn(&ErrorSummary) -> Option<f64>| {
+        number(start.track.joint_error_mm.as_ref().and_then(of), 1)
+    };
+    let table = Table::of(
+        &report.starts,
+        &[
+            ("seed", &|start| start.seed.to_string()),
+            ("error, mm: mean", &|start| error(start, |errors| Some(errors.overall.mean))),
+            ("max", &|start| error(start, |errors| Some(errors.overall.max))),
+            ("without offsets", &|start| error(start, |errors| Some(errors.without_offsets.as_ref()?.mean))),
+            ("IoU", &|start| number(start.track.iou.mean, 3)),
+            ("lost", &|start| start.track.lost.to_string()),
+            ("jitter, mm", &|start| number(start.track.jitter_mm, 1)),
+            ("held", &|start| if start.held { "yes" } else { "no" }.to_owned()),
+        ],
+    );
     let (held, count, within) = (report.held, report.starts.len(), report.within_mm);
-    format!("{}\n{held} of {count} starts stay within {within} mm everywhere\n", table.to_text())
+    format!("{table}\n{held} of {count} starts stay within {within} mm everywhere\n")
 }

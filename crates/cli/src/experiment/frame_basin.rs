@@ -20,7 +20,7 @@ use clap::Args;
 
 use super::arguments::OutputArguments;
 use super::files::{self, ResultFiles};
-use super::waiting::Waiting;
+use super::waiting;
 use crate::table::Table;
 use crate::take_options;
 
@@ -118,7 +118,7 @@ pub(crate) fn run(
         target,
         success_mm: arguments.within,
     };
-    let mut listener = Waiting::new().listener();
+    let mut listener = waiting::listener();
     let result = BasinResult::new(frame, conditions, options, subject)
         .run(&CancelToken::new(), |fits| listener(Progress { done: fits.done, total: fits.total }))?;
     let (name, text) = match result.grid() {

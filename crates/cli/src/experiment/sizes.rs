@@ -1,29 +1,36 @@
-//! `backlit experiment sizes`: the sizes of people of several builds, from hard silhouettes; with `--widened` from a track
-//! with the average body through silhouettes that are too wide, and what the track with these sizes is worth.
+//! The sizes of people of several builds, found from hard silhouettes and an average adult's body.
+//!
+//! Each person goes through the moments of the built-in movement; the fit begins with the generic body, and with
+//! poses that are off in every joint. With `--widened` it is [`OwnSizes`] instead.
 
-use backlit_lab::experiment::own_sizes::{self, BodyReport, Case};
-use backlit_lab::experiment::sizes::{self, Options, PersonReport, Report};
-use backlit_plot::Figure;
-use backlit_tracking::body::SizeKind;
-use backlit_tracking::cancel::CancelToken;
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use backlit_lab::experiment::{Simulation, scene};
+use backlit_lab::synthetic::people::{PEOPLE, Person};
+use backlit_lab::synthetic::{motion, studio};
+use backlit_tracking::body::{Kinematics, Model, Pose, SizeKind, builtin};
+use backlit_tracking::body_fit::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, WELL_SEEN, fit_body};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::search::start;
 use clap::Args;
+use serde::Serialize;
 
 use super::arguments::OutputArguments;
-use super::files;
-use super::waiting::Waiting;
+use super::own_sizes::OwnSizes;
+use super::{Experiment, ExperimentArguments, Run};
+use crate::interrupt::Interrupted;
+use crate::output::number;
 use crate::table::Table;
 
-/// What `backlit experiment sizes` is told.
+/// Lengths and radii of people of several builds, from silhouettes and an average adult's body
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Moments of the built-in movement (its frames, 0 to 59) to look at
-    #[arg(long, value_name = "K,…", value_delimiter = ',')]
-    moments: Option<Vec<f64>>,
-    /// Seed of the poses that the fits begin with
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    seed: u64,
-    /// Find sizes from a track with the average body instead, through silhouettes that are too wide by so many per cent of
-    /// the person's breadth, and track with them: four cameras around, and two phones
+    #[command(flatten)]
+    exact: Sizes,
+    /// Find sizes from a track with the average body instead, through silhouettes that are wider than the person by these
+    /// per cent of the person's breadth, and track with them: four cameras around, and two phones
     #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent)]
     widened: Option<Vec<f64>>,
     /// With --widened: only every Nth frame of the movement is seen
@@ -34,121 +41,229 @@ pub(crate) struct Arguments {
 }
 
 /// 0 to 50 %, as a share.
-fn percent(text: &str) -> anyhow::Result<f64> {
+fn percent(text: &str) -> Result<f64> {
     match text.parse::<f64>() {
         Ok(percent) if (0.0..=50.0).contains(&percent) => Ok(percent / 100.0),
-        _ => anyhow::bail!("expected per cent from 0 to 50"),
+        _ => bail!("expected per cent from 0 to 50"),
     }
 }
 
-/// Its table says all.
-const NO_PLOTS: [(String, Figure); 0] = [];
+impl ExperimentArguments for Arguments {
+    const NAME: &'static str = Sizes::NAME;
 
-/// Runs the experiment, writes and prints.
-///
-/// # Errors
-/// Options that make no sense, or files that cannot be written.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(widened) = &arguments.widened {
-        return run_widened(arguments, widened);
+    fn run(mut self) -> Result<()> {
+        let Some(widened) = self.widened else { return self.exact.perform(&self.output) };
+        OwnSizes::new(widened, self.every as usize, self.exact.seed).perform(&self.output)
     }
-    let defaults = Options::default();
-    let moments = arguments.moments.clone().unwrap_or(defaults.moments);
-    let options = Options { moments, seed: arguments.seed, ..Options::default() };
-    let report = sizes::run(&options, &CancelToken::new(), Waiting::new().listener())?;
-    files::finish(&arguments.output, "sizes", &options, &report, &NO_PLOTS, &table(&report))
 }
 
-fn run_widened(arguments: &Arguments, widened: &[f64]) -> anyhow::Result<()> {
-    let options = own_sizes::Options {
-        widened: widened.to_vec(),
-        every: arguments.every as usize,
-        seed: arguments.seed,
-        ..own_sizes::Options::default()
-    };
-    let report = own_sizes::run(&options, &CancelToken::new(), Waiting::new().listener())?;
-    let table = widened_table(&report);
-    files::finish(&arguments.output, "sizes-widened", &options, &report, &NO_PLOTS, &table)
+/// From silhouettes as they are.
+#[derive(Debug, Args, Serialize)]
+struct Sizes {
+    /// Moments of the built-in movement (its frames, 0 to 59) to look at
+    #[arg(long, value_name = "K,…", value_delimiter = ',',
+        default_values_t = [0.0, 8.0, 16.0, 24.0, 31.0, 41.0, 50.0, 59.0])]
+    moments: Vec<f64>,
+    #[arg(skip = [studio::WIDTH, studio::HEIGHT])]
+    size_px: [u64; 2],
+    #[arg(skip = 5.0_f64.to_radians())]
+    start_angle_rad: f64,
+    #[arg(skip = 0.03)]
+    start_distance_m: f64,
+    /// Seed of the poses that the fits begin with
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    #[arg(skip = BodyFitOptions::default().with_proportions(WELL_SEEN))]
+    fit: BodyFitOptions,
 }
 
-fn widened_table(report: &own_sizes::Report) -> String {
-    let mut table = Table::new([
-        "mm, means of all builds",
-        "too wide",
-        "lengths: before",
-        "now",
-        "radii: before",
-        "now",
-        "girth: before",
-        "now",
-        "joints: average body",
-        "before",
-        "now",
-        "worst build: average body",
-        "before",
-        "now",
-        "not taken",
-    ]);
-    for cases in report.groups() {
-        let mean = |of: &dyn Fn(&Case) -> f64| cases.iter().map(of).sum::<f64>() / cases.len() as f64;
-        let worst = |of: fn(&Case) -> BodyReport| {
-            format!("{:.1}", cases.iter().map(|case| of(case).track_mm).fold(0.0, f64::max))
+#[derive(Debug, Serialize)]
+struct Report {
+    people: Vec<OfPerson>,
+}
+
+#[derive(Debug, Serialize)]
+struct OfPerson {
+    name: &'static str,
+    /// Of the body, as a factor of the average adult's.
+    true_size: f64,
+    size: f64,
+    /// Of the body scaled as a whole and of the body found.
+    iou: [Option<f64>; 2],
+    /// Mean over the joints of all moments.
+    joint_error_mm: f64,
+    iterations: usize,
+    sizes: Vec<SizeError>,
+}
+
+#[derive(Debug, Serialize)]
+struct SizeError {
+    /// The limb, without its side.
+    name: String,
+    kind: SizeKind,
+    truth_mm: f64,
+    found_mm: f64,
+    /// As the fit states it.
+    deviation_mm: f64,
+    /// Deviation over that of the proportions alone: 1 if the silhouettes say nothing.
+    uncertainty: f64,
+    /// Whether the fit says that the silhouettes hardly show it.
+    held_by_prior: bool,
+}
+
+impl SizeError {
+    fn error_mm(&self) -> f64 {
+        (self.found_mm - self.truth_mm).abs()
+    }
+}
+
+impl OfPerson {
+    /// The size of the largest error of a kind; of all sizes, or of those that silhouettes show.
+    fn worst(&self, kind: SizeKind, seen_only: bool) -> Option<&SizeError> {
+        let of_kind =
+            self.sizes.iter().filter(|size| size.kind == kind && !(seen_only && size.held_by_prior));
+        of_kind.max_by(|a, b| a.error_mm().total_cmp(&b.error_mm()))
+    }
+
+    fn mean_mm(&self, kind: SizeKind) -> f64 {
+        let errors: Vec<f64> =
+            self.sizes.iter().filter(|size| size.kind == kind).map(SizeError::error_mm).collect();
+        errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    }
+}
+
+impl Experiment for Sizes {
+    const NAME: &'static str = "sizes";
+    type Report = Report;
+
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        let adult = Arc::new(builtin::full_body());
+        let cameras = studio::pinholes(self.size_px)?;
+        let mut people = Vec::new();
+        for person in &PEOPLE {
+            run.progress(people.len(), PEOPLE.len())?;
+            let body = person.of(&adult)?;
+            let stands = |&moment: &f64| person.standing(motion::pose(&body, moment));
+            let truths: Vec<Pose> = self.moments.iter().map(stands).collect();
+            let frames = self.frames(&adult, &body, &truths, &cameras)?;
+            let fit = fit_body(adult.clone(), frames, None, &self.fit, &run.cancel, |_| {});
+            people.push(report(person, &body, &truths, &of_person(person, fit)?));
+        }
+        Ok(Report { people })
+    }
+
+    fn table(&self, report: &Report) -> String {
+        let worst = |person: &&OfPerson, kind, seen_only| {
+            let size = person.worst(kind, seen_only);
+            size.map_or_else(|| "–".to_owned(), |size| format!("{:.1} {}", size.error_mm(), size.name))
         };
-        let mm = |of: &dyn Fn(&Case) -> f64| format!("{:.1}", mean(of));
-        let girth = |of: &dyn Fn(&Case) -> f64| format!("{:+.1} %", 100.0 * (mean(of).exp() - 1.0));
-        let refused = cases.iter().filter(|case| !case.doubts.is_empty()).count();
-        table.row([
-            cases[0].setting.label().to_owned(),
-            format!("{:.0} %, {:.1} px", 100.0 * cases[0].widened, mean(&|case| case.widened_px)),
-            mm(&|case| case.before.length_mm),
-            mm(&|case| case.now.length_mm),
-            mm(&|case| case.before.radius_mm),
-            mm(&|case| case.now.radius_mm),
-            girth(&|case| case.before.girth),
-            girth(&|case| case.now.girth),
-            mm(&|case| case.average.track_mm),
-            mm(&|case| case.before.track_mm),
-            mm(&|case| case.now.track_mm),
-            worst(|case| case.average),
-            worst(|case| case.before),
-            worst(|case| case.now),
-            format!("{refused} of {}", cases.len()),
-        ]);
+        let (length, radius) = (SizeKind::Length, SizeKind::Radius);
+        let table = Table::of(
+            &report.people,
+            &[
+                ("error, mm", &|person| person.name.to_owned()),
+                ("lengths: mean", &|person| number(person.mean_mm(length), 1)),
+                ("worst seen", &|person| worst(person, length, true)),
+                ("worst", &|person| worst(person, length, false)),
+                ("radii: mean", &|person| number(person.mean_mm(radius), 1)),
+                ("worst seen", &|person| worst(person, radius, true)),
+                ("worst", &|person| worst(person, radius, false)),
+                ("joints", &|person| number(person.joint_error_mm, 1)),
+                ("IoU", &|person| number(person.iou[1], 3)),
+            ],
+        );
+        table + "\nSeen: sizes that the fit does not mark as held by the proportions alone.\n"
     }
-    table.to_text()
-        + "\nBefore: a generic prior, silhouettes taken as they are, frames evenly spread, all that is found taken.\n"
 }
 
-fn table(report: &Report) -> String {
-    let mut table = Table::new([
-        "error, mm",
-        "lengths: mean",
-        "worst seen",
-        "worst",
-        "radii: mean",
-        "worst seen",
-        "worst",
-        "joints",
-        "IoU",
-    ]);
-    for person in &report.people {
-        let worst = |kind, seen_only| {
-            person
-                .worst(kind, seen_only)
-                .map_or_else(|| "–".to_owned(), |size| format!("{:.1} {}", size.error_mm().abs(), size.name))
-        };
-        let mean = |person: &PersonReport, kind| format!("{:.1}", person.mean_mm(kind));
-        table.row([
-            person.name.to_owned(),
-            mean(person, SizeKind::Length),
-            worst(SizeKind::Length, true),
-            worst(SizeKind::Length, false),
-            mean(person, SizeKind::Radius),
-            worst(SizeKind::Radius, true),
-            worst(SizeKind::Radius, false),
-            format!("{:.1}", person.joint_error_mm),
-            person.iou[1].map_or_else(|| "–".to_owned(), |iou| format!("{iou:.3}")),
-        ]);
+/// Names the person that sizes could not be fitted to.
+pub(crate) fn of_person<T>(person: &Person, fit: Result<T, BodyFitError>) -> Result<T> {
+    match fit {
+        Err(BodyFitError::Cancelled) => Err(Interrupted.into()),
+        fit => fit.context(person.name),
     }
-    table.to_text() + "\nSeen: sizes that the fit does not mark as held by the proportions alone.\n"
+}
+
+impl Sizes {
+    fn frames(
+        &self,
+        adult: &Model,
+        body: &Model,
+        truths: &[Pose],
+        cameras: &[Arc<Camera>],
+    ) -> Result<Vec<BodyFrame>> {
+        let frame = |(index, truth): (usize, &Pose)| {
+            let see = |camera| {
+                scene::view(body, truth, camera, Simulation::Mask, RendererKind::Capsule, Ramp::Half)
+            };
+            let seed = self.seed.wrapping_add(index as u64);
+            Ok(BodyFrame {
+                frame: index,
+                views: cameras.iter().map(see).collect::<Result<_, _>>()?,
+                start: start::perturb(adult, truth, self.start_angle_rad, self.start_distance_m, seed),
+                joints: Vec::new(),
+            })
+        };
+        truths.iter().enumerate().map(frame).collect()
+    }
+}
+
+fn report(person: &Person, body: &Model, truths: &[Pose], fit: &BodyFit) -> OfPerson {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (&frame, pose) in fit.frames.iter().zip(&fit.poses) {
+        let (truth, found) = (Kinematics::new(body, &truths[frame]), Kinematics::new(&fit.model, pose));
+        for (truth, found) in truth.ends().iter().zip(found.ends()) {
+            sum += truth.distance(*found);
+            count += 1.0;
+        }
+    }
+    let sizes = fit.sizes.iter().map(|size| {
+        let is_it = |name: &str| name == size.name || name.strip_prefix("right ") == Some(&size.name);
+        let limb = body.limbs().iter().find(|limb| is_it(&limb.name));
+        let truth = limb.map_or(f64::NAN, |limb| match size.kind {
+            SizeKind::Length => limb.length,
+            SizeKind::Radius => limb.radius,
+        });
+        SizeError {
+            name: size.name.clone(),
+            kind: size.kind,
+            truth_mm: 1000.0 * truth,
+            found_mm: 1000.0 * size.found,
+            deviation_mm: 1000.0 * size.deviation,
+            uncertainty: size.uncertainty(),
+            held_by_prior: size.is_held_by_prior(),
+        }
+    });
+    OfPerson {
+        name: person.name,
+        true_size: person.stature,
+        size: fit.size,
+        iou: fit.iou,
+        joint_error_mm: 1000.0 * sum / count,
+        iterations: fit.iterations,
+        sizes: sizes.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::arguments::defaults;
+
+    /// Half of the experiment's moments.
+    #[test]
+    fn people_of_all_builds_get_their_sizes() {
+        let mut half = Sizes { moments: vec![0.0, 16.0, 31.0, 50.0], ..defaults() };
+        let report = half.run(&Run::hidden()).unwrap();
+        let mut failures = Vec::new();
+        for person in &report.people {
+            for (kind, most_mm) in [(SizeKind::Length, 10.0), (SizeKind::Radius, 5.0)] {
+                let worst = person.worst(kind, true).unwrap();
+                if worst.error_mm() > most_mm {
+                    failures.push(format!("{}: {worst:?}", person.name));
+                }
+            }
+        }
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    }
 }

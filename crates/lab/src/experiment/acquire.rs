@@ -1,7 +1,7 @@
 //! First bodies: acquired in one pass by growing templates, beside those that a fit of sizes finds and the average body.
 //!
 //! Simulated people of several builds before four cameras, exact silhouettes. Nothing is known of them: neither size nor pose nor
-//! joints. A fit of sizes is given poses that are 5° and 3 cm off, as in [`sizes`](super::sizes). With every body the movement is then
+//! joints. A fit of sizes is given poses that are 5° and 3 cm off, as in the experiment on sizes. With every body the movement is then
 //! tracked from the pose that it was found in.
 
 pub mod footage;
@@ -24,10 +24,9 @@ use backlit_tracking::templates::TemplateOptions;
 use backlit_tracking::track::Tracker;
 use serde::Serialize;
 
-use super::sizes::true_pose;
 use super::{ExperimentError, Progress, scene};
 use crate::synthetic::people::{PEOPLE, Person};
-use crate::synthetic::{capsules, studio};
+use crate::synthetic::{capsules, motion, studio};
 
 /// How a body was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -217,7 +216,8 @@ impl Someone {
         let rig = studio::cameras();
         let cameras: Vec<Arc<Camera>> =
             rig.cameras().iter().map(|camera| Arc::new(camera.without_distortion())).collect();
-        let truths: Vec<Pose> = options.moments.iter().map(|&at| true_pose(person, &body, at)).collect();
+        let truths: Vec<Pose> =
+            options.moments.iter().map(|&at| person.standing(motion::pose(&body, at))).collect();
         let frame = |(index, truth): (usize, &Pose)| {
             let seed = options.seed.wrapping_add(index as u64);
             Ok(BodyFrame {
@@ -349,7 +349,8 @@ impl Someone {
         let mut tracker = Tracker::new(Arc::clone(&body.model), FitOptions::default(), begin.clone())?;
         let mut errors = Vec::new();
         for frame in 0..options.tracked {
-            let truth = true_pose(self.person, &self.body, (options.moments[0] + frame as f64) % 60.0);
+            let truth =
+                self.person.standing(motion::pose(&self.body, (options.moments[0] + frame as f64) % 60.0));
             let views = see(&self.body, &truth, &self.cameras)?;
             let pose = tracker.track_frame(frame, views, cancel)?.pose;
             errors.extend(self.joints(&body.model, &pose, &truth));

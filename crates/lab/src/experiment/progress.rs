@@ -2,16 +2,12 @@
 
 use backlit_formats::FootageError;
 use backlit_tracking::body::ModelError;
-use backlit_tracking::body_fit::{BodyFitError, OwnSizesError};
 use backlit_tracking::camera::CameraError;
-use backlit_tracking::cues::CueOptionsError;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::particles::ParticleError;
 use backlit_tracking::search::WithoutStartError;
-use backlit_tracking::segment::{BackgroundError, SegmentError};
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
 use backlit_tracking::templates::TemplateError;
-use backlit_tracking::track::{MotionError, SmoothingError};
 use thiserror::Error;
 
 use crate::synthetic::upper_body::CamerasError;
@@ -39,26 +35,12 @@ pub enum ExperimentError {
     Cameras(#[from] CamerasError),
     #[error(transparent)]
     Fit(#[from] FitError),
-    #[error("{person}: {error}")]
-    Body { person: &'static str, error: BodyFitError },
-    #[error("{person}: {error}")]
-    OwnSizes { person: &'static str, error: OwnSizesError },
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]
     Mask(#[from] MaskError),
     #[error(transparent)]
-    Background(#[from] BackgroundError),
-    #[error(transparent)]
-    Segment(#[from] SegmentError),
-    #[error(transparent)]
     Measurement(#[from] MeasurementError),
-    #[error(transparent)]
-    Cues(#[from] CueOptionsError),
-    #[error(transparent)]
-    Motion(#[from] MotionError),
-    #[error(transparent)]
-    Smoothing(#[from] SmoothingError),
     #[error(transparent)]
     WithoutStart(WithoutStartError),
     #[error(transparent)]

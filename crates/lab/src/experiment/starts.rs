@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_formats::starts_file::Start;
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::search::start::{LEVELS, Level, perturb};
@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use super::ExperimentError;
 use crate::synthetic::capsules;
+use crate::synthetic::studio::pinhole;
 
 /// Metres from the cameras to the body, and what they look at above its root.
 const DISTANCE: f64 = 2.7;
@@ -109,17 +110,14 @@ impl Draw {
         }
         let opening = random.random_range(1.2..1.9) * if count > 2 { 1.5 } else { 1.0 };
         let focal = FOCAL * self.size_px[0] as f64;
-        let [cx, cy] = self.size_px.map(|side| 0.5 * (side as f64 - 1.0));
         let gaps = count.saturating_sub(1).max(1) as f64;
         let mut cameras = Vec::with_capacity(count);
         for index in 0..count {
             let along = if count == 1 { 0.0 } else { index as f64 / gaps - 0.5 };
             let (sine, cosine) = (middle + opening * along).sin_cos();
             let centre = DVec3::new(DISTANCE * sine, random.random_range(0.3..1.1), DISTANCE * cosine);
-            let place = CameraFromWorld::looking_at(centre, TARGET, DVec3::Y);
-            let pinhole = Intrinsics { fx: focal, fy: focal, cx, cy };
             let name = format!("cam{:02}", index + 1);
-            cameras.push(Arc::new(Camera::new(&name, self.size_px, pinhole, Distortion::None, place)?));
+            cameras.push(pinhole(&name, self.size_px, focal, [centre, TARGET], DVec3::Y)?);
         }
         Ok(cameras)
     }

@@ -14,160 +14,72 @@ pub const FRAME_RATE: f64 = 30.0;
 /// The ankle's height above the floor when the foot stands flat, metres.
 pub(super) const ANKLE_HEIGHT: f64 = 0.098;
 
-/// One arm's angles in degrees, both sides alike: raised forward, raised outward, turned inward.
-#[derive(Debug, Clone, Copy)]
-struct Arm {
-    clavicle_up: f64,
-    clavicle_back: f64,
-    forward: f64,
-    outward: f64,
-    turn: f64,
-    elbow: f64,
-    forearm_turn: f64,
-}
-
-/// One foot: where the ankle is above the floor plan, how far the foot is turned outward and pitched up.
-#[derive(Debug, Clone, Copy)]
-struct Foot {
-    x: f64,
-    y: f64,
-    lift: f64,
-    outward: f64,
-    pitch: f64,
-}
-
-/// One key pose; degrees and metres.
-#[derive(Debug, Clone, Copy)]
+/// One key pose, degrees and metres.
 struct Key {
     frame: f64,
-    /// Root: right, forward, height.
-    root: [f64; 3],
-    /// Pelvis: turn to the left, lean forward, lean to the right.
-    pelvis: [f64; 3],
-    /// Chest on the pelvis: flexion, lean to the left, turn to the left.
-    chest: [f64; 3],
-    /// Head on the chest, as the chest.
-    head: [f64; 3],
-    right_arm: Arm,
-    left_arm: Arm,
-    right_foot: Foot,
-    left_foot: Foot,
+    /// Root: right, forward, height. Pelvis: turn to the left, lean forward, lean to the right. Chest on the pelvis, and head
+    /// on the chest: flexion, lean to the left, turn to the left.
+    trunk: [[f64; 3]; 4],
+    /// Right and left arm, both sides alike. Clavicle: up, back. Upper arm: raised forward, raised outward, turned inward.
+    /// Elbow. Turn of the forearm.
+    arms: [[f64; 7]; 2],
+    /// Right and left foot: right, forward and height of the ankle, how far it is turned outward and pitched up.
+    feet: [[f64; 5]; 2],
 }
 
 const NUMBERS: usize = 36;
 
-const fn arm(clavicle: [f64; 2], upper: [f64; 3], elbow: f64, forearm_turn: f64) -> Arm {
-    Arm {
-        clavicle_up: clavicle[0],
-        clavicle_back: clavicle[1],
-        forward: upper[0],
-        outward: upper[1],
-        turn: upper[2],
-        elbow,
-        forearm_turn,
-    }
-}
-
-const fn foot(x: f64, y: f64, lift: f64, outward: f64, pitch: f64) -> Foot {
-    Foot { x, y, lift, outward, pitch }
-}
-
 const KEYS: [Key; 7] = [
     Key {
         frame: 0.0,
-        root: [0.0, -0.12, 0.915],
-        pelvis: [4.0, 2.0, 0.0],
-        chest: [4.0, 0.0, 3.0],
-        head: [2.0, 0.0, 4.0],
-        right_arm: arm([0.0, 0.0], [8.0, 36.0, 5.0], 18.0, 5.0),
-        left_arm: arm([0.0, 0.0], [2.0, 40.0, 0.0], 22.0, 0.0),
-        right_foot: foot(0.13, -0.14, 0.0, 8.0, 0.0),
-        left_foot: foot(-0.13, -0.12, 0.0, 8.0, 0.0),
+        trunk: [[0.0, -0.12, 0.915], [4.0, 2.0, 0.0], [4.0, 0.0, 3.0], [2.0, 0.0, 4.0]],
+        arms: [[0.0, 0.0, 8.0, 36.0, 5.0, 18.0, 5.0], [0.0, 0.0, 2.0, 40.0, 0.0, 22.0, 0.0]],
+        feet: [[0.13, -0.14, 0.0, 8.0, 0.0], [-0.13, -0.12, 0.0, 8.0, 0.0]],
     },
     Key {
         frame: 9.0,
-        root: [0.03, 0.0, 0.905],
-        pelvis: [-6.0, 5.0, 3.0],
-        chest: [6.0, 3.0, -8.0],
-        head: [3.0, 0.0, 8.0],
-        right_arm: arm([2.0, -4.0], [34.0, 34.0, 5.0], 34.0, 10.0),
-        left_arm: arm([0.0, 4.0], [-8.0, 52.0, 0.0], 26.0, 0.0),
-        right_foot: foot(0.13, -0.14, 0.0, 8.0, 0.0),
-        left_foot: foot(-0.12, 0.08, 0.12, 4.0, 4.0),
+        trunk: [[0.03, 0.0, 0.905], [-6.0, 5.0, 3.0], [6.0, 3.0, -8.0], [3.0, 0.0, 8.0]],
+        arms: [[2.0, -4.0, 34.0, 34.0, 5.0, 34.0, 10.0], [0.0, 4.0, -8.0, 52.0, 0.0, 26.0, 0.0]],
+        feet: [[0.13, -0.14, 0.0, 8.0, 0.0], [-0.12, 0.08, 0.12, 4.0, 4.0]],
     },
     Key {
         frame: 18.0,
-        root: [-0.01, 0.06, 0.86],
-        pelvis: [10.0, 7.0, 0.0],
-        chest: [8.0, -3.0, 16.0],
-        head: [-4.0, 2.0, -4.0],
-        right_arm: arm([8.0, -12.0], [74.0, 26.0, 10.0], 44.0, 20.0),
-        left_arm: arm([4.0, 8.0], [-6.0, 66.0, -10.0], 34.0, -10.0),
-        right_foot: foot(0.13, -0.14, 0.0, 8.0, 0.0),
-        left_foot: foot(-0.13, 0.27, 0.0, 10.0, 0.0),
+        trunk: [[-0.01, 0.06, 0.86], [10.0, 7.0, 0.0], [8.0, -3.0, 16.0], [-4.0, 2.0, -4.0]],
+        arms: [[8.0, -12.0, 74.0, 26.0, 10.0, 44.0, 20.0], [4.0, 8.0, -6.0, 66.0, -10.0, 34.0, -10.0]],
+        feet: [[0.13, -0.14, 0.0, 8.0, 0.0], [-0.13, 0.27, 0.0, 10.0, 0.0]],
     },
     Key {
         frame: 28.0,
-        root: [-0.04, 0.1, 0.80],
-        pelvis: [24.0, 9.0, 2.0],
-        chest: [9.0, -4.0, 38.0],
-        head: [-10.0, 4.0, -20.0],
-        right_arm: arm([16.0, -18.0], [106.0, 18.0, 10.0], 16.0, 20.0),
-        left_arm: arm([10.0, 12.0], [-14.0, 84.0, -20.0], 44.0, -15.0),
-        right_foot: foot(0.135, -0.103, 0.06, 10.0, -24.0),
-        left_foot: foot(-0.13, 0.27, 0.0, 10.0, 0.0),
+        trunk: [[-0.04, 0.1, 0.80], [24.0, 9.0, 2.0], [9.0, -4.0, 38.0], [-10.0, 4.0, -20.0]],
+        arms: [[16.0, -18.0, 106.0, 18.0, 10.0, 16.0, 20.0], [10.0, 12.0, -14.0, 84.0, -20.0, 44.0, -15.0]],
+        feet: [[0.135, -0.103, 0.06, 10.0, -24.0], [-0.13, 0.27, 0.0, 10.0, 0.0]],
     },
     Key {
         frame: 41.0,
-        root: [0.0, 0.05, 0.71],
-        pelvis: [8.0, 20.0, 0.0],
-        chest: [22.0, 0.0, 6.0],
-        head: [-24.0, 0.0, 0.0],
-        right_arm: arm([8.0, -8.0], [70.0, 54.0, 4.0], 28.0, 12.0),
-        left_arm: arm([6.0, -2.0], [24.0, 79.0, -2.0], 35.0, 3.0),
-        right_foot: foot(0.135, -0.103, 0.06, 10.0, -24.0),
-        left_foot: foot(-0.13, 0.27, 0.0, 10.0, 0.0),
+        trunk: [[0.0, 0.05, 0.71], [8.0, 20.0, 0.0], [22.0, 0.0, 6.0], [-24.0, 0.0, 0.0]],
+        arms: [[8.0, -8.0, 70.0, 54.0, 4.0, 28.0, 12.0], [6.0, -2.0, 24.0, 79.0, -2.0, 35.0, 3.0]],
+        feet: [[0.135, -0.103, 0.06, 10.0, -24.0], [-0.13, 0.27, 0.0, 10.0, 0.0]],
     },
     Key {
         frame: 51.0,
-        root: [0.01, 0.1, 0.84],
-        pelvis: [0.0, 8.0, 0.0],
-        chest: [8.0, 0.0, 0.0],
-        head: [-12.0, 0.0, 0.0],
-        right_arm: arm([16.0, 0.0], [66.0, 96.0, 0.0], 40.0, 5.0),
-        left_arm: arm([16.0, 2.0], [58.0, 100.0, 0.0], 34.0, 0.0),
-        right_foot: foot(0.145, 0.02, 0.075, 12.0, -10.0),
-        left_foot: foot(-0.13, 0.27, 0.0, 10.0, 0.0),
+        trunk: [[0.01, 0.1, 0.84], [0.0, 8.0, 0.0], [8.0, 0.0, 0.0], [-12.0, 0.0, 0.0]],
+        arms: [[16.0, 0.0, 66.0, 96.0, 0.0, 40.0, 5.0], [16.0, 2.0, 58.0, 100.0, 0.0, 34.0, 0.0]],
+        feet: [[0.145, 0.02, 0.075, 12.0, -10.0], [-0.13, 0.27, 0.0, 10.0, 0.0]],
     },
     Key {
         frame: 59.0,
-        root: [0.01, 0.16, 0.9],
-        pelvis: [-3.0, 1.0, 0.0],
-        chest: [-6.0, 0.0, -3.0],
-        head: [-12.0, 0.0, 2.0],
-        right_arm: arm([26.0, 2.0], [60.0, 128.0, 0.0], 16.0, 0.0),
-        left_arm: arm([26.0, 2.0], [54.0, 122.0, 0.0], 12.0, 0.0),
-        right_foot: foot(0.15, 0.1, 0.0, 12.0, 0.0),
-        left_foot: foot(-0.13, 0.27, 0.0, 10.0, 0.0),
+        trunk: [[0.01, 0.16, 0.9], [-3.0, 1.0, 0.0], [-6.0, 0.0, -3.0], [-12.0, 0.0, 2.0]],
+        arms: [[26.0, 2.0, 60.0, 128.0, 0.0, 16.0, 0.0], [26.0, 2.0, 54.0, 122.0, 0.0, 12.0, 0.0]],
+        feet: [[0.15, 0.1, 0.0, 12.0, 0.0], [-0.13, 0.27, 0.0, 10.0, 0.0]],
     },
 ];
 
 impl Key {
     fn numbers(&self) -> [f64; NUMBERS] {
-        let mut out = [0.0; NUMBERS];
-        let trunk = [self.root, self.pelvis, self.chest, self.head].concat();
-        let arms = [self.right_arm, self.left_arm].map(|arm| {
-            let Arm { clavicle_up, clavicle_back, forward, outward, turn, elbow, forearm_turn } = arm;
-            [clavicle_up, clavicle_back, forward, outward, turn, elbow, forearm_turn]
-        });
-        let feet = [self.right_foot, self.left_foot]
-            .map(|Foot { x, y, lift, outward, pitch }| [x, y, lift, outward, pitch]);
-        for (slot, value) in
-            out.iter_mut().zip(trunk.iter().chain(arms.iter().flatten()).chain(feet.iter().flatten()))
-        {
-            *slot = *value;
-        }
-        out
+        let parts = [self.trunk.as_flattened(), self.arms.as_flattened(), self.feet.as_flattened()];
+        let mut numbers = [0.0; NUMBERS];
+        numbers.iter_mut().zip(parts.concat()).for_each(|(number, part)| *number = part);
+        numbers
     }
 }
 
@@ -279,53 +191,73 @@ fn monotone_slope(numbers: &[[f64; NUMBERS]], key: usize, which: usize) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use std::sync::Arc;
+
     use backlit_tracking::body::{Kinematics, builtin};
+    use backlit_tracking::camera::Camera;
 
     use super::*;
 
-    #[test]
-    fn every_joint_stays_within_its_limits() {
+    /// What a movement must keep to: joint limits, but for some radians; a distance from the edges of the cameras' pictures,
+    /// pixels; the greatest speed of a joint, m/s.
+    pub(in super::super) fn check_movement(
+        pose: impl Fn(&Model, f64) -> Pose,
+        [frames, rate]: [f64; 2],
+        beyond_limits: f64,
+        cameras: &[Arc<Camera>],
+        margin_px: f64,
+        fastest: f64,
+    ) {
         let model = builtin::full_body();
-        let mut failures = Vec::new();
-        for frame in 0..FRAMES {
+        let (mut failures, mut before) = (Vec::new(), None::<Kinematics>);
+        for frame in 0..frames as usize {
             let pose = pose(&model, frame as f64);
             pose.check(&model).unwrap();
             for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
                 let limb = &model.limbs()[owner];
                 let Some(limits) = limb.limits else { continue };
                 let angles = limb.angles(pose.rotations[rotation]);
-                for (field, range, angle) in [
-                    ("flexion", limits.flexion, angles.flexion),
-                    ("sideways", limits.sideways, angles.sideways),
-                    ("twist", limits.twist, angles.twist),
-                ] {
-                    if range.excess(angle) != 0.0 {
-                        failures.push(format!("frame {frame}: {} {field} {angle:.2}", limb.name));
-                    }
+                let excess = limits.flexion.excess(angles.flexion).abs()
+                    + limits.sideways.excess(angles.sideways).abs()
+                    + limits.twist.excess(angles.twist).abs();
+                if excess > beyond_limits {
+                    failures.push(format!("frame {frame}: {} {angles:?}", limb.name));
                 }
             }
+            let joints = Kinematics::new(&model, &pose);
+            for (index, (limb, end)) in model.limbs().iter().zip(joints.ends()).enumerate() {
+                for camera in cameras {
+                    let at = camera.project(*end).unwrap();
+                    let inside = |at: f64, side: usize| (margin_px..side as f64 - margin_px).contains(&at);
+                    if !(inside(at.x, camera.width()) && inside(at.y, camera.height())) {
+                        failures.push(format!("frame {frame}: {} at {at} of {}", limb.name, camera.name()));
+                    }
+                }
+                let moved = before.as_ref().map_or(0.0, |before| before.ends()[index].distance(*end));
+                if moved * rate > fastest {
+                    failures.push(format!("frame {frame}: {} leaps {moved:.2} m", limb.name));
+                }
+            }
+            before = Some(joints);
         }
         assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 
     #[test]
-    fn a_planted_foot_does_not_slide_and_no_joint_leaps() {
+    fn every_joint_stays_within_its_limits_and_none_leaps() {
+        check_movement(pose, [FRAMES as f64, FRAME_RATE], 0.0, &[], 0.0, 4.0);
+    }
+
+    #[test]
+    fn a_planted_foot_does_not_slide() {
         let model = builtin::full_body();
-        let joints: Vec<Kinematics> =
-            (0..FRAMES).map(|frame| Kinematics::new(&model, &pose(&model, frame as f64))).collect();
-        let ankle = |side: &str| model.limb_index(&format!("{side} lower calf")).unwrap();
         for (side, frames) in [("right", 0..20), ("left", 19..60)] {
+            let ankle = model.limb_index(&format!("{side} lower calf")).unwrap();
+            let at = |frame: usize| Kinematics::new(&model, &pose(&model, frame as f64)).ends()[ankle];
             for frame in frames.clone() {
-                let moved =
-                    joints[frame].ends()[ankle(side)].distance(joints[frames.start].ends()[ankle(side)]);
+                let moved = at(frame).distance(at(frames.start));
                 assert!(moved < 2e-3, "{side} foot slid {moved:.4} m by frame {frame}");
-            }
-        }
-        for (frame, pair) in joints.windows(2).enumerate() {
-            for (limb, (a, b)) in pair[0].ends().iter().zip(pair[1].ends()).enumerate() {
-                let speed = a.distance(*b) * FRAME_RATE;
-                assert!(speed < 4.0, "{}: {speed:.2} m/s after frame {frame}", model.limbs()[limb].name);
             }
         }
     }

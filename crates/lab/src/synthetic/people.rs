@@ -5,7 +5,13 @@
 //! H. Meredith, "Changes in the stature and body weight of children" and the head heights of S. Pheasant,
 //! "Bodyspace" (2nd ed., 1996), rounded: a child's head is large, its legs are short.
 
-use backlit_tracking::body::{Model, ModelError};
+use backlit_tracking::body::{Model, ModelError, Pose};
+use glam::DVec3;
+
+/// Across the shoulders of the average adult, metres.
+pub const BREADTH: f64 = 0.5;
+/// The pelvis of the average adult, metres above the floor: people of other statures stand on the same floor.
+const PELVIS_HEIGHT: f64 = 0.9;
 
 /// A build, as factors of the built-in full body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +99,13 @@ pub const PEOPLE: [Person; 6] = [
 ];
 
 impl Person {
+    /// An adult's pose, lowered to where this person's feet are on the floor.
+    #[must_use]
+    pub fn standing(&self, mut pose: Pose) -> Pose {
+        pose.root -= DVec3::Z * (PELVIS_HEIGHT * (1.0 - self.stature));
+        pose
+    }
+
     /// The person's body, of an average adult's full body.
     ///
     /// # Errors

@@ -7,10 +7,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, CameraError};
 use glam::{DQuat, DVec3};
 
 use super::motion::{ANKLE_HEIGHT, place_leg, set, set_angles};
+use super::studio::pinhole;
 
 /// Frames a second of the recording.
 pub const FRAME_RATE: f64 = 30.0;
@@ -70,14 +71,10 @@ pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
 /// A size that no camera can have.
 pub fn cameras_at(places: &[f64], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
     let focal = FOCAL * size_px[1] as f64;
-    let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
     let place = |(index, degrees): (usize, &f64)| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let centre = DVec3::new(-sine * DISTANCE, cosine * DISTANCE, HEIGHT);
-        let place = CameraFromWorld::looking_at(centre, TARGET, DVec3::Z);
-        let intrinsics = Intrinsics { fx: focal, fy: focal, cx, cy };
-        let name = format!("phone{}", index + 1);
-        Ok(Arc::new(Camera::new(&name, size_px, intrinsics, Distortion::None, place)?))
+        pinhole(&format!("phone{}", index + 1), size_px, focal, [centre, TARGET], DVec3::Z)
     };
     places.iter().enumerate().map(place).collect()
 }
@@ -87,6 +84,7 @@ mod tests {
     use backlit_tracking::body::{Kinematics, builtin};
 
     use super::*;
+    use crate::synthetic::motion::tests::check_movement;
 
     #[test]
     fn feet_stay_arms_rise_and_nobody_leaves_the_picture() {
@@ -103,12 +101,9 @@ mod tests {
                 let slid = joint(&pose, &ankle).distance(joint(&standing, &ankle));
                 assert!(slid < 5e-3, "{ankle} slid {slid:.4} m by frame {frame}");
             }
-            let ends = Kinematics::new(&model, &pose);
-            for (camera, end) in cameras.iter().flat_map(|c| ends.ends().iter().map(move |end| (c, end))) {
-                let px = camera.project(*end).unwrap();
-                assert!((5.0..175.0).contains(&px.x) && (5.0..315.0).contains(&px.y), "{frame}: {px}");
-            }
         }
+        let at_frame = |model: &Model, frame| pose(model, frame / FRAME_RATE);
+        check_movement(at_frame, [120.0, FRAME_RATE], f64::INFINITY, &cameras, 5.0, f64::INFINITY);
         let down = pose(&model, 0.5 * PERIOD);
         assert!(joint(&down, "right hand").y > joint(&down, "chest").y + 0.45);
         assert!(down.root.z < standing.root.z - 0.25);

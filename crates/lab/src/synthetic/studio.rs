@@ -1,6 +1,8 @@
 //! The built-in take's cameras: four around the room, two of them with a lens that bends.
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use std::sync::Arc;
+
+use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, Rig};
 use glam::DVec3;
 
 /// Pixels across of the built-in take.
@@ -38,4 +40,30 @@ pub fn cameras() -> Rig {
         cameras.push(Camera::new(&name, [WIDTH, HEIGHT], intrinsics, lens, place).expect("a valid camera"));
     }
     Rig::new(cameras).expect("the names differ")
+}
+
+/// The same four without their lenses, in pictures of so many pixels.
+///
+/// # Errors
+/// A size that no camera can have.
+pub fn pinholes(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
+    let pinhole = |camera: &Camera| camera.without_distortion().resized(size_px[0], size_px[1]);
+    cameras().cameras().iter().map(|camera| pinhole(camera).map(Arc::new)).collect()
+}
+
+/// A camera at the first place that looks at the second, its picture's middle on the axis.
+///
+/// # Errors
+/// Numbers that no camera can have.
+pub fn pinhole(
+    name: &str,
+    size_px: [u64; 2],
+    focal_px: f64,
+    [centre, target]: [DVec3; 2],
+    up: DVec3,
+) -> Result<Arc<Camera>, CameraError> {
+    let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
+    let place = CameraFromWorld::looking_at(centre, target, up);
+    let intrinsics = Intrinsics { fx: focal_px, fy: focal_px, cx, cy };
+    Ok(Arc::new(Camera::new(name, size_px, intrinsics, Distortion::None, place)?))
 }

@@ -3,16 +3,24 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::body::{Model, Parameters, Pose};
+use backlit_tracking::camera::{Camera, CameraError};
+use backlit_tracking::fit::{DataView, FitOptions, Preset, Stage};
 use backlit_tracking::geometry::rotation::exp;
+use backlit_tracking::optimize::Method;
+use backlit_tracking::render::Ramp;
 use glam::DVec3;
 use thiserror::Error;
+
+use super::studio::pinhole;
 
 /// Most cameras of [`cameras`].
 pub const MOST_CAMERAS: usize = 4;
 /// Frames a second of [`motion`].
 pub const FRAME_RATE: f64 = 25.0;
+
+/// Damping at the start of Levenberg-Marquardt on the report's cost, as the fit's options count it.
+pub const LM_DAMPING: f64 = 0.01;
 
 /// Where the cameras stand: degrees to the subject's left of straight ahead, and metres above the waist. The
 /// first two are a quarter turn apart; the others look from behind, none straight opposite another.
@@ -89,16 +97,25 @@ pub fn cameras(count: usize, size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, Came
         return Err(CamerasError::Count(count));
     }
     let focal = FOCAL * size_px[0] as f64;
-    let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
     let place = |(index, (degrees, height)): (usize, &(f64, f64))| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let centre = DVec3::new(DISTANCE * sine, *height, DISTANCE * cosine);
-        let place = CameraFromWorld::looking_at(centre, TARGET, DVec3::Y);
-        let intrinsics = Intrinsics { fx: focal, fy: focal, cx, cy };
-        let name = format!("cam{:02}", index + 1);
-        Ok(Arc::new(Camera::new(&name, size_px, intrinsics, Distortion::None, place)?))
+        Ok(pinhole(&format!("cam{:02}", index + 1), size_px, focal, [centre, TARGET], DVec3::Y)?)
     };
     PLACES[..count].iter().enumerate().map(place).collect()
+}
+
+/// The fit that goes down to the least cost of a ramp: tangent Levenberg-Marquardt without priors.
+#[must_use]
+pub fn least_cost_fit(ramp: Ramp, data: DataView) -> FitOptions {
+    let stage = Stage { ramp, data, stride: 1, iterations: 200, tolerance: Some(1e-7), priors: 1.0 };
+    FitOptions {
+        parameters: Parameters::Tangent,
+        method: Method::LevenbergMarquardt,
+        damping: 1e-3,
+        stages: vec![stage],
+        ..FitOptions::preset(Preset::Report)
+    }
 }
 
 #[cfg(test)]

@@ -3,11 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod builtin_take;
-#[path = "../../../tracking/tests/tracking/footage.rs"]
-mod footage;
 mod given_masks;
 mod learnt_plates;
 mod own_sizes;
-mod sync;
 mod turned_round;
 mod without_start;

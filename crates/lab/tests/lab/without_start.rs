@@ -1,10 +1,7 @@
 //! A clothed figure is found where no start is known, and what stands in the way is said.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use backlit_formats::{Footage, Take};
-use backlit_lab::experiment::no_start;
 use backlit_lab::experiment::starts::Draw;
 use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
@@ -18,8 +15,6 @@ use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, wi
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{Lost, Tracker};
 use glam::DVec3;
-
-use crate::footage::footage;
 
 /// Frames of the built-in movement, and which way about the vertical the figure is turned, radians.
 const MOMENTS: [(f64, f64); 2] = [(8.0, 0.0), (32.0, 2.5)];
@@ -203,17 +198,4 @@ fn a_track_begins_where_somebody_appears() {
         assert!(error < 60.0 && !found.is_lost(), "frame {frame}: {error:.0} mm {:?}", found.lost_because);
         assert_eq!(found.hypotheses.is_empty(), frame > 1, "one search");
     }
-}
-
-/// Four cameras of the real footage, with the person's own sizes.
-#[test]
-fn the_real_person_is_found() {
-    if footage().is_none() {
-        return;
-    }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/takes/balancing");
-    let footage = Footage::new(Take::open(&folder).unwrap());
-    let options = no_start::Options { cameras: vec![4], frames: vec![0], ..no_start::Options::default() };
-    let report = no_start::run(&footage, &options, &CancelToken::new(), |_| {}).unwrap();
-    assert_eq!(report.groups[0].found, 1, "{report:?}");
 }

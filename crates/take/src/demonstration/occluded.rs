@@ -1,17 +1,16 @@
-//! Squats before two phones: pictures, masks that are too wide, and keypoints, as the experiment on cues films them.
+//! Squats before two phones: pictures, masks that are too wide, and keypoints.
 
 use backlit_formats::{Take, keypoints};
-use backlit_lab::experiment::cues::{DRAWN_RATE, FilmedFrame, Options, film};
-use backlit_lab::synthetic::occlusions::Occlusion;
+use backlit_lab::synthetic::filmed::{DRAWN_RATE, FilmedFrame, SEED, film};
+use backlit_lab::synthetic::squats;
 use backlit_tracking::body::{Pose, builtin};
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Mask};
 use image::{GrayImage, Luma};
 
 use super::take::{CameraFilm, assemble, joints_of};
 
-/// Of the frames that the experiment draws, one of this many: 15 a second.
+/// Of the frames that are drawn, one of this many: 15 a second.
 const EVERY: usize = 4;
 /// Down, and the arms to the front.
 const SECONDS: f64 = 1.7;
@@ -20,11 +19,9 @@ const SIZE_PX: [u64; 2] = [144, 256];
 /// How far off it begins, radians and metres.
 const START: (f64, f64) = (0.087, 0.03);
 
-const MOVEMENT: Occlusion = Occlusion::Squats;
-
 /// The true pose of a frame.
 pub(super) fn truth(frame: usize) -> Pose {
-    MOVEMENT.pose(&builtin::full_body(), (frame * EVERY) as f64 / DRAWN_RATE)
+    squats::pose(&builtin::full_body(), (frame * EVERY) as f64 / DRAWN_RATE)
 }
 
 /// The take.
@@ -33,11 +30,10 @@ pub(super) fn truth(frame: usize) -> Pose {
 /// Returns no error for its conditions, which is tested.
 pub(super) fn take(name: &str) -> anyhow::Result<Take> {
     let model = builtin::full_body();
-    let options = Options { seconds: SECONDS, size_px: SIZE_PX, ..Options::default() };
-    let frames = film(&model, MOVEMENT, &options, EVERY, &CancelToken::new())?;
+    let frames = film(&model, SECONDS, SIZE_PX, EVERY)?;
     let truths: Vec<Pose> = frames.iter().map(|frame| frame.truth.clone()).collect();
-    let start = perturb(&model, &truths[0], START.0, START.1, options.seed);
-    let films = MOVEMENT.cameras(SIZE_PX)?.into_iter().enumerate();
+    let start = perturb(&model, &truths[0], START.0, START.1, SEED);
+    let films = squats::cameras(SIZE_PX)?.into_iter().enumerate();
     let films = films.map(|(index, camera)| {
         let people = |frame: &FilmedFrame| {
             keypoints::to_text(&[keypoints::joints::person_of(&model, &frame.cues.cameras[index].keypoints)])

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::fig51;
-use backlit_lab::synthetic::upper_body;
+use backlit_lab::synthetic::{single_limb, upper_body};
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
@@ -48,7 +47,7 @@ fn the_darkest_limb_wins_not_the_nearest() {
     let spec: ModelSpec = toml::from_str(text).unwrap();
     let model = Model::new(&spec).unwrap();
     let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-    let camera = fig51::camera(3.0, SIZE).unwrap();
+    let camera = single_limb::camera(3.0, SIZE).unwrap();
     let both = predict(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Thesis);
     let alone = |limb: usize| {
         let mut spec = model.to_spec();
@@ -152,8 +151,8 @@ fn the_length_of_a_quaternion_is_no_null_direction_and_steps_are_spent_on_it() {
 #[test]
 fn a_cylinder_seen_from_the_side_has_no_gradient_along_its_axis() {
     let model = Arc::new(builtin::single_limb());
-    let camera = fig51::camera(1000.0, SIZE).unwrap();
-    let kinematics = Kinematics::new(&model, &fig51::start(0.1));
+    let camera = single_limb::camera(1000.0, SIZE).unwrap();
+    let kinematics = Kinematics::new(&model, &single_limb::start(0.1));
     let along = |renderer| {
         let view = View::new(&model, &kinematics, &camera, renderer, Ramp::Thesis);
         let jacobian = dense_jacobian(&view, &kinematics, &camera, Parameters::Tangent);

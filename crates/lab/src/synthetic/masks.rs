@@ -1,8 +1,10 @@
-//! Exact silhouettes of the figure, for measurements against known truth.
+//! Exact silhouettes of the figure, for measurements against known truth; and masks with known faults.
 
 use backlit_tracking::camera::Camera;
-use backlit_tracking::silhouette::{Label, Mask, MaskError};
+use backlit_tracking::silhouette::{Label, Mask, MaskError, SignedDistance};
 use glam::DVec2;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::figure::Figure;
@@ -28,6 +30,50 @@ pub fn silhouette(figure: &Figure, camera: &Camera) -> Result<Mask, MaskError> {
         })
         .collect();
     Mask::new(width, height, rows.concat())
+}
+
+/// The mask with all that lies within so many pixels of its subject.
+///
+/// # Errors
+/// None: a mask of that size is there already.
+pub fn widened(mask: Mask, by_px: f64) -> Result<Mask, MaskError> {
+    if by_px <= 0.0 {
+        return Ok(mask);
+    }
+    let distances = SignedDistance::from_mask(&mask);
+    let (width, height) = (mask.width(), mask.height());
+    let label = |&distance: &f32| {
+        if f64::from(distance) < by_px { Label::Subject } else { Label::Background }
+    };
+    Mask::new(width, height, distances.values()[..width * height].iter().map(label).collect())
+}
+
+/// The mask with wrong pixels: a share of those beside a pixel of the other kind, and a share of all others.
+#[must_use]
+pub fn noisy(mask: &Mask, border_noise: f64, speckle: f64, random: &mut Pcg64Mcg) -> Mask {
+    let (width, height) = (mask.width(), mask.height());
+    let at = |x: usize, y: usize| mask.labels()[y * width + x];
+    let labels = (0..width * height).map(|pixel| {
+        let (x, y) = (pixel % width, pixel / width);
+        let own = at(x, y);
+        let beside = [
+            (x > 0).then(|| at(x - 1, y)),
+            (x + 1 < width).then(|| at(x + 1, y)),
+            (y > 0).then(|| at(x, y - 1)),
+            (y + 1 < height).then(|| at(x, y + 1)),
+        ];
+        let is_border = beside.into_iter().flatten().any(|label| label != own);
+        let is_wrong = random.random_bool(if is_border { border_noise } else { speckle });
+        match own {
+            Label::Subject if is_wrong => Label::Background,
+            Label::Background if is_wrong => Label::Subject,
+            label => label,
+        }
+    });
+    let labels: Vec<Label> = labels.collect();
+    let mut noisy = mask.clone();
+    noisy.labels_mut().copy_from_slice(&labels);
+    noisy
 }
 
 #[cfg(test)]

@@ -11,6 +11,9 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
+use crate::output::number;
+use crate::table::Table;
+
 /// The z-score that one channel exceeds once in 10⁴ pixels: the report's β.
 const ONE_CHANNEL: f64 = 3.891;
 /// The sum of three squares that is exceeded once in 10⁴ pixels.
@@ -21,7 +24,7 @@ const OFF: [[f64; 3]; 2] = [[6.0, 0.0, 0.0], [3.0, 3.0, 3.0]];
 /// How three z-scores are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Rule {
+pub(crate) enum Rule {
     /// Some score beyond 3.891.
     OneChannel,
     /// Some score beyond [`BETA`].
@@ -32,11 +35,9 @@ pub enum Rule {
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::OneChannel, Self::Sidak, Self::ChiSquared];
+    const ALL: [Self; 3] = [Self::OneChannel, Self::Sidak, Self::ChiSquared];
 
-    /// What it is called in tables.
-    #[must_use]
-    pub fn label(self) -> &'static str {
+    fn label(self) -> &'static str {
         match self {
             Self::OneChannel => "greatest of three, 3.891",
             Self::Sidak => "greatest of three, Šidák",
@@ -55,25 +56,23 @@ impl Rule {
 
 /// One rule under one kind of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct NoiseCase {
-    /// Correlation of the channels' noise.
-    pub correlation: f64,
+pub(crate) struct NoiseCase {
+    /// Of the channels' noise.
+    correlation: f64,
     /// Frames that the deviation was measured over; none where it is known.
-    pub frames: Option<usize>,
-    /// The rule.
-    pub rule: Rule,
+    frames: Option<usize>,
+    rule: Rule,
     /// Pixels of noise that are called subject, of 10⁴.
-    pub false_in_10_000: f64,
+    false_in_10_000: f64,
     /// Share that is found of a subject six deviations off in one channel.
-    pub found_in_one: f64,
+    found_in_one: f64,
     /// Share that is found of a subject three deviations off in each channel.
-    pub found_in_all: f64,
+    found_in_all: f64,
 }
 
 /// Normal noise of several correlations with a known deviation, then independent noise whose mean and deviation were measured
 /// over some frames: a tenth of the pixels, as each takes all those frames.
-#[must_use]
-pub fn run(pixels: usize, seed: u64) -> Vec<NoiseCase> {
+pub(crate) fn run(pixels: usize, seed: u64) -> Vec<NoiseCase> {
     let known = [0.0, 0.5, 1.0].map(|correlation| (correlation, None));
     let measured = [6, 50].map(|frames| (0.0, Some(frames)));
     let kinds = known.into_iter().chain(measured);
@@ -83,6 +82,23 @@ pub fn run(pixels: usize, seed: u64) -> Vec<NoiseCase> {
             under(correlation, frames, pixels, seed)
         })
         .collect()
+}
+
+pub(crate) fn table(cases: &[NoiseCase]) -> String {
+    let noise = |case: &&NoiseCase| match case.frames {
+        Some(frames) => format!("independent, σ of {frames} frames"),
+        None => format!("channels correlated by {:.1}", case.correlation),
+    };
+    Table::of(
+        cases,
+        &[
+            ("noise", &noise),
+            ("rule", &|case| case.rule.label().to_owned()),
+            ("false, of 10 000", &|case| number(case.false_in_10_000, 2)),
+            ("found: one channel 6 σ off", &|case| number(case.found_in_one, 3)),
+            ("three channels 3 σ off", &|case| number(case.found_in_all, 3)),
+        ],
+    )
 }
 
 fn under(correlation: f64, frames: Option<usize>, pixels: usize, seed: u64) -> [NoiseCase; 3] {

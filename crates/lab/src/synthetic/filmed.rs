@@ -1,10 +1,11 @@
-//! What two telephones see of a movement: masks, grey pictures, keypoints, and the truth.
+//! What two telephones see of squats: masks that are too wide, grey pictures, keypoints, and the truth.
+//!
+//! The figure wears loose, patterned clothes. Keypoints are true joints with an offset each, noise, and some that are nowhere near.
 
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture, JointKeypoint, WatchedCamera};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::statistics::normal_vector;
@@ -14,11 +15,18 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::{DRAWN_RATE, Options};
+use super::masks::widened;
+use super::{Build, Figure, Plate, Room, Sensor, squats};
 use crate::experiment::ExperimentError;
-use crate::experiment::track::widened;
-use crate::synthetic::occlusions::Occlusion;
-use crate::synthetic::{Build, Figure, Plate, Room, Sensor};
+
+/// Frames a second that are drawn.
+pub const DRAWN_RATE: f64 = 60.0;
+/// Seed of all noise.
+pub const SEED: u64 = 1;
+/// How much too wide masks are all round, as a share of the breadth of the shoulders.
+const TOO_WIDE: f64 = 0.045;
+/// Contrast of the pattern on the clothes.
+const PATTERN: f64 = 0.5;
 
 /// Limbs whose second joints tools of keypoints see: those of COCO.
 const KEYPOINTS: [&str; 12] = [
@@ -56,37 +64,32 @@ pub struct FilmedFrame {
     pub cues: FrameCues,
 }
 
-/// Films a movement at [`DRAWN_RATE`], every so manieth frame.
+/// Films squats for so many seconds at [`DRAWN_RATE`], every so manieth frame.
 ///
 /// # Errors
-/// A size that no camera can have, a body of other limbs, or `cancel`.
+/// A size that no camera can have, or a body of other limbs.
 pub fn film(
     model: &Model,
-    movement: Occlusion,
-    options: &Options,
+    seconds: f64,
+    size_px: [u64; 2],
     every: usize,
-    cancel: &CancelToken,
 ) -> Result<Vec<FilmedFrame>, ExperimentError> {
-    let build = Build { cloth: 1.12, folds: 0.006, pattern: options.pattern, ..Build::default() };
-    let cameras = movement.cameras(options.size_px)?;
+    let build = Build { cloth: 1.12, folds: 0.006, pattern: PATTERN, ..Build::default() };
+    let cameras = squats::cameras(size_px)?;
     let room = Room::default();
     let plates: Vec<Plate> = cameras.iter().map(|camera| Plate::new(&room, camera, 1)).collect();
-    let mut random = Pcg64Mcg::seed_from_u64(options.seed);
-    let frame_seed = |frame: usize| options.seed.wrapping_add(1 + frame as u64);
+    let mut random = Pcg64Mcg::seed_from_u64(SEED);
     let offsets = KEYPOINTS.map(|_| normal_vector(&mut random) * OFFSET_M);
-    let count = (options.seconds * DRAWN_RATE).ceil() as usize;
+    let count = (seconds * DRAWN_RATE).ceil() as usize;
     let mut frames = Vec::with_capacity(count.div_ceil(every));
     for frame in (0..count).step_by(every) {
-        if cancel.is_cancelled() {
-            return Err(ExperimentError::Cancelled);
-        }
-        let truth = movement.pose(model, frame as f64 / DRAWN_RATE);
+        let truth = squats::pose(model, frame as f64 / DRAWN_RATE);
         let Some(figure) = Figure::new(model, &truth, build) else {
             return Err(ExperimentError::Footage("the body has no limbs of that name".to_owned()));
         };
         let joints = Kinematics::new(model, &truth);
         // The same noise whatever frames are left out.
-        let mut random = Pcg64Mcg::seed_from_u64(frame_seed(frame));
+        let mut random = Pcg64Mcg::seed_from_u64(SEED + 1 + frame as u64);
         let mut watched = Vec::new();
         let mut cues = FrameCues::default();
         for (index, (camera, plate)) in cameras.iter().zip(&plates).enumerate() {
@@ -94,10 +97,10 @@ pub fn film(
             let ramp = Ramp::Distance { inner_px: 1.0, outer_px: CLOTH_PX };
             let view = View::new(model, &joints, camera, RendererKind::Capsule, ramp);
             let near: Vec<bool> = prediction::lambda(&view).iter().map(|level| *level < 255.0).collect();
-            let by_px = options.too_wide * breadth_px(model, &joints, camera);
+            let by_px = TOO_WIDE * breadth_px(model, &joints, camera);
             let (light, mask) = plate.with_unshaded_figure(&figure, |x, y| near[y * camera.width() + x])?;
             let mask = widened(mask, by_px)?;
-            let seed = options.seed.wrapping_add((2 * frame + index) as u64);
+            let seed = SEED + (2 * frame + index) as u64;
             let exposed = Sensor::default().expose(&light, 1.0, seed);
             let picture = GreyPicture::of_image(&grayscale(&exposed))
                 .map_err(|error| ExperimentError::Footage(error.to_string()))?;

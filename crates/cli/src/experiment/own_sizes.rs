@@ -1,43 +1,41 @@
 //! A person's own sizes found from a track with the average body, silhouettes exact and too wide: what they are worth after.
 //!
-//! The builds of [`people`](crate::synthetic::people) go through a movement before four cameras around them or before two
-//! telephones; the average body is scaled to the first frame and followed; sizes come from that track, as before there was
-//! a survey, a widening and frames held out, and as now; then everything is followed again with each body.
+//! The builds of [`PEOPLE`] go through a movement before four cameras around them or before two telephones; the average body is
+//! scaled to the first frame and followed; sizes come from that track, as before there was a survey, a widening and frames
+//! held out, and as now; then everything is followed again with each body.
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
+use anyhow::{Context, Result};
+use backlit_lab::synthetic::masks::widened;
+use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
+use backlit_lab::synthetic::{capsules, motion, squats, studio};
+use backlit_tracking::body::{Kinematics, Limb, Model, Pose, builtin};
 use backlit_tracking::body_fit::widening::narrowed;
 use backlit_tracking::body_fit::{
     Approach, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, OwnSizesError, OwnSizesOptions, PosedFrame,
     approach, fit_body, frames, own_sizes,
 };
 use backlit_tracking::camera::Camera;
-use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, FitOptions, FitView};
+use backlit_tracking::fit::{FitOptions, FitView};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::residual::Proportions;
 use backlit_tracking::search::start;
 use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
-use glam::DVec3;
 use serde::Serialize;
 
-use super::track::widened;
-use super::{ExperimentError, Progress};
-use crate::synthetic::people::{PEOPLE, Person};
-use crate::synthetic::{capsules, motion, squats, studio};
+use super::measures::masked;
+use super::sizes::of_person;
+use super::{Experiment, Run};
+use crate::table::Table;
 
-/// The pelvis of the average adult, metres above the floor: people of other statures stand on the same floor.
-const PELVIS_HEIGHT: f64 = 0.9;
-/// Across the shoulders of the average adult, metres: what a mask's widening is a share of.
-const BREADTH: f64 = 0.5;
 /// Frames that sizes were fitted to before.
 const BEFORE: usize = 8;
 
-/// Who looks on.
+/// Cameras and movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Setting {
+enum Setting {
     /// Four cameras all around, the built-in movement.
     Around,
     /// Two telephones 37° apart, squats.
@@ -45,9 +43,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// What it is called in tables.
-    #[must_use]
-    pub fn label(self) -> &'static str {
+    fn label(self) -> &'static str {
         match self {
             Self::Around => "four cameras around",
             Self::Phones => "two phones, 37°",
@@ -55,129 +51,143 @@ impl Setting {
     }
 }
 
-/// What to vary.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Options {
-    /// Cameras and movement.
-    pub settings: Vec<Setting>,
+/// Sizes from a track through masks that are too wide.
+#[derive(Debug, Serialize)]
+pub(crate) struct OwnSizes {
+    settings: Vec<Setting>,
     /// By how much masks are too wide across the shoulders, as shares.
-    pub widened: Vec<f64>,
-    /// How many of the builds.
-    pub people: usize,
+    widened: Vec<f64>,
+    people: usize,
     /// Frames that are followed.
-    pub frames: usize,
-    /// Every how manieth frame of the movement is seen.
-    pub every: usize,
-    /// How far every rotation of the first frame starts from the truth, radians.
-    pub start_angle_rad: f64,
-    /// How far its root starts from the truth, metres.
-    pub start_distance_m: f64,
-    /// Seed of the starts.
-    pub seed: u64,
+    frames: usize,
+    /// The step between frames of the movement that are seen.
+    every: usize,
+    start_angle_rad: f64,
+    start_distance_m: f64,
+    seed: u64,
     /// How much the proportions count, before and now.
-    pub proportions: [f64; 2],
-    /// Standard deviation of the widening, metres.
-    pub widening_deviation_m: f64,
+    proportions: [f64; 2],
+    widening_deviation_m: f64,
 }
 
-impl Default for Options {
-    fn default() -> Self {
+impl OwnSizes {
+    pub(crate) fn new(widened: Vec<f64>, every: usize, seed: u64) -> Self {
         Self {
             settings: vec![Setting::Around, Setting::Phones],
-            widened: vec![0.0, 0.03, 0.06],
+            widened,
             people: PEOPLE.len(),
             frames: 60,
-            every: 1,
+            every,
             start_angle_rad: 5.0_f64.to_radians(),
             start_distance_m: 0.03,
-            seed: 1,
+            seed,
             proportions: [20.0, CLOTHED],
             widening_deviation_m: BodyFitOptions::default().widening,
         }
     }
 }
 
-/// What came of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
-    /// One entry a setting, widening and build.
-    pub cases: Vec<Case>,
-}
-
-impl Report {
-    /// The cases of one setting and widening each, in their order.
-    #[must_use]
-    pub fn groups(&self) -> Vec<&[Case]> {
-        self.cases.chunk_by(|a, b| a.setting == b.setting && a.widened == b.widened).collect()
-    }
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    cases: Vec<Case>,
 }
 
 /// One build before one set of cameras with one widening.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Case {
-    /// Cameras and movement.
-    pub setting: Setting,
+#[derive(Debug, Serialize)]
+struct Case {
+    setting: Setting,
     /// By how much masks are too wide across the shoulders, as a share.
-    pub widened: f64,
+    widened: f64,
     /// The same, pixels all round.
-    pub widened_px: f64,
-    /// The build.
-    pub name: &'static str,
+    widened_px: f64,
+    name: &'static str,
     /// The average body, scaled as a whole to the first frame.
-    pub average: BodyReport,
+    average: BodyErrors,
     /// Sizes as they were fitted before.
-    pub before: BodyReport,
+    before: BodyErrors,
     /// Sizes as they are fitted now, whether taken or not.
-    pub found: BodyReport,
+    found: BodyErrors,
     /// The body that is gone on with now, as the masks show it.
-    pub now: BodyReport,
+    now: BodyErrors,
     /// The person instead, on masks that are narrowed by what was found; `None` where nothing sure was.
-    pub now_narrowed: Option<BodyReport>,
+    now_narrowed: Option<BodyErrors>,
     /// The widening that was found, pixels, its deviation, and whether it is believed.
-    pub widening: Option<(f64, f64, bool)>,
+    widening: Option<(f64, f64, bool)>,
     /// What spoke against the sizes, in short.
-    pub doubts: Vec<String>,
+    doubts: Vec<String>,
 }
 
-/// One body's errors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BodyReport {
-    /// Mean error of lengths, millimetres.
-    pub length_mm: f64,
-    /// Mean error of radii, millimetres.
-    pub radius_mm: f64,
-    /// Girth beside the true one: mean logarithm of all radii.
-    pub girth: f64,
-    /// Mean error of all joints in all frames, followed with this body, millimetres.
-    pub track_mm: f64,
+#[derive(Debug, Clone, Copy, Serialize)]
+struct BodyErrors {
+    length_mm: f64,
+    radius_mm: f64,
+    /// Mean logarithm of all radii beside the true ones.
+    girth: f64,
+    /// Mean error of all joints in all frames, followed with this body.
+    track_mm: f64,
 }
 
-/// Finds every person's sizes in every case.
-///
-/// # Errors
-/// Options that make no sense, or `cancel`.
-pub fn run(
-    options: &Options,
-    cancel: &CancelToken,
-    mut on_progress: impl FnMut(Progress),
-) -> Result<Report, ExperimentError> {
-    let people = &PEOPLE[..options.people.min(PEOPLE.len())];
-    let total = options.settings.len() * options.widened.len() * people.len();
-    let mut cases = Vec::new();
-    for &setting in &options.settings {
-        for &share in &options.widened {
-            for person in people {
-                on_progress(Progress { done: cases.len(), total });
-                cases.push(Scene::new(options, setting, share, person)?.case(options, cancel)?);
+impl Experiment for OwnSizes {
+    const NAME: &'static str = "sizes-widened";
+    type Report = Report;
+
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        let people = &PEOPLE[..self.people.min(PEOPLE.len())];
+        let total = self.settings.len() * self.widened.len() * people.len();
+        let mut cases = Vec::new();
+        for &setting in &self.settings {
+            for &share in &self.widened {
+                for person in people {
+                    run.progress(cases.len(), total)?;
+                    cases.push(FilmedPerson::new(self, setting, share, person)?.case(self, run)?);
+                }
             }
         }
+        Ok(Report { cases })
     }
-    on_progress(Progress { done: total, total });
-    Ok(Report { cases })
+
+    fn table(&self, report: &Report) -> String {
+        let mean = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| {
+            cases.iter().map(of).sum::<f64>() / cases.len() as f64
+        };
+        let mm = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| format!("{:.1}", mean(cases, of));
+        let girth = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| {
+            format!("{:+.1} %", 100.0 * (mean(cases, of).exp() - 1.0))
+        };
+        let worst = |cases: &&[Case], of: fn(&Case) -> f64| {
+            format!("{:.1}", cases.iter().map(of).fold(0.0, f64::max))
+        };
+        let too_wide = |cases: &&[Case]| {
+            format!("{:.0} %, {:.1} px", 100.0 * cases[0].widened, mean(cases, &|case| case.widened_px))
+        };
+        let refused = |cases: &&[Case]| cases.iter().filter(|case| !case.doubts.is_empty()).count();
+        let table = Table::of(
+            report.cases.chunk_by(|a, b| a.setting == b.setting && a.widened == b.widened),
+            &[
+                ("mm, means of all builds", &|cases| cases[0].setting.label().to_owned()),
+                ("too wide", &too_wide),
+                ("lengths: before", &|cases| mm(cases, &|case| case.before.length_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.length_mm)),
+                ("radii: before", &|cases| mm(cases, &|case| case.before.radius_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.radius_mm)),
+                ("girth: before", &|cases| girth(cases, &|case| case.before.girth)),
+                ("now", &|cases| girth(cases, &|case| case.now.girth)),
+                ("joints: average body", &|cases| mm(cases, &|case| case.average.track_mm)),
+                ("before", &|cases| mm(cases, &|case| case.before.track_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.track_mm)),
+                ("worst build: average body", &|cases| worst(cases, |case| case.average.track_mm)),
+                ("before", &|cases| worst(cases, |case| case.before.track_mm)),
+                ("now", &|cases| worst(cases, |case| case.now.track_mm)),
+                ("not taken", &|cases| format!("{} of {}", refused(cases), cases.len())),
+            ],
+        );
+        table
+            + "\nBefore: a generic prior, silhouettes taken as they are, frames evenly spread, all that is found taken.\n"
+    }
 }
 
 /// What is seen of one person.
-struct Scene {
+struct FilmedPerson {
     setting: Setting,
     every: usize,
     share: f64,
@@ -188,22 +198,15 @@ struct Scene {
     views: Vec<Vec<FitView>>,
 }
 
-impl Scene {
-    fn new(
-        options: &Options,
-        setting: Setting,
-        share: f64,
-        person: &'static Person,
-    ) -> Result<Self, ExperimentError> {
+impl FilmedPerson {
+    fn new(options: &OwnSizes, setting: Setting, share: f64, person: &'static Person) -> Result<Self> {
         let body = person.of(&builtin::full_body())?;
         let truth = |index: usize| {
             let frame = index * options.every;
-            let mut pose = match setting {
+            person.standing(match setting {
                 Setting::Around => motion::pose(&body, frame as f64 % 60.0),
                 Setting::Phones => squats::pose(&body, frame as f64 / squats::FRAME_RATE),
-            };
-            pose.root -= DVec3::Z * (PELVIS_HEIGHT * (1.0 - person.stature));
-            pose
+            })
         };
         let truths: Vec<Pose> = (0..options.frames).map(truth).collect();
         let cameras: Vec<Arc<Camera>> = match setting {
@@ -218,27 +221,22 @@ impl Scene {
             let depth = camera.camera_from_world().transform(pose.root).z;
             0.5 * share * BREADTH * person.stature * camera.intrinsics().fx / depth
         };
-        let see = |pose: &Pose| -> Result<Vec<FitView>, ExperimentError> {
+        let see = |pose: &Pose| -> Result<Vec<FitView>> {
             let of = |camera: &Arc<Camera>| {
                 let exact = capsules::hard_mask(&body, pose, camera)?;
-                let mask = widened(exact, widening(camera, pose))?;
-                let evidence = Evidence::Mask(Arc::new(mask));
-                Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
+                Ok(masked(camera, widened(exact, widening(camera, pose))?))
             };
             cameras.iter().map(of).collect()
         };
-        let views = truths.iter().map(see).collect::<Result<_, _>>()?;
+        let views = truths.iter().map(see).collect::<Result<_>>()?;
         let widened_px =
             cameras.iter().map(|camera| widening(camera, &truths[0])).sum::<f64>() / cameras.len() as f64;
         Ok(Self { setting, every: options.every, share, widened_px, person, body, truths, views })
     }
 
-    fn case(&self, options: &Options, cancel: &CancelToken) -> Result<Case, ExperimentError> {
+    fn case(&self, options: &OwnSizes, run: &Run) -> Result<Case> {
         let adult = Arc::new(builtin::full_body());
-        let failed = |error: BodyFitError| match error {
-            BodyFitError::Cancelled => ExperimentError::Cancelled,
-            error => ExperimentError::Body { person: self.person.name, error },
-        };
+        let cancel = &run.cancel;
         let start = start::perturb(
             &adult,
             &self.truths[0],
@@ -250,7 +248,7 @@ impl Scene {
         let old = BodyFitOptions { proportions: generic, widening: 0.0, ..BodyFitOptions::default() };
         let old = old.with_proportions(options.proportions[0]);
         let plan = Approach { start: start.clone(), size: None, frames: vec![0], step: 1 };
-        let (size, first) = approach(
+        let approached = approach(
             &adult,
             &plan,
             &old,
@@ -258,11 +256,11 @@ impl Scene {
             |frame| Ok::<_, BodyFitError>(self.views[frame].clone()),
             |_| ReferenceJoints::new(),
             |_, _| {},
-        )
-        .map_err(failed)?;
+        );
+        let (size, first) = of_person(self.person, approached)?;
         let average = Arc::new(adult.scaled(size.exp())?);
         let start = &first[0].start;
-        let (average_report, track) = self.follow(&average, start, 0.0, cancel)?;
+        let (average_report, track) = self.follow(&average, start, 0.0, run)?;
         let all: Vec<usize> = (0..self.views.len()).collect();
         let to_fit = frames::spread(&all, BEFORE).into_iter().map(|frame| BodyFrame {
             frame,
@@ -270,9 +268,9 @@ impl Scene {
             start: track[frame].pose.clone(),
             joints: ReferenceJoints::new(),
         });
-        let before =
-            fit_body(adult.clone(), to_fit.collect(), Some(size), &old, cancel, |_| {}).map_err(failed)?;
-        let before = self.follow(&Arc::new(before.model), start, 0.0, cancel)?.0;
+        let before = fit_body(adult.clone(), to_fit.collect(), Some(size), &old, cancel, |_| {});
+        let before = of_person(self.person, before)?;
+        let before = self.follow(&Arc::new(before.model), start, 0.0, run)?.0;
         let fit = BodyFitOptions { widening: options.widening_deviation_m, ..BodyFitOptions::default() };
         let now = OwnSizesOptions {
             fit: fit.with_proportions(options.proportions[1]),
@@ -286,14 +284,14 @@ impl Scene {
             |frame| Ok::<_, OwnSizesError>(self.views[frame].clone()),
             |_| ReferenceJoints::new(),
             |_| {},
-        )
-        .map_err(|error| match error {
-            OwnSizesError::Fit(error) => failed(error),
-            error => ExperimentError::OwnSizes { person: self.person.name, error },
-        })?;
+        );
+        let own = match own {
+            Err(OwnSizesError::Fit(error)) => of_person(self.person, Err(error))?,
+            own => own.context(self.person.name)?,
+        };
         // The person's errors, and those of the track with the body that is followed in its place.
-        let follow = |person: &Model, seen: Model, by_px| -> Result<BodyReport, ExperimentError> {
-            let track_mm = self.follow(&Arc::new(seen), start, by_px, cancel)?.0.track_mm;
+        let follow = |person: &Model, seen: Model, by_px| -> Result<BodyErrors> {
+            let track_mm = self.follow(&Arc::new(seen), start, by_px, run)?.0.track_mm;
             Ok(self.errors(person, track_mm))
         };
         let narrow = own.widening_px();
@@ -323,8 +321,8 @@ impl Scene {
         model: &Arc<Model>,
         start: &Pose,
         narrow_px: f64,
-        cancel: &CancelToken,
-    ) -> Result<(BodyReport, Vec<PosedFrame>), ExperimentError> {
+        run: &Run,
+    ) -> Result<(BodyErrors, Vec<PosedFrame>)> {
         let rate = match self.setting {
             Setting::Around => 25.0,
             Setting::Phones => squats::FRAME_RATE,
@@ -336,10 +334,8 @@ impl Scene {
         let mut track = Vec::new();
         for (frame, truth) in self.truths.iter().enumerate() {
             let views = self.views[frame].iter().map(|view| narrowed(view, narrow_px)).collect();
-            let estimate = tracker.track_frame(frame, views, cancel)?;
-            if cancel.is_cancelled() {
-                return Err(ExperimentError::Cancelled);
-            }
+            let estimate = tracker.track_frame(frame, views, &run.cancel)?;
+            run.check()?;
             let [truth, found] = [(&self.body, truth), (&**model, &estimate.pose)]
                 .map(|(model, pose)| Kinematics::new(model, pose));
             for (truth, found) in truth.ends().iter().zip(found.ends()) {
@@ -351,12 +347,12 @@ impl Scene {
         Ok((self.errors(model, 1000.0 * sum / count), track))
     }
 
-    fn errors(&self, model: &Model, track_mm: f64) -> BodyReport {
+    fn errors(&self, model: &Model, track_mm: f64) -> BodyErrors {
         let limbs = || model.limbs().iter().zip(self.body.limbs());
-        let mean = |of: &dyn Fn(&backlit_tracking::body::Limb, &backlit_tracking::body::Limb) -> f64| {
+        let mean = |of: &dyn Fn(&Limb, &Limb) -> f64| {
             limbs().map(|(found, truth)| of(found, truth)).sum::<f64>() / model.limbs().len() as f64
         };
-        BodyReport {
+        BodyErrors {
             length_mm: mean(&|found, truth| 1000.0 * (found.length - truth.length).abs()),
             radius_mm: mean(&|found, truth| 1000.0 * (found.radius - truth.radius).abs()),
             girth: mean(&|found, truth| (found.radius / truth.radius).ln()),
