@@ -1,41 +1,89 @@
 //! Ways to begin: where a fit may start when the pose is hardly known or not at all, each played step by step, in a table beside
 //! one another; and a body acquired from nothing. Nothing here is saved; what is taken is an edit like any other.
 //!
-//! The ways are the lab's (`backlit_lab::experiment::begin`), the same that `backlit experiment begin` counts.
+//! The methods are the core's (`backlit_tracking::initialisation`), the same that `backlit experiment begin` counts.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `way` | [`Way`]: which there are, and what is said of each |
-//! | `record` | a way's steps as bodies to draw and words |
-//! | `growth` | the same of a body that grows |
+//! | `record` | what a method tries, as bodies to draw and words |
 //! | `job` | the runs, one a step of the pool; what each led to |
 //! | `update` | begun, stopped, played, taken |
 //! | `panel` | the pane |
 
-mod growth;
 mod job;
 mod panel;
 mod record;
 #[cfg(test)]
 mod tests;
 mod update;
-mod way;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use backlit_jobs::Task;
 use backlit_tracking::body::Pose;
+use backlit_tracking::initialisation::InitialisationMethod as Method;
 use backlit_ui::drawing::Ghosts;
 
 use crate::context::priority;
 use crate::session::prediction::FitInputs;
-use job::{Found, Outcome};
-use way::Way;
+use job::{BeginningMessage, Outcome};
 
-/// What all runs are about.
+/// The methods that are compared with one another, in the order of their rows.
+const COMPARED: [Method; 5] =
+    [Method::Particles, Method::Ramp, Method::Templates, Method::Search, Method::Report];
+
+/// What is said of a method.
+struct MethodWords {
+    name: &'static str,
+    /// In the middle of a sentence.
+    lower_case: &'static str,
+    /// One sentence about what it does, without its full stop.
+    explanation: &'static str,
+}
+
+impl MethodWords {
+    const fn of(method: Method) -> Self {
+        let (name, lower_case, explanation) = match method {
+            Method::Particles => (
+                "Particle filter",
+                "the particle filter",
+                "Hundreds of bodies are moved at random and weighed by how well they explain the silhouettes; the heaviest \
+                 have children. First the trunk, then every arm, leg and the head",
+            ),
+            Method::Ramp => (
+                "Softened ramp",
+                "the softened ramp",
+                "The fit goes downhill on wide, soft outlines, which become sharp step by step",
+            ),
+            Method::Templates => (
+                "Templates",
+                "templates",
+                "A ball finds the head, a capsule hangs from it and turns to the middle of its pixels, then limb after limb. \
+                 The start plays no part",
+            ),
+            Method::Search => (
+                "Search",
+                "the search",
+                "The program's own: fits from many places, with arms, legs and head found again",
+            ),
+            Method::Report => {
+                ("Report 2004", "the way of 2004", "The fit of the 2004 report goes downhill, as it was")
+            }
+            Method::Body => (
+                "Acquired body",
+                "a body from nothing",
+                "Nothing is known, the person's size neither: the search finds the pose of a scaled body, then every limb \
+                 shrinks until it holds no background and grows until background enters",
+            ),
+        };
+        Self { name, lower_case, explanation }
+    }
+}
+
+/// The frame that all runs are about.
 #[derive(Debug, Clone)]
-struct About {
+struct InitialisedFrame {
     frame: usize,
     inputs: FitInputs,
     /// Where they begin; `None` where nothing is known.
@@ -44,27 +92,27 @@ struct About {
 
 /// A step that is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct At {
-    way: Way,
+struct AttemptIndex {
+    method: Method,
     step: usize,
 }
 
 /// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Beginnings {
-    task: Task<(), Found, { priority::BASIN }>,
-    about: Option<About>,
+    task: Task<(), BeginningMessage, { priority::BASIN }>,
+    about: Option<InitialisedFrame>,
     /// What each way led to, or why it led nowhere.
-    ended: BTreeMap<Way, Result<Arc<Outcome>, String>>,
-    running: Option<Way>,
+    ended: BTreeMap<Method, Result<Arc<Outcome>, String>>,
+    running: Option<Method>,
     /// Whether ways begin without a start.
     no_start: bool,
-    at: Option<At>,
+    at: Option<AttemptIndex>,
     /// Whether its step is drawn in views and scene, in the place of the pose.
     is_shown: bool,
     /// When the next step is played, seconds.
     plays: Option<f64>,
-    drawn: Option<(At, Arc<Ghosts>)>,
+    drawn: Option<(AttemptIndex, Arc<Ghosts>)>,
     /// All are tried as soon as the frame is read.
     waits: bool,
 }
@@ -77,6 +125,6 @@ impl Beginnings {
 
     /// What the way that is looked at led to.
     fn outcome(&self) -> Option<&Arc<Outcome>> {
-        self.ended.get(&self.at?.way)?.as_ref().ok()
+        self.ended.get(&self.at?.method)?.as_ref().ok()
     }
 }

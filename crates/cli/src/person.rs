@@ -9,7 +9,7 @@ use backlit_tracking::body_fit::survey::LOOKED_AT;
 use backlit_tracking::body_fit::{Doubt, OwnSizes, Person};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::search::{WithoutStart, without_start};
+use backlit_tracking::search::{WithoutStartOptions, without_start};
 use serde::{Deserialize, Serialize};
 
 use crate::interrupt::Interrupted;
@@ -49,7 +49,7 @@ pub(crate) fn search_start(
     fit: &FitOptions,
 ) -> anyhow::Result<Pose> {
     let views = footage.fit_views(cameras, frame)?;
-    let choices = WithoutStart { fit: fit.clone(), ..WithoutStart::default() };
+    let choices = WithoutStartOptions { fit: fit.clone(), ..WithoutStartOptions::default() };
     let found = without_start(footage.take().model(), &views, &choices, &CancelToken::new());
     Ok(found.with_context(|| no_start(frame))?.pose().clone())
 }

@@ -1,6 +1,7 @@
 //! Long work on a take, without a window: what the command line and the inspector both drive.
 
 pub mod basin;
+pub mod initialisation;
 pub mod motions;
 pub mod person;
 pub mod track;

@@ -12,8 +12,9 @@ use backlit_formats::export::resume_file::{Resume, WaitingFrames};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::survey::{self, Survey};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::{Cue, CueOptionsError, FrameCues};
+use backlit_tracking::cues::{Cue, FrameCues};
 use backlit_tracking::fit::{FitError, FitView};
+use backlit_tracking::numbers::OptionError;
 use backlit_tracking::posing;
 use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{
@@ -82,7 +83,7 @@ pub enum TrackError {
     #[error(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
-    Cues(#[from] CueOptionsError),
+    Cues(#[from] OptionError),
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         views.push(FitView::of_mask(camera, Mask::from_gray(&image::open(&path)?.to_luma8())?));
     }
-    let found = without_start(&model, &views, &WithoutStart::default(), &CancelToken::new())?;
+    let found = without_start(&model, &views, &WithoutStartOptions::default(), &CancelToken::new())?;
     for (limb, end) in model.limbs().iter().zip(Kinematics::new(&model, found.pose()).ends()) {
         println!("{:<20} ends at {end:.2}", limb.name);
     }

@@ -17,25 +17,21 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `options` | [`AcquireOptions`], [`FirstPose`] |
-//! | `grow` | one size, grown until background enters |
 //! | `sizes` | all sizes of posed bodies |
 
-mod grow;
-mod options;
 mod sizes;
 
 use std::sync::Arc;
 
-pub use options::{AcquireOptions, FirstPose};
+use sizes::Factors;
+use thiserror::Error;
 
 use crate::body::{Model, ModelError, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitError, FitOptions, FitView};
-use crate::search::{WithoutStartError, hull_scale, without_start};
-use crate::templates::{Frame, Pictures, TemplateError, TemplateStep, place};
-use sizes::Factors;
-use thiserror::Error;
+use crate::numbers::{AT_LEAST_ONE, OptionError, Range, check_options};
+use crate::search::{WithoutStartError, WithoutStartOptions, hull_scale, without_start};
+use crate::templates::{Silhouettes, TemplateBody, TemplateError, TemplateOptions, TemplateStep, place};
 
 /// Why no body was acquired.
 #[derive(Debug, Error, Clone, PartialEq)]
@@ -45,6 +41,8 @@ pub enum AcquireError {
     Templates(#[from] TemplateError),
     #[error(transparent)]
     Search(#[from] WithoutStartError),
+    #[error(transparent)]
+    Option(#[from] OptionError),
     #[error(transparent)]
     Fit(#[from] FitError),
     #[error("the body cannot have the sizes that were found: {0}")]
@@ -67,12 +65,12 @@ pub struct Acquired {
     /// The turns of the templates, where the pose came of them.
     pub steps: Vec<TemplateStep>,
     /// The rounds of growing, in order.
-    pub rounds: Vec<Round>,
+    pub rounds: Vec<GrowthRound>,
 }
 
 /// A round of growing: how the limbs stood, and what became of their sizes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Round {
+pub struct GrowthRound {
     /// The poses of the body before it was grown, after a fit turned all limbs; one a frame.
     pub poses: Vec<Pose>,
     /// That body.
@@ -83,7 +81,7 @@ pub struct Round {
     pub measured: Vec<[bool; 2]>,
 }
 
-impl Round {
+impl GrowthRound {
     /// How many times as long and as thick a limb is after the round.
     #[must_use]
     pub fn factors(&self, limb: usize) -> [f64; 2] {
@@ -105,7 +103,7 @@ impl Round {
 /// Acquires a body from one moment in which nothing is known of it.
 ///
 /// # Errors
-/// Nobody is seen, silhouettes that do not meet, options that make no sense, or `cancel`.
+/// Returns an error if nobody is seen, if silhouettes do not meet, if an option is out of range, or if it is cancelled.
 pub fn acquire(
     model: &Arc<Model>,
     views: &[FitView],
@@ -148,15 +146,15 @@ pub fn acquire_posed(
         for ((views, _), pose) in frames.iter().zip(&mut poses) {
             *pose = turned(&body, views, pose, cancel)?;
             let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
-            let frame =
-                Frame::new(&body).ok_or_else(|| TemplateError::NoHead { model: body.name().to_owned() })?;
-            all.push(sizes::measured(&frame, &Pictures::new(&seen), options, pose));
+            let frame = TemplateBody::new(&body)
+                .ok_or_else(|| TemplateError::NoHead { model: body.name().to_owned() })?;
+            all.push(sizes::measured(&frame, &Silhouettes::new(&seen), options, pose));
         }
         let is_measured = |factors: &Factors| factors.iter().flatten().flatten().count();
         measured = all.iter().map(is_measured).max().unwrap_or(0);
         let after = Arc::new(sizes::resized(&body, &all)?);
         let measured = sizes::are_measured(&body, &all);
-        rounds.push(Round { poses: poses.clone(), before: body, after: Arc::clone(&after), measured });
+        rounds.push(GrowthRound { poses: poses.clone(), before: body, after: Arc::clone(&after), measured });
         body = after;
     }
     for ((views, _), pose) in frames.iter().zip(&mut poses) {
@@ -175,4 +173,63 @@ fn turned(
     let mut fit = Fit::new(Arc::clone(model), views.to_vec(), pose.clone(), FitOptions::default())?;
     let pose = fit.run(cancel, |_| {}).pose;
     if cancel.is_cancelled() { Err(AcquireError::Cancelled) } else { Ok(pose) }
+}
+
+/// By what the first pose is found.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one of them is made a run")]
+pub enum FirstPose {
+    /// Templates, one after the other.
+    Templates(TemplateOptions),
+    /// The program's own search from the hull.
+    Search(WithoutStartOptions),
+}
+
+/// How to acquire a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AcquireOptions {
+    /// By what the first pose is found.
+    pub pose: FirstPose,
+    /// The share of a template's pixels, in the camera that sees most of it, that is background where growing ends.
+    pub background: f64,
+    /// By how much a template grows or shrinks at a time, as a share.
+    pub step: f64,
+    /// How much smaller and larger than it began a size may become, as factors.
+    pub range: [f64; 2],
+    /// Rounds of growing, each after a fit of the pose; at least one.
+    pub rounds: usize,
+}
+
+impl Default for AcquireOptions {
+    fn default() -> Self {
+        Self {
+            pose: FirstPose::Search(WithoutStartOptions {
+                scale_body: true,
+                ..WithoutStartOptions::default()
+            }),
+            background: 0.05,
+            step: 0.02,
+            range: [0.6, 1.7],
+            rounds: 2,
+        }
+    }
+}
+
+impl AcquireOptions {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// The first option that is out of range.
+    pub fn check(&self) -> Result<(), OptionError> {
+        const SHARE: Range = Range(|value| value > 0.0 && value < 0.5, "more than 0 and less than 0.5");
+        const SMALLEST: Range = Range(|value| value > 0.0 && value < 1.0, "between 0 and 1");
+        const LARGEST: Range = Range(|value| value > 1.0 && value.is_finite(), "more than 1");
+        check_options([
+            ("background", self.background, SHARE),
+            ("step", self.step, SHARE),
+            ("range[0]", self.range[0], SMALLEST),
+            ("range[1]", self.range[1], LARGEST),
+            ("rounds", self.rounds as f64, AT_LEAST_ONE),
+        ])
+    }
 }

@@ -7,16 +7,14 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `coverage` | [`Coverage`]: which limbs have a boundary of their own, in which camera |
-//! | `evidence` | [`FrameCues`]: what a frame has beside its silhouettes: keypoints, grey pictures |
+//! | `source` | the trait that every cue implements, what it is shown of a frame, and points of limbs that a camera sees |
+//! | `coverage` | [`Coverage`]: which limbs have a boundary of their own, in which camera; [`LimbHold`]: what held which limb |
 //! | `options` | [`CueOptions`]: which cues pull, at what, how strongly |
 //! | `keypoints` | 2-D keypoints, and how far each is from its joint, learnt over frames |
 //! | `picture` | [`GreyPicture`]: grey levels between pixels, pyramids |
-//! | `surface` | points of limbs that a camera sees, and points of their outlines |
 //! | `flow` | [`follow_point`]: pyramidal Lucas-Kanade with a forward-backward check; points carried from the last frame |
 //! | `edges` | gradients along a limb's outline, their polarity kept from frame to frame |
 //! | `stereo` | patches that neighbouring cameras see alike, as points in space |
-//! | `hold` | [`LimbHold`]: what held which limb in a frame; what nothing held is unsure |
 //! | `watch` | [`CueWatch`]: all of it from frame to frame |
 //!
 //! [`Tracker::with_cues`](crate::track::Tracker::with_cues) does the rest: each frame's fit starts where the motion leads,
@@ -64,22 +62,19 @@
 
 mod coverage;
 mod edges;
-mod evidence;
 mod flow;
-mod hold;
 mod keypoints;
 mod options;
 mod picture;
+mod source;
 mod stereo;
-mod surface;
 mod watch;
 
 pub use crate::residual::cue::{Cue, CueError, CuePull, CueSet, CueTarget};
-pub use coverage::{Coverage, CoverageOptions, CoverageView};
-pub use evidence::{CameraCues, FrameCues, JointKeypoint};
+pub use coverage::{Coverage, CoverageOptions, CoverageView, LimbHold};
 pub use flow::follow_point;
-pub use hold::LimbHold;
 pub use keypoints::KeypointOffsets;
-pub use options::{CueOptions, CueOptionsError, CueReach, CueStrength};
+pub use options::{CueOptions, CueReach, CueStrength};
 pub use picture::{GreyPicture, GreyPictureError};
+pub use source::{CameraCues, FrameCues, JointKeypoint};
 pub use watch::{CueMemory, CueWatch, WatchedCamera};

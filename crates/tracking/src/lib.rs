@@ -81,6 +81,7 @@
 //! | [`search`] | where a fit begins: other poses that the silhouettes allow, [`search::particles`], [`search::templates`], [`search::acquisition`] of a person's size, the [`search::visual_hull`] |
 //! | [`track`] | following frames: motion, lost frames, smoothing by a [`track::filter`]; [`track::cues`] are what pictures say beside silhouettes |
 //! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames; [`body_fit::body_spheres`] a person of spheres |
+//! | [`initialisation`] | ways to come by the first pose behind one trait: downhill, particles, templates, search, acquisition |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`geometry`] | rotations, similarities and distances of rays, with their derivatives |
 //! | [`statistics`] | medians, normal deviates, sums of logarithms |
@@ -130,11 +131,12 @@ pub mod fit;
 #[path = "../tests/tracking/fixtures.rs"]
 mod fixtures;
 pub mod geometry;
+pub mod initialisation;
 #[doc(hidden)]
 pub mod metrics;
 #[doc(hidden)]
 pub mod names;
-mod numbers;
+pub mod numbers;
 pub mod observability;
 pub mod optimize;
 #[doc(hidden)]
@@ -176,7 +178,7 @@ pub mod prelude {
     pub use crate::optimize::{NormalEquations, Termination};
     pub use crate::render::{Ramp, RendererKind, predict};
     pub use crate::residual::{Residual, ResidualPoint};
-    pub use crate::search::{WithoutStart, without_start};
+    pub use crate::search::{WithoutStartOptions, without_start};
     pub use crate::silhouette::{Label, Mask};
     pub use crate::track::{Track, Tracker};
 }

@@ -23,17 +23,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `options` | [`ParticleOptions`]: how many, how far, how long |
 //! | `likelihood` | [`Likelihood`]: the cost of a pose, all limbs drawn or some |
-//! | `weights` | tempering and systematic resampling |
 //! | `filter` | [`ParticleFilter`]: step by step |
 
 mod filter;
 mod likelihood;
-mod options;
-mod weights;
 
-pub use filter::{FilterSummary, Generation, Part, Particle, ParticleFilter};
-pub use likelihood::{Likelihood, LikelihoodMemory};
-pub use options::{ParticleError, ParticleOptions};
-pub use weights::{resampled, tempered};
+pub use filter::{
+    FilterSummary, Generation, Particle, ParticleError, ParticleFilter, ParticleOptions, Partition,
+};
+pub use likelihood::{Likelihood, LikelihoodMemory, resampled, tempered};

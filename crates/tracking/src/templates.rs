@@ -22,23 +22,235 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `options` | [`TemplateOptions`], errors |
 //! | `pictures` | what a template holds in every camera, and the point nearest to the centroids' rays |
-//! | `head` | the ball of the head |
-//! | `frame` | the body's parts as templates: neck, trunk, chains |
-//! | `trunk` | the trunk, turned until it rests, and the ways that it may face |
+//! | `body` | the body's parts as templates: neck, trunk, chains |
 //! | `limbs` | limb after limb |
-//! | `steps` | all of it, step by step |
 
-mod frame;
-mod head;
+mod body;
 mod limbs;
-mod options;
 mod pictures;
-mod steps;
-mod trunk;
 
-pub(crate) use frame::{Frame, Segment};
-pub use options::{TemplateError, TemplateOptions};
-pub(crate) use pictures::{Pictures, Template};
-pub use steps::{Placed, TemplateStep, place};
+use std::sync::Arc;
+
+use glam::DVec3;
+use limbs::{HeadHypothesis, heads};
+use thiserror::Error;
+
+use crate::body::{Model, Pose};
+use crate::cancel::CancelToken;
+use crate::fit::{FitError, FitOptions, FitView, PreparedFit, Stage};
+use crate::numbers::{AT_LEAST_ONE, OptionError, POSITIVE, check_options};
+use crate::particles::{Likelihood, LikelihoodMemory};
+use crate::search::{SubjectPlace, WithoutStartError, reduced};
+
+pub(crate) use body::{Segment, TemplateBody};
+pub(crate) use pictures::{Silhouettes, Template};
+
+/// How to place templates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateOptions {
+    /// Up in world axes, of any length; `None` asks the cameras ([`up_of`](crate::camera::up_of)).
+    pub up: Option<DVec3>,
+    /// Places of the head that are gone on with, best first, at least one: 1 as Mikić et al. do it.
+    pub heads: usize,
+    /// Ways to face that are tried of a trunk, and how many of them limbs are put on; each at least one.
+    pub headings: [usize; 2],
+    /// Directions tried of a limb, evenly over the sphere.
+    pub directions: usize,
+    /// Most turns of one template.
+    pub turns: usize,
+    /// A template rests when it turns by less, radians.
+    pub rest_rad: f64,
+    /// By what whole bodies are judged.
+    pub fit: FitOptions,
+}
+
+impl Default for TemplateOptions {
+    fn default() -> Self {
+        Self {
+            up: None,
+            heads: 3,
+            headings: [16, 4],
+            directions: 80,
+            turns: 30,
+            rest_rad: 0.01,
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+/// Why templates could not be placed.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum TemplateError {
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error(transparent)]
+    Place(#[from] WithoutStartError),
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    #[error("the body \"{model}\" is one chain of limbs; expected a trunk with a head on it")]
+    NoHead { model: String },
+    #[error("no place inside all silhouettes can be the head")]
+    NowhereInside,
+    #[error("placing templates was stopped")]
+    Cancelled,
+}
+
+impl TemplateOptions {
+    /// Checks all but the fit's options.
+    ///
+    /// # Errors
+    /// The first option that is out of range.
+    pub fn check(&self) -> Result<(), OptionError> {
+        check_options([
+            ("heads", self.heads as f64, AT_LEAST_ONE),
+            ("headings", self.headings[0].min(self.headings[1]) as f64, AT_LEAST_ONE),
+            ("directions", self.directions as f64, AT_LEAST_ONE),
+            ("turns", self.turns as f64, AT_LEAST_ONE),
+            ("rest_rad", self.rest_rad, POSITIVE),
+        ])
+    }
+}
+
+/// One turn of one template.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateStep {
+    /// "head", "trunk", or the limb's name.
+    pub template: String,
+    /// The body so far.
+    pub pose: Pose,
+    /// Per limb, whether it is placed: others are at rest and say nothing.
+    pub placed: Vec<bool>,
+    /// The ends of the template, world metres: both the same for a ball.
+    pub ends: [DVec3; 2],
+    /// Its radius, metres.
+    pub radius: f64,
+    /// The share of its pixels that are the subject's, those in other templates left out.
+    pub held: f64,
+    /// By how much it turns next, radians.
+    pub turned_rad: f64,
+    /// Whether it rests here.
+    pub rests: bool,
+}
+
+impl TemplateStep {
+    fn of(template: &str, pose: Pose, placed: Vec<bool>, ends: [DVec3; 2], radius: f64) -> Self {
+        let template = template.to_owned();
+        Self { template, pose, placed, ends, radius, held: 1.0, turned_rad: 0.0, rests: true }
+    }
+}
+
+type Record = Vec<TemplateStep>;
+
+/// A body put together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateResult {
+    /// The pose.
+    pub pose: Pose,
+    /// Its cost by the fit's last but one stage (the only one, if there is one), limits included.
+    pub cost: f64,
+    /// Evaluations of Λ: trunks that face every way, and whole bodies. Looks at single templates are not counted.
+    pub evaluations: usize,
+    /// Bodies that were put together; this is the one that costs least.
+    pub bodies: usize,
+    /// The turns of its templates, in order.
+    pub steps: Vec<TemplateStep>,
+}
+
+/// Looks for the body without a start.
+///
+/// # Errors
+/// Returns an error if nobody is seen, if silhouettes do not meet, if there is no vertical or no head, if an option is out of
+/// range, or if it is cancelled.
+pub fn place(
+    model: &Arc<Model>,
+    views: &[FitView],
+    options: &TemplateOptions,
+    cancel: &CancelToken,
+) -> Result<TemplateResult, TemplateError> {
+    options.check()?;
+    let frame =
+        TemplateBody::new(model).ok_or_else(|| TemplateError::NoHead { model: model.name().to_owned() })?;
+    let at_rest = Pose::rest(model);
+    let seen = PreparedFit::new(model, views.to_vec(), &at_rest, &options.fit, |_, _, _| 0.0)?.views;
+    let place = SubjectPlace::of(&seen, options.up, frame.stance.height(), cancel)?;
+    let standing = frame.stance.pose(model, place.middle(), place.up, place.to_cameras);
+    let seen = reduced(model, &seen, &standing);
+    let fit = options.fit.clone().at_scale(model, &seen, &standing);
+    let stage: Stage = fit.stages[fit.stages.len().saturating_sub(2)];
+    let likelihood = Likelihood::new(Arc::clone(model), &seen, &fit, &stage);
+    let [skull, _] = frame.skull_and_neck();
+    let pictures = Silhouettes::new(&seen);
+    let heads = heads(&pictures, &place, model.limbs()[skull].radius, options.heads);
+    let memory = likelihood.memory();
+    let mut placing = Placing { frame, pictures, options, likelihood, memory, evaluations: 0, bodies: 0 };
+    let mut best: Option<TemplateResult> = None;
+    for head in heads {
+        for placed in placing.bodies_at(head, &place, cancel)? {
+            if best.as_ref().is_none_or(|best| placed.cost < best.cost) {
+                best = Some(placed);
+            }
+        }
+    }
+    let (evaluations, bodies) = (placing.evaluations, placing.bodies);
+    best.map(|best| TemplateResult { evaluations, bodies, ..best }).ok_or(TemplateError::NowhereInside)
+}
+
+struct Placing<'a> {
+    frame: TemplateBody<'a>,
+    pictures: Silhouettes,
+    options: &'a TemplateOptions,
+    likelihood: Likelihood,
+    memory: LikelihoodMemory,
+    evaluations: usize,
+    bodies: usize,
+}
+
+impl Placing<'_> {
+    /// The bodies that one place of the head leads to, one a facing.
+    fn bodies_at(
+        &mut self,
+        head: HeadHypothesis,
+        place: &SubjectPlace,
+        cancel: &CancelToken,
+    ) -> Result<Vec<TemplateResult>, TemplateError> {
+        let mut record = Record::new();
+        let begin = (head.centre, place.up, place.to_cameras);
+        let hung = body::hung(&self.frame, &self.pictures, self.options, begin, &mut record);
+        if let Some(first) = record.first_mut() {
+            first.held = head.held;
+        }
+        let drawn = body::trunk_limbs(&self.frame);
+        let facings = body::facings(&self.frame, &hung, head.centre, self.options.headings[0]);
+        let mut facings: Vec<(f64, Pose)> =
+            facings.into_iter().map(|pose| (self.cost(&pose, &drawn), pose)).collect();
+        facings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut bodies = Vec::new();
+        for (_, facing) in facings.into_iter().take(self.options.headings[1]) {
+            if cancel.is_cancelled() {
+                return Err(TemplateError::Cancelled);
+            }
+            let mut steps = record.clone();
+            let mut free = self.pictures.clone();
+            free.claim(&self.frame.trunk_template(&facing));
+            for segment in self.frame.segments(self.frame.head) {
+                free.claim(&self.frame.template(&facing, &segment));
+            }
+            let radius = self.frame.model.limbs()[self.frame.skull_and_neck()[0]].radius;
+            free.claim(&Template { from: head.centre, to: head.centre, radius });
+            let (frame, options) = (&self.frame, self.options);
+            let pose = limbs::placed(frame, &mut free, options, &facing, drawn.clone(), &mut steps);
+            let all = vec![true; frame.model.limbs().len()];
+            let cost = self.cost(&pose, &all);
+            self.bodies += 1;
+            bodies.push(TemplateResult { pose, cost, evaluations: 0, bodies: 0, steps });
+        }
+        Ok(bodies)
+    }
+
+    fn cost(&mut self, pose: &Pose, drawn: &[bool]) -> f64 {
+        self.evaluations += 1;
+        self.likelihood.cost(&mut self.memory, pose, drawn)
+    }
+}

@@ -1,4 +1,4 @@
-//! The pane: a row a way, and the step that is looked at.
+//! The pane: a row a method, and the step that is looked at.
 
 mod player;
 mod table;
@@ -9,8 +9,7 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::segmented;
 use egui::{Align, Layout as Direction, RichText, ScrollArea, Ui, vec2};
 
-use super::way::Way;
-use super::{At, Beginnings};
+use super::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
@@ -21,10 +20,10 @@ use crate::context::{Context, Requests};
 const HOME_MM: f64 = 20.0;
 
 /// What is asked for in the pane, done when it is drawn.
-enum Wish {
+enum PaneAction {
     NoStart(bool),
-    Run(Way),
-    LookAt(At),
+    Run(Method),
+    LookAt(AttemptIndex),
     Play,
     Take,
     Show(bool),
@@ -39,20 +38,20 @@ impl Beginnings {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let mut wishes = Vec::new();
-        pane(ui, self, context, siblings, requests, &mut wishes);
-        for wish in wishes {
-            match wish {
-                Wish::NoStart(no_start) => self.no_start = no_start,
-                Wish::Run(way) => self.begin(&[way], context, requests),
-                Wish::LookAt(at) => {
+        let mut actions = Vec::new();
+        pane(ui, self, context, siblings, requests, &mut actions);
+        for action in actions {
+            match action {
+                PaneAction::NoStart(no_start) => self.no_start = no_start,
+                PaneAction::Run(method) => self.begin(&[method], context, requests),
+                PaneAction::LookAt(at) => {
                     self.plays = None;
                     self.look_at(at);
                 }
-                Wish::Play => self.toggle_play(context.now),
-                Wish::Take => self.take(context, requests),
-                Wish::Show(true) => self.is_shown = true,
-                Wish::Show(false) => drop(self.leave()),
+                PaneAction::Play => self.toggle_play(context.now),
+                PaneAction::Take => self.take(context, requests),
+                PaneAction::Show(true) => self.is_shown = true,
+                PaneAction::Show(false) => drop(self.leave()),
             }
             ui.ctx().request_repaint();
         }
@@ -65,7 +64,7 @@ fn pane(
     context: &Context<'_>,
     siblings: &[Pane],
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<PaneAction>,
 ) {
     pane_title::ground(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::ROW, space::ROW);
@@ -76,10 +75,10 @@ fn pane(
             ui.add_space(HEADER_BUTTONS);
         });
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            controls(ui, beginnings, context, requests, wishes);
-            table::ui(ui, beginnings, context, wishes);
+            controls(ui, beginnings, context, requests, actions);
+            table::ui(ui, beginnings, context, actions);
             ui.add_space(space::ROW);
-            player::ui(ui, beginnings, wishes);
+            player::ui(ui, beginnings, actions);
         });
     });
 }
@@ -90,7 +89,7 @@ fn controls(
     beginnings: &Beginnings,
     context: &Context<'_>,
     requests: &mut Requests,
-    wishes: &mut Vec<Wish>,
+    actions: &mut Vec<PaneAction>,
 ) {
     ui.horizontal_wrapped(|ui| {
         let mut no_start = beginnings.no_start;
@@ -98,7 +97,7 @@ fn controls(
             "Where all ways begin: at the pose of this frame, or nowhere, as if nothing were known of it",
         );
         if no_start != beginnings.no_start {
-            wishes.push(Wish::NoStart(no_start));
+            actions.push(PaneAction::NoStart(no_start));
         }
         let (command, text) = match beginnings.is_running() {
             true => (BeginningCommand::Stop, "Stop"),
@@ -118,26 +117,29 @@ fn controls(
 
 /// Which ways are home, or which one costs least.
 fn summary(beginnings: &Beginnings) -> String {
-    let compared = Way::COMPARED.iter().filter_map(|way| {
-        let outcome = beginnings.ended.get(way)?.as_ref().ok()?;
-        Some((*way, outcome))
+    let compared = COMPARED.iter().filter_map(|method| {
+        let outcome = beginnings.ended.get(method)?.as_ref().ok()?;
+        Some((*method, outcome))
     });
     let compared: Vec<_> = compared.collect();
     let knows_truth = compared.iter().any(|(_, outcome)| outcome.error_mm.is_some());
     let home = compared.iter().filter(|(_, outcome)| outcome.error_mm.is_some_and(|error| error < HOME_MM));
-    let home: Vec<&str> = home.map(|(way, _)| way.lower_case()).collect();
-    let errors = compared.iter().filter_map(|(way, outcome)| Some((*way, outcome.error_mm?)));
+    let home: Vec<&str> = home.map(|(method, _)| MethodWords::of(*method).lower_case).collect();
+    let errors = compared.iter().filter_map(|(method, outcome)| Some((*method, outcome.error_mm?)));
     let nearest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
     let best = compared.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     match (best, home.as_slice()) {
         (None, _) => String::new(),
-        (Some((way, _)), []) if !knows_truth => {
-            format!("The true pose is not known here. The cost is least after {}.", way.lower_case())
+        (Some((method, _)), []) if !knows_truth => {
+            format!(
+                "The true pose is not known here. The cost is least after {}.",
+                MethodWords::of(*method).lower_case
+            )
         }
-        (_, []) => nearest.map_or_else(String::new, |(way, error)| {
+        (_, []) => nearest.map_or_else(String::new, |(method, error)| {
             format!(
                 "Nearest to the reference: {}, its joints {} off on average.",
-                way.lower_case(),
+                MethodWords::of(method).lower_case,
                 format::length(error / 1e3)
             )
         }),

@@ -1,21 +1,24 @@
-//! The steps of a way, as bodies to draw and words.
+//! What a method tries, as bodies to draw and words.
 
 use std::sync::Arc;
 
 use backlit_document::fit_words::short_ramp;
-use backlit_lab::experiment::begin::Step as Seen;
+use backlit_tracking::acquisition::GrowthRound;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::Stage;
+use backlit_tracking::initialisation::{Attempt, InitialisationMethod as Method};
 use backlit_tracking::optimize::Iteration;
-use backlit_tracking::particles::{Generation, Part};
+use backlit_tracking::particles::{Generation, Partition};
 use backlit_tracking::render::Ramp;
-use backlit_tracking::search::{Hypothesis, Origin, Rated};
+use backlit_tracking::search::{Hypothesis, Origin};
 use backlit_tracking::templates::TemplateStep;
 use backlit_ui::drawing::{Ghosts, Template};
 use backlit_ui::style::format;
 
-use super::way::Way;
+use super::MethodWords;
 
+/// A size that changes by less is the same.
+const SAME: f64 = 0.005;
 /// Most bodies that are drawn in a step.
 pub(super) const MOST_BODIES: usize = 60;
 /// A pose of a search that costs twice as much as the best weighs e to the power of minus this.
@@ -28,9 +31,9 @@ const ROUNDS: [&str; 4] = [
     "What is left is fitted to the end",
 ];
 
-/// A step.
+/// An attempt, or one of the limbs that grew in it.
 #[derive(Debug, Clone)]
-pub(super) struct Step {
+pub(super) struct ShownAttempt {
     /// What it does.
     pub(super) words: String,
     /// What is drawn, for the legend.
@@ -44,7 +47,7 @@ pub(super) struct Step {
     pub(super) template: Option<Template>,
 }
 
-impl Step {
+impl ShownAttempt {
     /// A step about one whole body.
     pub(super) fn new(model: &Arc<Model>, pose: Pose, words: String) -> Self {
         let limbs = model.limbs().len();
@@ -77,12 +80,12 @@ impl Step {
     }
 }
 
-/// Writes down what a way does.
+/// Writes down what a method tries.
 #[derive(Debug)]
 pub(super) struct Recorder {
-    way: Way,
+    method: Method,
     model: Arc<Model>,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<ShownAttempt>,
     /// Poses that the search has refined so far, with their costs.
     tried: Vec<(Arc<Pose>, f64)>,
     rounds: usize,
@@ -91,32 +94,54 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    pub(super) fn new(way: Way, model: &Arc<Model>) -> Self {
+    pub(super) fn new(method: Method, model: &Arc<Model>) -> Self {
         let model = Arc::clone(model);
-        Self { way, model, steps: Vec::new(), tried: Vec::new(), rounds: 0, downhill: 0 }
+        Self { method, model, steps: Vec::new(), tried: Vec::new(), rounds: 0, downhill: 0 }
     }
 
-    /// Hears of a step.
-    pub(super) fn see(&mut self, seen: Seen<'_>) {
-        let mut step = match seen {
-            Seen::Start { pose, of } => self.start(pose, of),
-            Seen::Downhill { record, stage } => self.downhill(record, stage),
-            Seen::Particles { generation, part, layers } => self.particles(generation, part, layers),
-            Seen::Template(turn) => self.template(turn),
-            Seen::Tried(tried) => self.tried(tried),
-            Seen::Round(rated) => self.round(rated),
+    /// Hears of an attempt.
+    pub(super) fn record(&mut self, attempt: Attempt<'_>) {
+        let shown = match attempt {
+            Attempt::Start { pose, index, count } => self.start(pose, index, count),
+            Attempt::Iteration { record, stage } => self.iteration(record, stage),
+            Attempt::Generation { generation, partition, layers } => {
+                self.generation(generation, partition, layers)
+            }
+            Attempt::Template(turn) => self.template(turn),
+            Attempt::Hypothesis(tried) => self.hypothesis(tried),
+            Attempt::Round(hypotheses) => self.round(hypotheses),
+            Attempt::Growth { round, index, count, scale } => return self.growth(round, index, count, scale),
+            Attempt::Grown { model, pose, measured } => {
+                let words = format!(
+                    "A fit turns all limbs a last time. {measured} lengths and radii were measured; the others follow these."
+                );
+                ShownAttempt::new(model, pose.clone(), words)
+            }
         };
-        if step.legend.is_empty() {
-            step.legend = self.way.name().to_owned();
-        }
-        self.steps.push(step);
+        self.push(shown);
     }
 
-    fn start(&mut self, pose: &Pose, [index, count]: [usize; 2]) -> Step {
+    /// Shows the pose that is meant, where it is not the last attempt's: of several starts the best.
+    pub(super) fn end(&mut self, pose: &Pose) {
+        if self.steps.last().is_none_or(|last| last.pose() != pose) {
+            let words =
+                format!("The end: the best pose that {} found.", MethodWords::of(self.method).lower_case);
+            self.push(ShownAttempt::new(&self.model.clone(), pose.clone(), words));
+        }
+    }
+
+    fn push(&mut self, mut shown: ShownAttempt) {
+        if shown.legend.is_empty() {
+            shown.legend = MethodWords::of(self.method).name.to_owned();
+        }
+        self.steps.push(shown);
+    }
+
+    fn start(&mut self, pose: &Pose, index: usize, count: usize) -> ShownAttempt {
         let is_refined = !self.steps.is_empty() && count == 1;
         self.downhill = 0;
-        let words = match self.way {
-            Way::Particles if is_refined => {
+        let words = match self.method {
+            Method::Particles if is_refined => {
                 "The best particle. From here the usual fit goes downhill.".to_owned()
             }
             _ if is_refined => "All limbs have a place. From here the usual fit goes downhill.".to_owned(),
@@ -126,10 +151,10 @@ impl Recorder {
                 index + 1
             ),
         };
-        Step::new(&self.model, pose.clone(), words)
+        ShownAttempt::new(&self.model, pose.clone(), words)
     }
 
-    fn downhill(&mut self, record: &Iteration<Pose>, stage: &Stage) -> Step {
+    fn iteration(&mut self, record: &Iteration<Pose>, stage: &Stage) -> ShownAttempt {
         self.downhill += 1;
         let ramp = match stage.ramp {
             Ramp::Thesis | Ramp::Half => format!("{} ramp", format::capitalised(&short_ramp(stage.ramp))),
@@ -141,10 +166,14 @@ impl Recorder {
             (true, false) => "the cost rises, and the step is taken all the same".to_owned(),
             (false, _) => "the cost would rise, so the body stays".to_owned(),
         };
-        Step::new(&self.model, record.point.clone(), format!("{ramp}, step {}: {what}.", self.downhill))
+        ShownAttempt::new(
+            &self.model,
+            record.point.clone(),
+            format!("{ramp}, step {}: {what}.", self.downhill),
+        )
     }
 
-    fn particles(&self, generation: &Generation, part: &Part, layers: usize) -> Step {
+    fn generation(&self, generation: &Generation, partition: &Partition, layers: usize) -> ShownAttempt {
         let mut heaviest: Vec<_> = generation.particles.iter().collect();
         heaviest.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.cost.total_cmp(&b.cost)));
         heaviest.truncate(MOST_BODIES);
@@ -154,7 +183,7 @@ impl Recorder {
             "Layer {} of {layers}. {}: {count} particles are moved and weighed. About {} share the weight; only these have \
              children. The {} heaviest are drawn, {} of the weight.",
             generation.layer + 1,
-            chain_words(&self.model, &part.name),
+            chain_words(&self.model, &partition.name),
             format::number(alive, 0),
             heaviest.len(),
             percent_of(held),
@@ -162,17 +191,17 @@ impl Recorder {
         let legend = format!("{} of {count} particles", heaviest.len());
         let bodies = heaviest.into_iter().map(|particle| (Arc::new(particle.pose.clone()), particle.weight));
         let limbs = self.model.limbs().iter();
-        Step {
+        ShownAttempt {
             words,
             legend,
             bodies: bodies.collect(),
             placed: generation.drawn.clone(),
-            marked: limbs.map(|limb| part.rotations.contains(&limb.rotation)).collect(),
-            ..Step::new(&self.model, Pose::rest(&self.model), String::new())
+            marked: limbs.map(|limb| partition.rotations.contains(&limb.rotation)).collect(),
+            ..ShownAttempt::new(&self.model, Pose::rest(&self.model), String::new())
         }
     }
 
-    fn template(&self, turn: &TemplateStep) -> Step {
+    fn template(&self, turn: &TemplateStep) -> ShownAttempt {
         let (name, held) = (format::capitalised(&turn.template), percent_of(turn.held));
         let words = match turn.template.as_str() {
             "head" => "Head: the ball whose outlines hold most border pixels of the silhouettes.".to_owned(),
@@ -198,10 +227,10 @@ impl Recorder {
         let marked = (0..model.limbs().len()).map(is_marked).collect();
         let template = Some(Template { ends: turn.ends, radius: turn.radius });
         let placed = turn.placed.clone();
-        Step { placed, marked, template, ..Step::new(model, turn.pose.clone(), words) }
+        ShownAttempt { placed, marked, template, ..ShownAttempt::new(model, turn.pose.clone(), words) }
     }
 
-    fn tried(&mut self, tried: &Hypothesis) -> Step {
+    fn hypothesis(&mut self, tried: &Hypothesis) -> ShownAttempt {
         let best = self.tried.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
         let what = match &tried.origin {
             Origin::Start => "The start, fitted".to_owned(),
@@ -238,11 +267,11 @@ impl Recorder {
         bodies.extend(weighed(&self.tried, least, MOST_BODIES - 1));
         self.tried.push((pose, tried.cost));
         let legend = format!("Search: {} poses", self.tried.len());
-        Step { bodies, marked, legend, ..Step::new(model, tried.pose.clone(), words) }
+        ShownAttempt { bodies, marked, legend, ..ShownAttempt::new(model, tried.pose.clone(), words) }
     }
 
-    fn round(&mut self, rated: &[Rated]) -> Step {
-        let all: Vec<_> = rated.iter().map(|(cost, pose)| (Arc::new(pose.clone()), *cost)).collect();
+    fn round(&mut self, hypotheses: &[Hypothesis]) -> ShownAttempt {
+        let all: Vec<_> = hypotheses.iter().map(|one| (Arc::new(one.pose.clone()), one.cost)).collect();
         let round = ROUNDS.get(self.rounds).copied().unwrap_or(ROUNDS[ROUNDS.len() - 1]);
         self.rounds += 1;
         let mut bodies = weighed(&all, all.first().map_or(0.0, |best| best.1), MOST_BODIES);
@@ -253,7 +282,47 @@ impl Recorder {
         }
         let words = format!("Round {} of {}. {round}: {} poses.", self.rounds, ROUNDS.len(), all.len());
         let legend = format!("Search: {} poses", all.len());
-        Step { bodies, legend, ..Step::new(&self.model, Pose::rest(&self.model), words) }
+        ShownAttempt { bodies, legend, ..ShownAttempt::new(&self.model, Pose::rest(&self.model), words) }
+    }
+
+    /// A round of growing: the pose that it began with, then limb after limb, each with the one on the other side.
+    fn growth(&mut self, round: &GrowthRound, index: usize, count: usize, scale: f64) {
+        let Some(pose) = round.poses.first() else { return };
+        let found = match index {
+            0 => format!(
+                "The search finds the pose of a body {} times as large, and a fit turns all limbs",
+                format::number(scale, 2)
+            ),
+            _ => "A fit turns all limbs of the grown body".to_owned(),
+        };
+        let words = format!("Round {} of {count}. {found}. Now every limb grows.", index + 1);
+        self.push(ShownAttempt::new(&round.before, pose.clone(), words));
+        let model = &round.before;
+        for (limb, measured) in round.measured.iter().enumerate() {
+            let other = model.mirrored_limb(limb);
+            if other < limb || *measured == [false; 2] {
+                continue;
+            }
+            let is_done = |index: usize| index.min(model.mirrored_limb(index)) <= limb;
+            let name = &model.limbs()[limb].name;
+            let both = name.strip_prefix("right ").or(name.strip_prefix("left ")).filter(|_| other != limb);
+            let name =
+                both.map_or_else(|| format::capitalised(name), |part| format!("Right and left {part}"));
+            let [length, radius] = round.factors(limb);
+            let sizes =
+                [(measured[0], length, ["longer", "shorter"]), (measured[1], radius, ["thicker", "thinner"])];
+            let said =
+                sizes.into_iter().filter(|size| size.0).map(|(_, factor, words)| change(factor, words));
+            let words = format!("{name}: {}.", said.collect::<Vec<_>>().join(", "));
+            let step = ShownAttempt::new(&round.partly(is_done), pose.clone(), words);
+            let marked = (0..model.limbs().len()).map(|index| index == limb || index == other).collect();
+            self.push(ShownAttempt { marked, ..step });
+        }
+        self.push(ShownAttempt::new(
+            &round.after,
+            pose.clone(),
+            "What no background stops follows the limbs that were measured, or stays.".to_owned(),
+        ));
     }
 }
 
@@ -282,4 +351,16 @@ fn chain_words(model: &Model, first: &str) -> String {
 /// Whole per cent.
 fn percent_of(share: f64) -> String {
     format!("{} %", format::number(100.0 * share, 0))
+}
+
+/// "7 % longer", "as thick as before".
+fn change(factor: f64, [more, less]: [&str; 2]) -> String {
+    let by = format::number(100.0 * (factor - 1.0).abs(), 0);
+    match factor {
+        _ if (factor - 1.0).abs() < SAME => {
+            format!("as {} as before", if more == "longer" { "long" } else { "thick" })
+        }
+        _ if factor > 1.0 => format!("{by} % {more}"),
+        _ => format!("{by} % {less}"),
+    }
 }

@@ -4,9 +4,8 @@ use backlit_document::edit::Edit;
 use backlit_take::demonstration::Demonstration;
 use egui_painter::Headless;
 
-use super::At;
 use super::record::MOST_BODIES;
-use super::way::Way;
+use super::{AttemptIndex, COMPARED, Method};
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::SessionRequest;
@@ -24,12 +23,12 @@ fn run(window: &mut Headless, app: &mut App, command: BeginningCommand) {
     settle(window, app);
 }
 
-fn outcome(app: &App, way: Way) -> &super::Outcome {
-    app.inspector.features.beginnings.ended[&way].as_ref().unwrap()
+fn outcome(app: &App, method: Method) -> &super::Outcome {
+    app.inspector.features.beginnings.ended[&method].as_ref().unwrap()
 }
 
-fn look_at(window: &mut Headless, app: &mut App, way: Way, step: usize) {
-    app.inspector.features.beginnings.look_at(At { way, step });
+fn look_at(window: &mut Headless, app: &mut App, method: Method, step: usize) {
+    app.inspector.features.beginnings.look_at(AttemptIndex { method, step });
     settle(window, app);
 }
 
@@ -37,18 +36,21 @@ fn look_at(window: &mut Headless, app: &mut App, way: Way, step: usize) {
 fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
     let (_window, app) = tried();
     assert!(app.inspector.is_open(Pane::Beginnings) && errors(&app).is_empty());
-    let error = |way| outcome(&app, way).error_mm.unwrap();
-    for way in [Way::Particles, Way::Search] {
-        assert!(error(way) < 20.0, "{way:?}: {} mm", error(way));
+    let error = |method| outcome(&app, method).error_mm.unwrap();
+    for method in [Method::Particles, Method::Search] {
+        assert!(error(method) < 20.0, "{method:?}: {} mm", error(method));
     }
-    for way in [Way::Ramp, Way::Report] {
-        assert!(error(way) > 100.0, "{way:?}: {} mm", error(way));
+    for method in [Method::Ramp, Method::Report] {
+        assert!(error(method) > 100.0, "{method:?}: {} mm", error(method));
     }
-    assert!(outcome(&app, Way::Search).cost < 0.1 * outcome(&app, Way::Ramp).cost);
-    assert!(outcome(&app, Way::Particles).evaluations > outcome(&app, Way::Search).evaluations);
-    assert!(outcome(&app, Way::Search).iou.unwrap() > 0.95);
+    assert!(outcome(&app, Method::Search).cost < 0.1 * outcome(&app, Method::Ramp).cost);
+    assert!(outcome(&app, Method::Particles).evaluations > outcome(&app, Method::Search).evaluations);
+    assert!(outcome(&app, Method::Search).iou.unwrap() > 0.95);
     // The first that was tried is looked at, in views and scene too.
-    assert_eq!(app.inspector.features.beginnings.at, Some(At { way: Way::Particles, step: 0 }));
+    assert_eq!(
+        app.inspector.features.beginnings.at,
+        Some(AttemptIndex { method: Method::Particles, step: 0 })
+    );
     let ghosts = app.inspector.context().ghosts.unwrap();
     assert!(ghosts.placed.contains(&false), "only the trunk has a place");
 }
@@ -57,11 +59,11 @@ fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
 fn particles_are_drawn_by_their_weights_and_the_same_each_time() {
     let (mut window, mut app) = tried();
     let poses = |app: &App| -> Vec<_> {
-        let steps = outcome(app, Way::Particles).steps.iter();
+        let steps = outcome(app, Method::Particles).steps.iter();
         steps.map(|step| (step.pose().clone(), step.words.clone())).collect()
     };
     let first = poses(&app);
-    for step in &outcome(&app, Way::Particles).steps {
+    for step in &outcome(&app, Method::Particles).steps {
         let weights: Vec<f64> = step.bodies.iter().map(|body| body.1).collect();
         assert!(weights.is_sorted_by(|a, b| a >= b) && weights.len() <= MOST_BODIES, "{}", step.words);
         let all: f64 = weights.iter().sum();
@@ -74,12 +76,12 @@ fn particles_are_drawn_by_their_weights_and_the_same_each_time() {
 #[test]
 fn templates_have_their_limbs_one_after_the_other() {
     let (mut window, mut app) = tried();
-    let steps = &outcome(&app, Way::Templates).steps;
+    let steps = &outcome(&app, Method::Templates).steps;
     let placed: Vec<usize> = steps.iter().map(|step| step.ghosts().limbs().count()).collect();
     assert!(placed.is_sorted() && placed[0] < 3 && placed.last() == Some(&12), "{placed:?}");
     assert!(steps[0].words.starts_with("Head"), "{}", steps[0].words);
     let turning = steps.iter().position(|step| step.words.starts_with("Left upper arm turns")).unwrap();
-    look_at(&mut window, &mut app, Way::Templates, turning);
+    look_at(&mut window, &mut app, Method::Templates, turning);
     let ghosts = app.inspector.context().ghosts.unwrap();
     let name = |limb: usize| ghosts.model.limbs()[limb].name.as_str();
     let marked: Vec<&str> = (0..12).filter(|&limb| ghosts.marked[limb]).map(name).collect();
@@ -90,7 +92,7 @@ fn templates_have_their_limbs_one_after_the_other() {
 #[test]
 fn steps_are_played_in_order_to_the_last() {
     let (mut window, mut app) = tried();
-    look_at(&mut window, &mut app, Way::Search, 0);
+    look_at(&mut window, &mut app, Method::Search, 0);
     let last = app.inspector.features.beginnings.last_step().unwrap();
     let now = app.inspector.state.now;
     app.inspector.features.beginnings.toggle_play(now);
@@ -114,9 +116,9 @@ fn steps_are_played_in_order_to_the_last() {
 fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
     let (mut window, mut app) = tried();
     let before = app.inspector.document().clone();
-    let last = outcome(&app, Way::Search).steps.len() - 1;
-    look_at(&mut window, &mut app, Way::Search, last);
-    let pose = outcome(&app, Way::Search).steps[last].pose().clone();
+    let last = outcome(&app, Method::Search).steps.len() - 1;
+    look_at(&mut window, &mut app, Method::Search, last);
+    let pose = outcome(&app, Method::Search).steps[last].pose().clone();
     app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
     settle(&mut window, &mut app);
     assert!(app.inspector.context().ghosts.is_none(), "the pose is seen");
@@ -126,7 +128,7 @@ fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
     assert_eq!(*app.inspector.document(), expected, "nothing but the frame's pose");
     app.run(Command::History(HistoryCommand::Undo));
     assert_eq!(*app.inspector.document(), before);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), Way::COMPARED.len(), "the table stays");
+    assert_eq!(app.inspector.features.beginnings.ended.len(), COMPARED.len(), "the table stays");
 }
 
 #[test]
@@ -134,8 +136,8 @@ fn a_body_is_acquired_and_taken_as_one() {
     let (mut window, mut app) = tried();
     let before = app.inspector.document().clone();
     run(&mut window, &mut app, BeginningCommand::AcquireBody);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), 1 + Way::COMPARED.len(), "the others stay");
-    let found = outcome(&app, Way::Body);
+    assert_eq!(app.inspector.features.beginnings.ended.len(), 1 + COMPARED.len(), "the others stay");
+    let found = outcome(&app, Method::Body);
     assert!(found.iou.unwrap() > 0.9 && found.steps.len() > 10, "{:?}", found.iou);
     let forearm =
         found.steps.iter().position(|step| step.words.starts_with("Right and left forearm")).unwrap();
@@ -148,7 +150,7 @@ fn a_body_is_acquired_and_taken_as_one() {
     }
     let last = found.steps.len() - 1;
     let body = found.steps[last].model.clone();
-    look_at(&mut window, &mut app, Way::Body, last);
+    look_at(&mut window, &mut app, Method::Body, last);
     app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
     settle(&mut window, &mut app);
     assert_eq!(app.inspector.document().model.limbs(), body.limbs());
@@ -163,10 +165,10 @@ fn without_a_start_the_start_plays_no_part_and_other_runs_are_gone() {
     app.inspector.features.beginnings.no_start = true;
     let begin = |window: &mut Headless, app: &mut App| {
         app.inspector.ask(|features, context, requests| {
-            features.beginnings.begin(&[Way::Search], context, requests);
+            features.beginnings.begin(&[Method::Search], context, requests);
         });
         settle(window, app);
-        let steps = &outcome(app, Way::Search).steps;
+        let steps = &outcome(app, Method::Search).steps;
         (steps.len(), steps.last().unwrap().pose().clone())
     };
     let first = begin(&mut window, &mut app);
@@ -194,7 +196,7 @@ fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
 
     let (mut window, mut app) = open_take(Demonstration::Sequence, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), Way::COMPARED.len());
+    assert_eq!(app.inspector.features.beginnings.ended.len(), COMPARED.len());
     app.inspector.request(SessionRequest::Frame(3));
     settle(&mut window, &mut app);
     assert!(app.inspector.features.beginnings.ended.is_empty() && app.inspector.context().ghosts.is_none());
@@ -204,7 +206,7 @@ fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
 fn a_body_without_a_head_is_said_to_lead_nowhere() {
     let (mut window, mut app) = open_take(Demonstration::SingleLimb, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    let nowhere = app.inspector.features.beginnings.ended[&Way::Templates].as_ref().unwrap_err();
+    let nowhere = app.inspector.features.beginnings.ended[&Method::Templates].as_ref().unwrap_err();
     assert!(nowhere.contains("trunk with a head"), "{nowhere}");
     assert!(errors(&app).is_empty(), "it stands in its row");
 

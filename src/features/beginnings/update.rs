@@ -7,10 +7,11 @@ use std::time::Duration;
 
 use backlit_document::edit::Edit;
 use backlit_jobs::News;
+use backlit_runs::initialisation::InitialisationRun;
+use backlit_tracking::initialisation::{InitialisationMethod as Method, InitialisationOptions};
 
-use super::job::{BeginJob, Found};
-use super::way::Way;
-use super::{About, At, Beginnings};
+use super::job::{BeginJob, BeginningMessage};
+use super::{AttemptIndex, Beginnings, COMPARED, InitialisedFrame, MethodWords};
 use crate::context::Published;
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::next_gesture;
@@ -29,15 +30,15 @@ impl Feature for Beginnings {
         }
         for news in self.task.poll() {
             match news {
-                News::Output(Found::Begun(way)) => self.running = Some(way),
-                News::Output(Found::Ended(way, outcome)) => {
-                    self.ended.insert(way, Ok(Arc::from(outcome)));
+                News::Output(BeginningMessage::Begun(method)) => self.running = Some(method),
+                News::Output(BeginningMessage::Ended(method, outcome)) => {
+                    self.ended.insert(method, Ok(Arc::from(outcome)));
                     if self.at.is_none() {
-                        self.look_at(At { way, step: 0 });
+                        self.look_at(AttemptIndex { method, step: 0 });
                     }
                 }
-                News::Output(Found::Nowhere(way, why)) => {
-                    self.ended.insert(way, Err(why));
+                News::Output(BeginningMessage::Failed(method, why)) => {
+                    self.ended.insert(method, Err(why));
                 }
                 News::Ended => self.running = None,
                 News::Failed(failure) => {
@@ -69,9 +70,9 @@ impl Feature for Beginnings {
     fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
         let Command::Beginning(command) = command else { return false };
         match command {
-            BeginningCommand::RunAll if is_read(context) => self.begin(&Way::COMPARED, context, requests),
+            BeginningCommand::RunAll if is_read(context) => self.begin(&COMPARED, context, requests),
             BeginningCommand::RunAll => self.waits = true,
-            BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
+            BeginningCommand::AcquireBody => self.begin(&[Method::Body], context, requests),
             BeginningCommand::Stop => self.stop(),
         }
         true
@@ -97,11 +98,18 @@ impl Feature for Beginnings {
     }
 
     fn sentence(&self, _: &Context<'_>) -> Option<String> {
-        if let Some(way) = self.running.filter(|_| self.is_running()) {
-            return Some(format!("Trying {}. Esc stops it; what is done stays.", way.lower_case()));
+        if let Some(method) = self.running.filter(|_| self.is_running()) {
+            return Some(format!(
+                "Trying {}. Esc stops it; what is done stays.",
+                MethodWords::of(method).lower_case
+            ));
         }
-        let (At { way, step }, _) = self.drawn.as_ref().filter(|_| self.is_shown)?;
-        Some(format!("Step {} of {}. Esc shows the pose again.", step + 1, way.lower_case()))
+        let &(AttemptIndex { method, step }, _) = self.drawn.as_ref().filter(|_| self.is_shown)?;
+        Some(format!(
+            "Step {} of {}. Esc shows the pose again.",
+            step + 1,
+            MethodWords::of(method).lower_case
+        ))
     }
 
     fn reset(&mut self, _: &Footage) {
@@ -134,25 +142,33 @@ impl Beginnings {
     }
 
     /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin again.
-    pub(super) fn begin(&mut self, ways: &[Way], context: &Context<'_>, requests: &mut Requests) {
+    pub(super) fn begin(&mut self, methods: &[Method], context: &Context<'_>, requests: &mut Requests) {
         requests.request(ShellRequest::Pane(Pane::Beginnings, PaneEvent::Open));
         let Some((footage, inputs)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
-        let has_start = |about: &About| about.start.is_none() == self.no_start;
-        let fits = self.about.as_ref().is_some_and(|about| ways == [Way::Body] || has_start(about));
-        if ways.len() > 1 || !fits {
+        let has_start = |about: &InitialisedFrame| about.start.is_none() == self.no_start;
+        let fits = self.about.as_ref().is_some_and(|about| methods == [Method::Body] || has_start(about));
+        if methods.len() > 1 || !fits {
             self.forget();
             let start = (!self.no_start).then(|| context.shown_pose().clone());
-            self.about = Some(About { frame: context.selection.frame, inputs, start });
+            self.about = Some(InitialisedFrame { frame: context.selection.frame, inputs, start });
         }
         let Some(about) = self.about.clone() else { return };
-        for way in ways {
-            self.ended.remove(way);
+        for method in methods {
+            self.ended.remove(method);
         }
         self.at = None;
         self.drawn = None;
-        self.running = ways.first().copied();
-        let ways = ways.iter().copied().collect();
-        self.task.begin(context.pool, (), |()| BeginJob { about, footage, ways });
+        self.running = methods.first().copied();
+        let reference = footage.take().reference();
+        let run = InitialisationRun {
+            model: Arc::clone(&about.inputs.model),
+            views: about.inputs.views(),
+            start: about.start,
+            reference: reference.map(|reference| reference.joints(about.frame)),
+            options: InitialisationOptions::default(),
+            methods: methods.iter().copied().collect(),
+        };
+        self.task.begin(context.pool, (), |()| BeginJob { run, inputs: about.inputs });
     }
 
     /// Forgets all runs.
@@ -162,7 +178,7 @@ impl Beginnings {
     }
 
     /// Looks at a step, in views and scene too.
-    pub(super) fn look_at(&mut self, at: At) {
+    pub(super) fn look_at(&mut self, at: AttemptIndex) {
         self.at = Some(at);
         self.is_shown = true;
         self.draw();
@@ -173,7 +189,7 @@ impl Beginnings {
         let Some((at, last)) = self.at.zip(self.last_step()) else { return };
         self.plays = if self.plays.is_some() { None } else { Some(now + SECONDS) };
         if self.plays.is_some() {
-            self.look_at(At { step: if at.step >= last { 0 } else { at.step }, ..at });
+            self.look_at(AttemptIndex { step: if at.step >= last { 0 } else { at.step }, ..at });
         }
     }
 
@@ -187,7 +203,7 @@ impl Beginnings {
         if context.now >= due {
             let step = (at.step + 1).min(last);
             self.plays = (step < last).then_some(context.now + SECONDS);
-            self.look_at(At { step, ..at });
+            self.look_at(AttemptIndex { step, ..at });
         }
         if let Some(due) = self.plays {
             context.egui.request_repaint_after(Duration::from_secs_f64((due - context.now).max(0.0)));
@@ -208,7 +224,7 @@ impl Beginnings {
         let (Some(at), Some(about), Some(outcome)) = (self.at, &self.about, self.outcome()) else { return };
         let Some(step) = outcome.steps.get(at.step) else { return };
         let (frame, pose) = (about.frame, step.pose().clone());
-        if at.way == Way::Body {
+        if at.method == Method::Body {
             let gesture = Some(next_gesture(context.egui));
             let name = context.document().model.name();
             let body = Arc::new((*step.model).clone().renamed(name));
@@ -218,7 +234,7 @@ impl Beginnings {
             requests
                 .status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
         } else {
-            let what = format!("Take pose of {}", at.way.lower_case());
+            let what = format!("Take pose of {}", MethodWords::of(at.method).lower_case);
             requests.edit(Edit::SetPose { frame, pose, what });
             requests.status("The frame has the pose of this step. Space fits on from here; undo brings the old pose back.");
         }
@@ -232,7 +248,7 @@ fn is_read(context: &Context<'_>) -> bool {
 }
 
 /// Whether what is on the screen is still what the runs are about.
-fn is_about(about: &About, context: &Context<'_>) -> bool {
+fn is_about(about: &InitialisedFrame, context: &Context<'_>) -> bool {
     let document = context.document();
     let cameras = context.session.take.as_ref().map(|take| &take.cameras);
     about.frame == context.selection.frame

@@ -270,7 +270,7 @@ fn search_from(fit: &FitInputs, start: &Pose, out: &Outbox<Applied>) {
         // Half a search has looked at half of the body.
         Ok(_) if out.cancel().is_cancelled() => {}
         Ok(found) => {
-            let poses = measured(fit, &found.found);
+            let poses = measured(fit, &found.hypotheses);
             out.send(applied(move |tracking, context, requests| {
                 tracking.poses_found(frame, poses, context, requests);
             }));

@@ -42,7 +42,7 @@ const NO_PLOTS: [(String, Figure); 0] = [];
 /// Runs the experiment, writes and prints.
 ///
 /// # Errors
-/// Options that make no sense, a take that cannot be read, or files that cannot be written.
+/// Returns an error if an option is out of range, or if a file cannot be read or written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (cancel, listener) = (CancelToken::new(), listener());
     if let Some(take) = &arguments.take {
@@ -69,10 +69,10 @@ fn table(report: &Report) -> String {
     let mut failures = String::new();
     for row in &report.rows {
         if let Some(failure) = &row.failure {
-            failures += &format!("\n{}, {}: {failure}", row.person, row.way.label());
+            failures += &format!("\n{}, {}: {failure}", row.person, row.method.label());
         }
         table.row([
-            format!("{}: {}", row.person, row.way.label()),
+            format!("{}: {}", row.person, row.method.label()),
             format!("{:.2}", row.seconds),
             format!("{:.1}", row.length_mm),
             format!("{:.1}", row.radius_mm),

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_lab::experiment::begin::{self, Method, Options, Report, Row, footage};
+use backlit_lab::experiment::begin::{self, MethodRow, Options, Report, footage};
 use backlit_lab::experiment::starts::Draw;
 use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::initialisation::{InitialisationMethod, InitialisationOptions};
 use backlit_tracking::search::start::{LEVELS, Level};
 use clap::Args;
 use serde::Serialize;
@@ -21,8 +22,8 @@ use crate::take_options;
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Ways to begin: report, ramp, particles, templates, search
-    #[arg(long, value_name = "WAY,…", value_delimiter = ',', default_values_t = Method::ALL)]
-    methods: Vec<Method>,
+    #[arg(long, value_name = "WAY,…", value_delimiter = ',', default_values_t = InitialisationMethod::COMPARED)]
+    methods: Vec<InitialisationMethod>,
     /// Numbers of cameras; with --take all sets of so many are tried
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2])]
     cameras: Vec<usize>,
@@ -77,7 +78,7 @@ struct Conditions<'a> {
 /// Runs the experiment, writes and prints.
 ///
 /// # Errors
-/// Options that make no sense, or files that cannot be read or written.
+/// Returns an error if an option is out of range, or if a file cannot be read or written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = options(arguments);
     let (cancel, listener) = (CancelToken::new(), listener());
@@ -107,19 +108,14 @@ fn on_footage(
 }
 
 fn options(arguments: &Arguments) -> Options {
-    let mut options = Options {
-        methods: arguments.methods.clone(),
-        cameras: arguments.cameras.clone(),
-        no_start: arguments.no_start,
-        heads: arguments.heads,
-        ..Options::default()
-    };
-    for chosen in [&mut options.particles, &mut options.particles_no_start] {
+    let mut choices = InitialisationOptions { heads: arguments.heads, ..InitialisationOptions::default() };
+    for chosen in [&mut choices.particles, &mut choices.particles_no_start] {
         chosen.particles = arguments.particles.unwrap_or(chosen.particles);
         chosen.layers = arguments.layers.unwrap_or(chosen.layers);
         chosen.seed = arguments.seed;
     }
-    options
+    let (methods, cameras) = (arguments.methods.clone(), arguments.cameras.clone());
+    Options { methods, cameras, no_start: arguments.no_start, choices }
 }
 
 fn frames(arguments: &Arguments) -> anyhow::Result<footage::Frames> {
@@ -155,14 +151,17 @@ fn table(report: &Report) -> String {
 
 /// What each way costs and what it finds: one line a way, one point a row.
 fn figure(report: &Report) -> Figure {
-    let share = |row: &Row| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];
-    let line = |(style, method): (usize, Method)| Line {
+    let share =
+        |row: &MethodRow| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];
+    let line = |(style, method): (usize, InitialisationMethod)| Line {
         name: method.name().to_owned(),
         points: report.rows.iter().filter(|row| row.method == method).map(share).collect(),
         style,
         ..Line::default()
     };
-    let ways = Method::ALL.into_iter().filter(|way| report.rows.iter().any(|row| row.method == *way));
+    let ways = InitialisationMethod::COMPARED
+        .into_iter()
+        .filter(|way| report.rows.iter().any(|row| row.method == *way));
     Figure {
         title: "Ways to begin".to_owned(),
         subtitle: "one point a number of cameras and a distance of the start".to_owned(),

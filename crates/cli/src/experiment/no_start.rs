@@ -11,7 +11,7 @@ use std::time::Instant;
 use anyhow::{Result, bail, ensure};
 use backlit_formats::Footage;
 use backlit_lab::experiment::no_start::{error_mm, fit, sets};
-use backlit_tracking::search::{Doubt, WithoutStart, WithoutStartError, start, without_start};
+use backlit_tracking::search::{Doubt, WithoutStartError, WithoutStartOptions, start, without_start};
 use backlit_tracking::statistics::Statistics;
 use clap::Args;
 use serde::Serialize;
@@ -147,7 +147,7 @@ fn trial(footage: &Footage, set: &[usize], frame: usize, within_mm: f64, run: &R
     let fitted = fit(model, &views, at_keypoints, &run.cancel)?;
     let from_keypoints_mm = error_mm(model, &fitted, &joints);
     let began = Instant::now();
-    let found = without_start(model, &views, &WithoutStart::default(), &run.cancel);
+    let found = without_start(model, &views, &WithoutStartOptions::default(), &run.cancel);
     let seconds = began.elapsed().as_secs_f64();
     let (error_mm, doubts) = match found {
         Ok(found) => (

@@ -6,20 +6,17 @@
 
 pub mod footage;
 
-use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, FirstPose, acquire, acquire_posed};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::body_fit::{
-    BodyFitError, BodyFitOptions, BodyFrame, WELL_SEEN, fit_body, fit_body_from,
-};
+use backlit_tracking::body_fit::{BodyFitOptions, BodyFrame, WELL_SEEN, fit_body, fit_body_from};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, FitView};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::search::{WithoutStart, start, without_start};
+use backlit_tracking::search::{WithoutStartOptions, start, without_start};
 use backlit_tracking::templates::TemplateOptions;
 use backlit_tracking::track::Tracker;
 use serde::Serialize;
@@ -31,7 +28,7 @@ use crate::synthetic::{capsules, motion, studio};
 /// How a body was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Way {
+pub enum BodyMethod {
     /// The average body, scaled to the hull; the search's pose.
     Scaled,
     /// Grown in one moment from the pose that templates give.
@@ -46,7 +43,16 @@ pub enum Way {
     FittedFromAcquired,
 }
 
-impl Way {
+impl BodyMethod {
+    const ALL: [Self; 6] = [
+        Self::Scaled,
+        Self::Templates,
+        Self::Acquired,
+        Self::AcquiredInAll,
+        Self::Fitted,
+        Self::FittedFromAcquired,
+    ];
+
     /// What tables call it.
     #[must_use]
     pub fn label(self) -> &'static str {
@@ -59,6 +65,67 @@ impl Way {
             Self::FittedFromAcquired => "fitted from grown",
         }
     }
+
+    /// Finds a body: from the first moment's views alone, or from several moments whose poses are about right.
+    fn find(
+        self,
+        average: &Arc<Model>,
+        views: &[FitView],
+        moments: Option<&Moments<'_>>,
+        cancel: &CancelToken,
+    ) -> Result<PosedBody, String> {
+        let grown = |found: Acquired| PosedBody {
+            model: found.model,
+            poses: found.poses.into_iter().enumerate().collect(),
+        };
+        let scale_body = WithoutStartOptions { scale_body: true, ..WithoutStartOptions::default() };
+        let by = |pose: FirstPose| {
+            let options = AcquireOptions { pose, ..AcquireOptions::default() };
+            acquire(average, views, &options, cancel).map(grown).map_err(words)
+        };
+        let moments = || moments.ok_or_else(|| "no body was grown before".to_owned());
+        let fitted = |moments: &Moments<'_>, from: Option<&Model>| {
+            let (average, frames) = (Arc::clone(average), moments.frames.to_vec());
+            let fitted = match from {
+                Some(grown) => fit_body_from(average, frames, grown, &moments.fit, cancel, |_| {}),
+                None => fit_body(average, frames, None, &moments.fit, cancel, |_| {}),
+            };
+            let fitted = fitted.map_err(words)?;
+            let poses = fitted.frames.iter().copied().zip(fitted.poses).collect();
+            Ok(PosedBody { model: Arc::new(fitted.model), poses })
+        };
+        match self {
+            Self::Scaled => {
+                let found = without_start(average, views, &scale_body, cancel).map_err(words)?;
+                let poses = vec![(0, found.pose().clone())];
+                Ok(PosedBody { model: found.model, poses })
+            }
+            Self::Templates => by(FirstPose::Templates(TemplateOptions::default())),
+            Self::Acquired => by(FirstPose::Search(scale_body)),
+            Self::AcquiredInAll => {
+                let moments = moments()?;
+                let posed = moments.frames.iter().map(|frame| (frame.views.clone(), frame.start.clone()));
+                let (posed, options): (Vec<_>, _) = (posed.collect(), AcquireOptions::default());
+                acquire_posed(&moments.body, &posed, &options, cancel).map(grown).map_err(words)
+            }
+            Self::Fitted => fitted(moments()?, None),
+            Self::FittedFromAcquired => fitted(moments()?, Some(&moments()?.body)),
+        }
+    }
+}
+
+/// Moments whose poses are about right.
+struct Moments<'a> {
+    frames: &'a [BodyFrame],
+    /// A body of about the right size: what is grown in all moments, and what a fit of sizes may begin with.
+    body: Arc<Model>,
+    fit: BodyFitOptions,
+}
+
+/// A body with poses of some moments.
+struct PosedBody {
+    model: Arc<Model>,
+    poses: Vec<(usize, Pose)>,
 }
 
 /// What to vary.
@@ -88,17 +155,18 @@ impl Default for Options {
 /// What came of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// One entry a build and way.
-    pub rows: Vec<Row>,
+    /// One entry a build and method.
+    pub rows: Vec<BodyRow>,
 }
 
 /// One body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct BodyRow {
     /// The build.
     pub person: &'static str,
     /// How it was found.
-    pub way: Way,
+    #[serde(rename = "way")]
+    pub method: BodyMethod,
     /// Why nothing was.
     pub failure: Option<String>,
     /// Wall time, seconds.
@@ -115,72 +183,10 @@ pub struct Row {
     pub track_mm: Option<f64>,
 }
 
-/// A table of all rows.
-#[must_use]
-pub fn table(report: &Report) -> String {
-    let mut text =
-        "| person | way | s | lengths, mm | radii, mm | IoU | joints, mm | tracked, mm |\n".to_owned();
-    text += "|---|---|---|---|---|---|---|---|\n";
-    for row in &report.rows {
-        line(&mut text, row.person, row);
-    }
-    text
-}
-
-/// The means of every way over all people, those who were not found left out.
-#[must_use]
-pub fn means(report: &Report) -> String {
-    let mut text = String::new();
-    let mut ways: Vec<Way> = report.rows.iter().map(|row| row.way).collect();
-    ways.dedup();
-    ways.truncate(6);
-    for way in ways {
-        let rows: Vec<&Row> =
-            report.rows.iter().filter(|row| row.way == way && row.failure.is_none()).collect();
-        let mean =
-            |of: fn(&Row) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / rows.len().max(1) as f64;
-        let all = Row {
-            person: "all",
-            way,
-            failure: None,
-            seconds: mean(|row| row.seconds),
-            length_mm: mean(|row| row.length_mm),
-            radius_mm: mean(|row| row.radius_mm),
-            iou: mean(|row| row.iou),
-            joints_mm: mean(|row| row.joints_mm),
-            track_mm: Some(mean(|row| row.track_mm.unwrap_or(0.0))),
-        };
-        line(&mut text, "all", &all);
-    }
-    text
-}
-
-fn line(text: &mut String, person: &str, row: &Row) {
-    let track = row.track_mm.map_or_else(|| "–".to_owned(), |mm| format!("{mm:.1}"));
-    let failure = row.failure.as_deref().map_or_else(String::new, |why| format!(" ({why})"));
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "| {person} | {}{failure} | {:.2} | {:.1} | {:.1} | {:.3} | {:.1} | {track} |",
-        row.way.label(),
-        row.seconds,
-        row.length_mm,
-        row.radius_mm,
-        row.iou,
-        row.joints_mm,
-    );
-}
-
-/// A body with poses of some moments.
-struct Body {
-    model: Arc<Model>,
-    poses: Vec<(usize, Pose)>,
-}
-
 /// Finds every person in every way.
 ///
 /// # Errors
-/// Options that make no sense, or `cancel`.
+/// Returns an error if an option is out of range, or if it is cancelled.
 pub fn run(
     options: &Options,
     cancel: &CancelToken,
@@ -231,74 +237,47 @@ impl Someone {
         Ok(Self { frames: frames?, person, adult, body, cameras, truths })
     }
 
-    fn rows(&self, options: &Options, cancel: &CancelToken) -> Result<Vec<Row>, ExperimentError> {
-        let seen = &self.frames[0].views;
-        let scale_body = WithoutStart { scale_body: true, ..WithoutStart::default() };
-        let one = |found: Acquired| Body { model: found.model, poses: number(found.poses) };
-        let by = |pose: FirstPose| AcquireOptions { pose, ..AcquireOptions::default() };
-        let posed: Vec<(Vec<FitView>, Pose)> =
-            self.frames.iter().map(|frame| (frame.views.clone(), frame.start.clone())).collect();
+    fn rows(&self, options: &Options, cancel: &CancelToken) -> Result<Vec<BodyRow>, ExperimentError> {
         let fit = BodyFitOptions::default().with_proportions(WELL_SEEN);
-        let mut rows = vec![
-            self.row(Way::Scaled, options, cancel, || {
-                let found = without_start(&self.adult, seen, &scale_body, cancel).map_err(words)?;
-                Ok(Body { model: Arc::clone(&found.model), poses: number(vec![found.pose().clone()]) })
-            })?,
-            self.row(Way::Templates, options, cancel, || {
-                let choices = by(FirstPose::Templates(TemplateOptions::default()));
-                acquire(&self.adult, seen, &choices, cancel).map(one).map_err(words)
-            })?,
-            self.row(Way::Acquired, options, cancel, || {
-                let choices = by(FirstPose::Search(scale_body.clone()));
-                acquire(&self.adult, seen, &choices, cancel).map(one).map_err(words)
-            })?,
-        ];
-        let mut grown = None;
-        rows.push(self.row(Way::AcquiredInAll, options, cancel, || {
-            let scaled = Arc::new(self.adult.scaled(self.person.stature).map_err(words)?);
-            let found = acquire_posed(&scaled, &posed, &AcquireOptions::default(), cancel).map_err(words)?;
-            grown = Some(Arc::clone(&found.model));
-            Ok(one(found))
-        })?);
-        let fitted = |from: Option<&Model>| {
-            let (adult, frames) = (Arc::clone(&self.adult), self.frames.clone());
-            let found = match from {
-                Some(grown) => fit_body_from(adult, frames, grown, &fit, cancel, |_| {}),
-                None => fit_body(adult, frames, None, &fit, cancel, |_| {}),
-            };
-            let found = found.map_err(|error: BodyFitError| error.to_string())?;
-            let poses = found.frames.iter().copied().zip(found.poses).collect();
-            Ok(Body { model: Arc::new(found.model), poses })
-        };
-        rows.push(self.row(Way::Fitted, options, cancel, || fitted(None))?);
-        if let Some(grown) = &grown {
-            rows.push(self.row(Way::FittedFromAcquired, options, cancel, || fitted(Some(grown)))?);
+        let body = Arc::new(self.adult.scaled(self.person.stature)?);
+        let mut moments = Moments { frames: &self.frames, body, fit };
+        let mut rows = Vec::with_capacity(BodyMethod::ALL.len());
+        for method in BodyMethod::ALL {
+            let began = Instant::now();
+            let found = method.find(&self.adult, &self.frames[0].views, Some(&moments), cancel);
+            let seconds = began.elapsed().as_secs_f64();
+            if cancel.is_cancelled() {
+                return Err(ExperimentError::Cancelled);
+            }
+            let grown = found.as_ref().ok().map(|found| Arc::clone(&found.model));
+            rows.push(self.row(method, options, cancel, found, seconds)?);
+            // What was grown in all moments is what the last fit begins with.
+            match (method, grown) {
+                (BodyMethod::AcquiredInAll, Some(grown)) => moments.body = grown,
+                (BodyMethod::Fitted, _) if rows[3].failure.is_some() => break,
+                _ => {}
+            }
         }
         Ok(rows)
     }
 
-    /// Finds a body and judges it.
+    /// Judges a body.
     fn row(
         &self,
-        way: Way,
+        method: BodyMethod,
         options: &Options,
         cancel: &CancelToken,
-        find: impl FnOnce() -> Result<Body, String>,
-    ) -> Result<Row, ExperimentError> {
-        let began = Instant::now();
-        let found = find();
-        let seconds = began.elapsed().as_secs_f64();
-        if cancel.is_cancelled() {
-            return Err(ExperimentError::Cancelled);
-        }
+        found: Result<PosedBody, String>,
+        seconds: f64,
+    ) -> Result<BodyRow, ExperimentError> {
         let person = self.person.name;
         let body = match found {
             Ok(body) => body,
             Err(failure) => {
                 let nothing = f64::INFINITY;
-                return Ok(Row {
+                return Ok(BodyRow {
                     person,
-                    way,
+                    method,
                     failure: Some(failure),
                     seconds,
                     length_mm: nothing,
@@ -316,9 +295,9 @@ impl Someone {
             scene::overlap(&body.model, pose, &self.frames[*index].views, RendererKind::Capsule)
         });
         let overlap = overlaps.reduce(|all, one| all.merge(one)).unwrap_or_default();
-        Ok(Row {
+        Ok(BodyRow {
             person,
-            way,
+            method,
             failure: None,
             seconds,
             length_mm: mean(limbs().map(|(found, truth)| (found.length - truth.length).abs()).collect()),
@@ -338,7 +317,7 @@ impl Someone {
     /// Mean joint error of a track with the body, from the first moment on, millimetres.
     fn tracked(
         &self,
-        body: &Body,
+        body: &PosedBody,
         options: &Options,
         cancel: &CancelToken,
     ) -> Result<Option<f64>, ExperimentError> {
@@ -361,10 +340,6 @@ impl Someone {
 
 fn words(error: impl ToString) -> String {
     error.to_string()
-}
-
-fn number(poses: Vec<Pose>) -> Vec<(usize, Pose)> {
-    poses.into_iter().enumerate().collect()
 }
 
 fn see(body: &Model, pose: &Pose, cameras: &[Arc<Camera>]) -> Result<Vec<FitView>, ExperimentError> {

@@ -1,36 +1,18 @@
-//! Ways to begin: where a fit is to start when the pose is hardly known or not at all (the report's 6.4), one beside another.
-//!
-//! | [`Method`] | from a given start | without one |
-//! |---|---|---|
-//! | `report` | the 2004 method downhill: its ramp as it is | the same from a body standing in the hull, facing eight ways; the best by cost |
-//! | `ramp` | the softened ramp, annealed, downhill | likewise |
-//! | `particles` | the partitioned, annealed particle filter | from those eight bodies |
-//! | `templates` | head, trunk, limb after limb, whatever the start | the same |
-//! | `search` | the program's own search for other hypotheses | its search from the hull |
-//!
-//! What particles and templates end with is refined by the same fit downhill (`method`); how good it was before that is told too.
-//! Evaluations are predictions Λ of a body in all cameras, with or without derivatives, in whatever coarseness; looks at single limbs
-//! in the search's sketch and at single templates are not counted, their time is.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `method` | how each of them begins and ends |
-//! | [`footage`] | a take's frames with keypoints |
+//! Ways to begin ([`initialisation`](backlit_tracking::initialisation)): where a fit is to start when the pose is hardly known or
+//! not at all (the report's 6.4), one beside another, from drawn starts or on the frames of a take ([`footage`]).
 
 pub mod footage;
-mod method;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use backlit_formats::starts_file::Start;
+use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::initialisation::{InitialisationInputs, InitialisationMethod, InitialisationOptions};
 use backlit_tracking::metrics::leaf_error_mm;
-use backlit_tracking::particles::ParticleOptions;
 use backlit_tracking::statistics::{Statistics, Z_95, wilson};
 use serde::Serialize;
-
-pub use method::{Beginning, End, Method, Step, Watch, begin, begin_watched};
 
 use super::{ExperimentError, Progress};
 
@@ -41,36 +23,20 @@ const SUCCESS_MM: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Options {
     /// Ways to begin.
-    pub methods: Vec<Method>,
+    pub methods: Vec<InitialisationMethod>,
     /// Numbers of cameras.
     pub cameras: Vec<usize>,
     /// Whether the starts are ignored.
     pub no_start: bool,
-    /// Particles from a given start.
-    pub particles: ParticleOptions,
-    /// Particles without one.
-    pub particles_no_start: ParticleOptions,
-    /// Places of the head that templates go on with; 1 as Mikić et al. do it.
-    pub heads: usize,
+    /// The methods' own choices.
+    #[serde(flatten)]
+    pub choices: InitialisationOptions,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let particles = ParticleOptions::default();
-        let particles_no_start = ParticleOptions {
-            particles: 2 * particles.particles,
-            trunk_turn_rad: 0.3,
-            chain_turn_rad: 0.9,
-            ..particles.clone()
-        };
-        Self {
-            methods: Method::ALL.to_vec(),
-            cameras: vec![2],
-            no_start: false,
-            particles,
-            particles_no_start,
-            heads: 3,
-        }
+        let methods = InitialisationMethod::COMPARED.to_vec();
+        Self { methods, cameras: vec![2], no_start: false, choices: InitialisationOptions::default() }
     }
 }
 
@@ -78,14 +44,14 @@ impl Default for Options {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// By number of cameras, then by how far the starts were off, then by method.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MethodRow>,
 }
 
 /// One method from all starts of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct MethodRow {
     /// The method.
-    pub method: Method,
+    pub method: InitialisationMethod,
     /// Cameras.
     pub cameras: usize,
     /// Degrees that every joint of the starts was off; `None` without starts.
@@ -106,9 +72,9 @@ pub struct Row {
     pub ms: f64,
 }
 
-/// One trial.
+/// One start by one method.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Trial {
+pub(super) struct BeginTrial {
     error_mm: f64,
     before_mm: Option<f64>,
     evaluations: usize,
@@ -116,10 +82,30 @@ pub(super) struct Trial {
     found: bool,
 }
 
+impl BeginTrial {
+    /// Tries a method; a pose with an error of at most `found_mm` is found.
+    fn run(
+        options: &Options,
+        method: InitialisationMethod,
+        inputs: &InitialisationInputs<'_>,
+        error_mm: impl Fn(&Pose) -> f64,
+        is_found: impl Fn(f64) -> bool,
+        cancel: &CancelToken,
+    ) -> Result<Self, ExperimentError> {
+        let began = Instant::now();
+        let result = options.choices.run(method, inputs, cancel, &mut |_| {})?;
+        let seconds = began.elapsed().as_secs_f64();
+        let before_mm = result.before.as_ref().map(&error_mm);
+        let error_mm = result.pose().map_or(f64::INFINITY, error_mm);
+        let (evaluations, found) = (result.evaluations.unwrap_or(0), is_found(error_mm));
+        Ok(Self { error_mm, before_mm, evaluations, seconds, found })
+    }
+}
+
 /// Tries all methods from all starts.
 ///
 /// # Errors
-/// A fit that cannot begin, a number of cameras that the starts do not have, or `cancel`.
+/// Returns an error if a fit cannot begin, if the starts lack a number of cameras, or if it is cancelled.
 pub fn run(
     options: &Options,
     starts: &[Start],
@@ -127,7 +113,7 @@ pub fn run(
     mut on_progress: impl FnMut(Progress),
 ) -> Result<Report, ExperimentError> {
     let (mut done, total) = (0, options.cameras.len() * starts.len() * options.methods.len());
-    let mut trials: BTreeMap<(usize, Option<u32>, usize), Vec<Trial>> = BTreeMap::new();
+    let mut trials: BTreeMap<(usize, Option<u32>, usize), Vec<BeginTrial>> = BTreeMap::new();
     for &cameras in &options.cameras {
         for start in starts {
             let Some(views) = start.views.get(&cameras) else {
@@ -136,39 +122,31 @@ pub fn run(
                 return Err(ExperimentError::Option { option: "cameras", value, expected });
             };
             let given = (!options.no_start).then_some(&start.start);
-            let beginning = Beginning { model: &start.model, views, start: given };
+            let inputs = InitialisationInputs { model: &start.model, views, start: given };
+            let error = |pose: &Pose| leaf_error_mm(&start.model, pose, &start.truth);
             for (index, &method) in options.methods.iter().enumerate() {
                 on_progress(Progress { done, total });
                 done += 1;
-                let began = Instant::now();
-                let end = begin(method, &beginning, options, cancel)?;
-                let seconds = began.elapsed().as_secs_f64();
-                let error = |pose| leaf_error_mm(&start.model, pose, &start.truth);
-                let error_mm = end.pose.as_ref().map_or(f64::INFINITY, error);
-                let trial = Trial {
-                    error_mm,
-                    before_mm: end.before.as_ref().map(error),
-                    evaluations: end.evaluations,
-                    seconds,
-                    found: error_mm < SUCCESS_MM,
-                };
+                let trial =
+                    BeginTrial::run(options, method, &inputs, error, |error| error < SUCCESS_MM, cancel)?;
                 let degrees = given.map(|_| start.degrees);
                 trials.entry((cameras, degrees, index)).or_default().push(trial);
             }
         }
     }
     on_progress(Progress { done, total });
-    let row = |((cameras, degrees, method), trials): (&(usize, Option<u32>, usize), &Vec<Trial>)| {
-        Row::of(options.methods[*method], *cameras, *degrees, trials)
+    let row = |((cameras, degrees, method), trials): (&(usize, Option<u32>, usize), &Vec<BeginTrial>)| {
+        MethodRow::of(options.methods[*method], *cameras, *degrees, trials)
     };
     Ok(Report { rows: trials.iter().map(row).collect() })
 }
 
-impl Row {
-    pub(super) fn of(method: Method, cameras: usize, degrees: Option<u32>, trials: &[Trial]) -> Self {
+impl MethodRow {
+    fn of(method: InitialisationMethod, cameras: usize, degrees: Option<u32>, trials: &[BeginTrial]) -> Self {
         let median = |list: Vec<f64>| Statistics::of(&list).map(|all| all.median);
         let (tried, found) = (trials.len(), trials.iter().filter(|trial| trial.found).count());
-        let mean = |value: fn(&Trial) -> f64| trials.iter().map(value).sum::<f64>() / tried.max(1) as f64;
+        let mean =
+            |value: fn(&BeginTrial) -> f64| trials.iter().map(value).sum::<f64>() / tried.max(1) as f64;
         Self {
             method,
             cameras,
@@ -201,7 +179,7 @@ mod tests {
         let options = Options::default();
         let all = || run(&options, &starts, &CancelToken::new(), |_| {}).unwrap();
         let report = all();
-        assert_eq!(report.rows.len(), Method::ALL.len());
+        assert_eq!(report.rows.len(), InitialisationMethod::COMPARED.len());
         for row in &report.rows {
             assert!(row.tried == 2 && row.evaluations > 10.0 && row.median_mm.is_finite(), "{row:?}");
             assert_eq!(row.degrees, Some(10));
@@ -210,51 +188,9 @@ mod tests {
             |report: &Report| -> Vec<u64> { report.rows.iter().map(|row| row.median_mm.to_bits()).collect() };
         assert_eq!(errors(&report), errors(&all()));
         let of = |method| report.rows.iter().find(|row| row.method == method).unwrap();
-        assert_eq!(of(Method::Ramp).found, 2, "{report:?}");
-        assert!(of(Method::Particles).evaluations > 10.0 * of(Method::Ramp).evaluations);
-    }
-
-    #[test]
-    fn who_watches_sees_every_step_and_changes_nothing() {
-        let start = &starts(10, 1)[0];
-        for given in [Some(&start.start), None] {
-            for method in Method::ALL {
-                let (options, cancel) = (Options::default(), CancelToken::new());
-                let from = Beginning { model: &start.model, views: &start.views[&2], start: given };
-                let (mut kinds, mut lowest) = ([0; 6], f64::INFINITY);
-                let mut see = |step: Step<'_>| {
-                    let kind = match step {
-                        Step::Start { .. } => 0,
-                        Step::Downhill { .. } => 1,
-                        Step::Particles { generation, .. } => {
-                            let all: f64 = generation.particles.iter().map(|particle| particle.weight).sum();
-                            assert!((all - 1.0).abs() < 1e-9, "{all}");
-                            2
-                        }
-                        Step::Template(_) => 3,
-                        Step::Tried(tried) => {
-                            lowest = lowest.min(tried.cost);
-                            4
-                        }
-                        Step::Round(_) => 5,
-                    };
-                    kinds[kind] += 1;
-                };
-                let end = begin_watched(method, &from, &options, &cancel, &mut see).unwrap();
-                assert_eq!(end, begin(method, &from, &options, &cancel).unwrap());
-                let begins = if given.is_some() { 1 } else { 8 };
-                let particles =
-                    if given.is_some() { &options.particles } else { &options.particles_no_start };
-                let expected = match (method, given) {
-                    (Method::Report | Method::Ramp, _) => kinds[0] == begins && kinds[1] >= begins * 10,
-                    (Method::Particles, _) => kinds[2] == particles.layers * 4 && kinds[0] == 1,
-                    (Method::Templates, _) => kinds[3] > 5 && kinds[0] == 1 && kinds[1] > 0,
-                    (Method::Search, Some(_)) => kinds[4] > 5 && kinds[..4] == [0; 4] && lowest.is_finite(),
-                    (Method::Search, None) => kinds == [0, 0, 0, 0, 0, 4],
-                };
-                assert!(expected, "{method}: {kinds:?}");
-            }
-        }
+        let ramp = of(InitialisationMethod::Ramp);
+        assert_eq!(ramp.found, 2, "{report:?}");
+        assert!(of(InitialisationMethod::Particles).evaluations > 10.0 * ramp.evaluations);
     }
 
     #[test]

@@ -4,10 +4,9 @@ use backlit_formats::FootageError;
 use backlit_tracking::body::ModelError;
 use backlit_tracking::camera::CameraError;
 use backlit_tracking::fit::FitError;
-use backlit_tracking::particles::ParticleError;
+use backlit_tracking::initialisation::InitialisationError;
 use backlit_tracking::search::WithoutStartError;
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
-use backlit_tracking::templates::TemplateError;
 use thiserror::Error;
 
 use crate::synthetic::upper_body::CamerasError;
@@ -44,9 +43,7 @@ pub enum ExperimentError {
     #[error(transparent)]
     WithoutStart(WithoutStartError),
     #[error(transparent)]
-    Particles(#[from] ParticleError),
-    #[error(transparent)]
-    Templates(#[from] TemplateError),
+    Initialisation(InitialisationError),
     #[error("{0}")]
     Footage(String),
 }
@@ -56,6 +53,15 @@ impl From<WithoutStartError> for ExperimentError {
         match error {
             WithoutStartError::Cancelled => Self::Cancelled,
             error => Self::WithoutStart(error),
+        }
+    }
+}
+
+impl From<InitialisationError> for ExperimentError {
+    fn from(error: InitialisationError) -> Self {
+        match error {
+            InitialisationError::Cancelled => Self::Cancelled,
+            error => Self::Initialisation(error),
         }
     }
 }

@@ -8,7 +8,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::posing::turn_round;
-use backlit_tracking::search::{Hypotheses, Origin, SearchOptions, search};
+use backlit_tracking::search::{Origin, SearchOptions, SearchResult, search};
 
 /// Frames of the built-in movement, far apart.
 const FRAMES: [usize; 3] = [0, 24, 48];
@@ -23,7 +23,7 @@ fn views(model: &Model, pose: &Pose, cameras: usize) -> Vec<FitView> {
     studio::cameras().cameras().iter().take(cameras).map(view).collect()
 }
 
-fn search_from(model: &Arc<Model>, start: &Pose, views: Vec<FitView>, turned: bool) -> Hypotheses {
+fn search_from(model: &Arc<Model>, start: &Pose, views: Vec<FitView>, turned: bool) -> SearchResult {
     let effort = SearchOptions { turned, ..SearchOptions::default() };
     let options = FitOptions::preset(Preset::Robust);
     search(model, views, start, &options, &effort, &CancelToken::new()).unwrap()
@@ -37,7 +37,7 @@ fn a_search_from_a_body_turned_round_finds_the_way_it_faces() {
             let truth = motion::pose(&model, frame as f64);
             let start = turn_round(&model, &truth);
             let found = search_from(&model, &start, views(&model, &truth, cameras), true);
-            let best = &found.found[0];
+            let best = &found.hypotheses[0];
             let ahead = |pose| Sides::of(&model, &Kinematics::new(&model, pose)).unwrap().ahead;
             assert!(ahead(&best.pose).dot(ahead(&truth)) > 0.5, "{cameras} cameras, frame {frame}");
             let error = mean_joint_error_mm(&model, &best.pose, &truth);
@@ -52,7 +52,7 @@ fn without_the_turned_candidate_it_stays_turned_round() {
     let truth = motion::pose(&model, FRAMES[0] as f64);
     let start = turn_round(&model, &truth);
     let found = search_from(&model, &start, views(&model, &truth, 4), false);
-    assert!(mean_joint_error_mm(&model, &found.found[0].pose, &truth) > 150.0);
+    assert!(mean_joint_error_mm(&model, &found.hypotheses[0].pose, &truth) > 150.0);
 }
 
 #[test]
@@ -60,6 +60,6 @@ fn a_right_start_stays_and_the_turned_body_is_offered_behind_it() {
     let model = Arc::new(builtin::full_body());
     let truth = motion::pose(&model, FRAMES[1] as f64);
     let found = search_from(&model, &truth, views(&model, &truth, 2), true);
-    assert!(mean_joint_error_mm(&model, &found.found[0].pose, &truth) < 60.0);
-    assert!(found.found[1..].iter().any(|found| found.origin == Origin::TurnedRound));
+    assert!(mean_joint_error_mm(&model, &found.hypotheses[0].pose, &truth) < 60.0);
+    assert!(found.hypotheses[1..].iter().any(|found| found.origin == Origin::TurnedRound));
 }

@@ -11,7 +11,9 @@ use backlit_tracking::fit::{Evidence, FitError, FitOptions, FitView};
 use backlit_tracking::metrics::leaf_error_mm;
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::search::start::Level;
-use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, without_start};
+use backlit_tracking::search::{
+    Doubt, WithoutStartError, WithoutStartOptions, WithoutStartResult, without_start,
+};
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::track::{Lost, Tracker};
 use glam::DVec3;
@@ -46,8 +48,8 @@ fn views(model: &Model, pose: &Pose, cameras: &[usize]) -> Vec<FitView> {
     cameras.iter().map(view).collect()
 }
 
-fn look(model: &Arc<Model>, views: &[FitView]) -> Result<Found, WithoutStartError> {
-    without_start(model, views, &WithoutStart::default(), &CancelToken::new())
+fn look(model: &Arc<Model>, views: &[FitView]) -> Result<WithoutStartResult, WithoutStartError> {
+    without_start(model, views, &WithoutStartOptions::default(), &CancelToken::new())
 }
 
 #[test]
@@ -64,11 +66,11 @@ fn a_person_is_found_and_faces_the_right_way() {
             |pose: &Pose| Sides::of(&model, &Kinematics::new(&model, pose)).unwrap().ahead.dot(ahead);
         assert!(turned(found.pose()) > 0.8);
         assert!(
-            found.candidates[1..].iter().any(|other| turned(&other.pose) < -0.5),
+            found.hypotheses[1..].iter().any(|other| turned(&other.pose) < -0.5),
             "the other way was tried"
         );
         // Of costs within 3 % the less wrung body comes first.
-        assert!(found.candidates[1..].iter().all(|other| 1.03 * other.cost > found.candidates[0].cost));
+        assert!(found.hypotheses[1..].iter().all(|other| 1.03 * other.cost > found.hypotheses[0].cost));
         let heights = found.heights.unwrap();
         assert!((heights.ratio() - 1.0).abs() < 0.15, "{heights:?}");
     }
@@ -87,12 +89,12 @@ fn a_small_person_is_found_by_the_body_scaled() {
         FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
     };
     let views: Vec<FitView> = studio::cameras().cameras().iter().map(view).collect();
-    let choices = WithoutStart { scale_body: true, ..WithoutStart::default() };
+    let choices = WithoutStartOptions { scale_body: true, ..WithoutStartOptions::default() };
     let found = without_start(&model, &views, &choices, &CancelToken::new()).unwrap();
     assert!((found.scale - 0.75).abs() < 0.09, "{} {:?}", found.scale, found.heights);
     let size = found.model.limbs()[0].length / model.limbs()[0].length;
     assert!((size - found.scale).abs() < 1e-9, "{size}");
-    let error = |found: &Found| mean_joint_error_mm(&child, found.pose(), &truth);
+    let error = |found: &WithoutStartResult| mean_joint_error_mm(&child, found.pose(), &truth);
     let average = look(&model, &views).unwrap();
     assert!(error(&found) < 0.8 * error(&average), "{:.0} mm, {:.0} mm", error(&found), error(&average));
 }
@@ -106,8 +108,8 @@ fn a_body_that_looks_the_same_from_behind_faces_the_cameras_and_that_is_said() {
         let found = look(&start.model, &start.views[&4]).unwrap();
         assert!(leaf_error_mm(&start.model, found.pose(), &start.truth) < 20.0);
         assert_eq!(found.doubts, [Doubt::FacingAssumed]);
-        let facing = found.candidates[0].ahead.unwrap();
-        assert!(found.candidates[1..].iter().any(|other| other.ahead.unwrap().dot(facing) < -0.5));
+        let facing = found.facings[0].unwrap();
+        assert!(found.facings[1..].iter().any(|other| other.unwrap().dot(facing) < -0.5));
     }
 }
 
@@ -147,19 +149,19 @@ fn what_cannot_be_is_said() {
     assert_eq!(error, WithoutStartError::Apart { cameras: vec!["cam1".to_owned(), "cam2".to_owned()] });
     assert!(error.to_string().contains("cam1, cam2"), "{error}");
     let look_with =
-        |choices: WithoutStart, cancel: &CancelToken| without_start(&model, &good, &choices, cancel);
+        |choices: WithoutStartOptions, cancel: &CancelToken| without_start(&model, &good, &choices, cancel);
     let cancel = CancelToken::new();
     for choices in [
-        WithoutStart { up: Some(DVec3::ZERO), ..WithoutStart::default() },
-        WithoutStart { faces: Some(DVec3::NAN), ..WithoutStart::default() },
-        WithoutStart { headings: 0, ..WithoutStart::default() },
-        WithoutStart { trunks: 0, ..WithoutStart::default() },
+        WithoutStartOptions { up: Some(DVec3::ZERO), ..WithoutStartOptions::default() },
+        WithoutStartOptions { faces: Some(DVec3::NAN), ..WithoutStartOptions::default() },
+        WithoutStartOptions { headings: 0, ..WithoutStartOptions::default() },
+        WithoutStartOptions { trunks: 0, ..WithoutStartOptions::default() },
     ] {
         let error = look_with(choices, &cancel).unwrap_err();
         assert!(error.to_string().contains("expected"), "{error}");
     }
     cancel.cancel();
-    assert_eq!(look_with(WithoutStart::default(), &cancel).unwrap_err(), WithoutStartError::Cancelled);
+    assert_eq!(look_with(WithoutStartOptions::default(), &cancel).unwrap_err(), WithoutStartError::Cancelled);
 }
 
 #[test]
@@ -172,7 +174,7 @@ fn threads_change_nothing() {
     };
     let (one, three) = (with(1), with(3));
     assert_eq!(one, three);
-    assert_eq!(one.candidates[0].cost.to_bits(), three.candidates[0].cost.to_bits());
+    assert_eq!(one.hypotheses[0].cost.to_bits(), three.hypotheses[0].cost.to_bits());
 }
 
 #[test]

@@ -8,7 +8,9 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::search::{SearchOptions, WithoutStart, WithoutStartError, fit_best, without_start};
+use backlit_tracking::search::{
+    SearchOptions, WithoutStartError, WithoutStartOptions, fit_best, without_start,
+};
 use serde::{Deserialize, Serialize};
 
 use super::{BasinError, Subject};
@@ -53,7 +55,7 @@ impl FitChoice {
     ) -> Result<Option<Pose>, BasinError> {
         let Subject { model, views, .. } = subject;
         if self.ignores_start {
-            return match without_start(model, views, &WithoutStart::for_fit(&self.fit), cancel) {
+            return match without_start(model, views, &WithoutStartOptions::for_fit(&self.fit), cancel) {
                 Ok(found) => Ok(Some(found.pose().clone())),
                 Err(WithoutStartError::Apart { .. }) => Ok(None),
                 Err(WithoutStartError::Cancelled) => Err(BasinError::Cancelled),

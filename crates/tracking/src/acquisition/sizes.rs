@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
-use super::grow;
-use super::options::AcquireOptions;
+use super::AcquireOptions;
 use crate::body::{Kinematics, Model, ModelError, Pose};
 use crate::statistics::median;
-use crate::templates::{Frame, Pictures, Segment, Template};
+use crate::templates::{Segment, Silhouettes, Template, TemplateBody};
 
 /// A chain that is bent by less, radians, does not show where its middle joint is: it keeps its proportions.
 const BENT: f64 = 0.4;
@@ -20,8 +19,8 @@ pub(super) type Factors = Vec<[Option<f64>; 2]>;
 
 /// Measures one posed body.
 pub(super) fn measured(
-    frame: &Frame<'_>,
-    pictures: &Pictures,
+    frame: &TemplateBody<'_>,
+    pictures: &Silhouettes,
     options: &AcquireOptions,
     pose: &Pose,
 ) -> Factors {
@@ -33,7 +32,7 @@ pub(super) fn measured(
         let between = BETWEEN.map(|at| from.lerp(to, at));
         let radius = model.limbs()[limb].radius;
         let template = Template { from: between[0], to: between[1], radius };
-        factor[1] = grow::radius(pictures, options, &template).map(|found| found / radius);
+        factor[1] = grown_radius(pictures, options, &template).map(|found| found / radius);
     }
     for chain in 0..frame.parts.chains.len() {
         let segments = frame.segments(chain);
@@ -49,8 +48,8 @@ pub(super) fn measured(
 
 /// Factors of the lengths of a chain's long parts, by rotation.
 fn chain_factors(
-    frame: &Frame<'_>,
-    pictures: &Pictures,
+    frame: &TemplateBody<'_>,
+    pictures: &Silhouettes,
     options: &AcquireOptions,
     kinematics: &Kinematics,
     wide: &[&Segment],
@@ -64,7 +63,7 @@ fn chain_factors(
     let hung = model.limbs().iter().filter(|limb| limb.parent == Some(last.last)).map(|limb| limb.radius);
     let beyond = hung.fold(end_radius, f64::max);
     let template = Template { from, to, radius: end_radius };
-    let Some(found) = grow::length(pictures, options, &template, beyond) else { return Vec::new() };
+    let Some(found) = grown_length(pictures, options, &template, beyond) else { return Vec::new() };
     let long = from.distance(to);
     let [upper] = wide[..wide.len() - 1] else { return vec![(last.rotation, found / long)] };
     let [begin, joint] = ends(upper);
@@ -115,4 +114,109 @@ pub(super) fn are_measured(model: &Model, all: &[Factors]) -> Vec<[bool; 2]> {
     let is = |limb: usize, kind: usize| all.iter().any(|factors| factors[limb][kind].is_some());
     let either = |limb: usize| [0, 1].map(|kind| is(limb, kind) || is(model.mirrored_limb(limb), kind));
     (0..model.limbs().len()).map(either).collect()
+}
+
+/// A limb's end is felt for by a ball of this share of its radius.
+const BALL: f64 = 0.8;
+/// How far the ball sticks out where it is stopped, in its radii.
+const STICKS_OUT: f64 = 0.18;
+
+/// A radius, by growing; `None` where nothing stops it, or nothing of it is inside.
+fn grown_radius(pictures: &Silhouettes, options: &AcquireOptions, template: &Template) -> Option<f64> {
+    let enters =
+        |radius: f64| pictures.held(&Template { radius, ..*template }).most_background > options.background;
+    let found = grown(template.radius, options, enters)?;
+    Some(found * (1.0 - options.background))
+}
+
+/// The length of a limb from one joint along a direction to where the silhouettes end, less `beyond`: what the body has there beyond
+/// the joint. `None` where nothing stops it, or nothing of it is inside.
+fn grown_length(
+    pictures: &Silhouettes,
+    options: &AcquireOptions,
+    template: &Template,
+    beyond: f64,
+) -> Option<f64> {
+    let along = (template.to - template.from).try_normalize()?;
+    let ball = BALL * template.radius;
+    let enters = |length: f64| {
+        let centre: DVec3 = template.from + along * length;
+        let ball = Template { from: centre, to: centre, radius: ball };
+        pictures.held(&ball).most_background > options.background
+    };
+    let found = grown(template.from.distance(template.to), options, enters)?;
+    Some(found + (1.0 - STICKS_OUT) * ball - beyond)
+}
+
+/// A size that shrinks while background is inside, and grows until it enters.
+fn grown(begin: f64, options: &AcquireOptions, enters: impl Fn(f64) -> bool) -> Option<f64> {
+    let [low, high] = options.range.map(|factor| factor * begin);
+    let mut size = begin;
+    while enters(size) {
+        size *= 1.0 - options.step;
+        if size < low {
+            return None;
+        }
+    }
+    while !enters(size * (1.0 + options.step)) {
+        size *= 1.0 + options.step;
+        if size > high {
+            return None;
+        }
+    }
+    Some(size)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec2;
+
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::fit::{Evidence, FitView};
+    use crate::silhouette::{Label, Mask};
+
+    use super::*;
+
+    /// Two cameras' pictures of a capsule.
+    fn pictures(from: DVec3, to: DVec3, radius: f64) -> Silhouettes {
+        let view = |at: DVec3| {
+            let place = CameraFromWorld::looking_at(at, 0.5 * (from + to), DVec3::Z);
+            let pinhole = Intrinsics { fx: 400.0, fy: 400.0, cx: 99.5, cy: 99.5 };
+            let camera = Camera::new("c", [200, 200], pinhole, Distortion::None, place).unwrap();
+            let label = |index: usize| {
+                let ray =
+                    camera.ray_in_world(DVec2::new((index % 200) as f64, (index / 200) as f64)).unwrap();
+                let distance = |t: f64| {
+                    let away = from.lerp(to, t) - at;
+                    (away - ray * ray.dot(away)).length()
+                };
+                let least = (0..=100).map(|k| distance(f64::from(k) / 100.0)).fold(f64::INFINITY, f64::min);
+                if least < radius { Label::Subject } else { Label::Background }
+            };
+            let mask = Mask::new(200, 200, (0..200 * 200).map(label).collect()).unwrap();
+            FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        };
+        Silhouettes::new(&[view(DVec3::new(3.0, 0.2, 0.5)), view(DVec3::new(0.3, -3.0, 0.4))])
+    }
+
+    #[test]
+    fn a_capsule_gets_its_own_sizes_whatever_the_template_begins_with() {
+        let (from, to, radius) = (DVec3::new(0.0, 0.0, 0.2), DVec3::new(0.05, 0.02, 0.7), 0.07);
+        let pictures = pictures(from, to, radius);
+        let options = AcquireOptions::default();
+        let along = (to - from).normalize();
+        for (long, thick) in [(0.8, 0.8), (1.0, 1.3), (1.2, 1.0)] {
+            let template = Template { from, to: from + (to - from) * long, radius: radius * thick };
+            let inside = Template { to: from + (to - from) * 0.9, ..template };
+            let found = grown_radius(&pictures, &options, &inside).unwrap();
+            assert!((found / radius - 1.0).abs() < 0.06, "radius {found} of {radius}, begun at {thick}");
+            let template = Template { radius, ..template };
+            let found = grown_length(&pictures, &options, &template, radius).unwrap();
+            assert!((found - (to - from).length()).abs() < 0.02, "length {found}, begun at {long}");
+        }
+        let outside = Template { from: from + along * 2.0, to: to + along * 2.0, radius };
+        assert_eq!(grown_radius(&pictures, &options, &outside), None);
+    }
 }

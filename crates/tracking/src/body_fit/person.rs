@@ -11,7 +11,7 @@ use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{FitError, FitOptions, FitView};
 use crate::metrics::ReferenceJoints;
-use crate::search::{Found, WithoutStart, WithoutStartError, without_start};
+use crate::search::{WithoutStartError, WithoutStartOptions, WithoutStartResult, without_start};
 use crate::track::{Motion, MotionError, Tracker, WhenToSearch};
 
 /// What is looked for, and how hard.
@@ -54,7 +54,7 @@ pub struct Person {
     /// A pose to begin the first frame with.
     pub start: Pose,
     /// What the search found, where no start was given.
-    pub search: Option<Found>,
+    pub search: Option<WithoutStartResult>,
     /// What came of the sizes, where they were asked for.
     pub sizes: Option<Result<OwnSizes, OwnSizesError>>,
 }
@@ -107,10 +107,10 @@ pub fn find_person<E: From<PersonError>>(
         Some(start) => (Arc::clone(model), start, None),
         None => {
             progress(PersonProgress::Searching);
-            let choices = WithoutStart {
+            let choices = WithoutStartOptions {
                 scale_body: options.sizes,
                 fit: options.fit.clone(),
-                ..WithoutStart::default()
+                ..WithoutStartOptions::default()
             };
             let found = without_start(model, &views(first)?, &choices, cancel).map_err(PersonError::from)?;
             (Arc::clone(&found.model), found.pose().clone(), Some(found))

@@ -10,11 +10,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::keypoints::metres_per_px;
 use super::options::CueStrength;
 use super::picture::GreyPicture;
-use super::surface::{Seen, SurfacePoint};
-use crate::residual::Loss;
+use super::source::{BodySight, CueFrame, CueSource, SurfacePoint, metres_per_px};
 use crate::residual::cue::{Cue, CuePull, CueTarget};
 
 /// Places along a limb.
@@ -30,18 +28,18 @@ const MOST_SAMPLES: usize = 60;
 /// A step below this contrast is none, grey levels.
 const LEAST_CONTRAST: f32 = 8.0;
 /// A step is taken for the outline if its contrast is this share of the remembered one, and not so many times as much.
-const ALIKE: [f32; 2] = [0.5, 2.0];
+const SAME_CONTRAST: [f32; 2] = [0.5, 2.0];
 /// What a new frame's contrast counts beside the remembered one.
 const RENEWAL: f32 = 0.3;
 /// How far from a fitted outline its step may be, pixels.
 const FITTED_PX: f64 = 2.0;
 
 /// A place of an outline: limb, place along it, side.
-type Place = (usize, usize, bool);
+type OutlinePlace = (usize, usize, bool);
 
 /// Contrasts of outlines in one camera, outside less inside, grey levels.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct EdgeMemory(BTreeMap<Place, f32>);
+pub(super) struct EdgeMemory(BTreeMap<OutlinePlace, f32>);
 
 /// The picture along the normal of a place, and the contrasts of all steps.
 struct Profile {
@@ -60,18 +58,18 @@ impl Profile {
 
 /// As far as [`REACH_M`], where nothing else is said.
 fn profile(
-    seen: &Seen<'_>,
+    sight: &BodySight<'_>,
     picture: &GreyPicture,
-    (limb, place, is_left): Place,
+    (limb, place, is_left): OutlinePlace,
     reach_px: Option<f64>,
 ) -> Option<Profile> {
-    let point = seen.point(limb, PLACES[place], if is_left { -1.0 } else { 1.0 })?;
-    if !seen.is_visible(limb, &point) {
+    let point = sight.point(limb, PLACES[place], if is_left { -1.0 } else { 1.0 })?;
+    if !sight.is_visible(limb, &point) {
         return None;
     }
-    let outside = seen.camera.project(point.world + point.aside * 0.01)?;
+    let outside = sight.camera.project(point.world + point.aside * 0.01)?;
     let normal = (outside - point.pixel).try_normalize()?;
-    let reach = reach_px.unwrap_or(REACH_M / metres_per_px(seen.camera, point.depth)?);
+    let reach = reach_px.unwrap_or(REACH_M / metres_per_px(sight.camera, point.depth)?);
     let middle = ((reach / SAMPLE_PX).ceil() as usize).clamp(ACROSS, MOST_SAMPLES);
     let last = (middle + ACROSS) as f64 * SAMPLE_PX;
     if !picture.holds(point.pixel + normal * last, 1.0) || !picture.holds(point.pixel - normal * last, 1.0) {
@@ -91,16 +89,16 @@ fn is_peak(steps: &[f32], at: usize, sign: f32) -> bool {
     height(at) >= height(at + 1) && (at == 0 || height(at) >= height(at - 1))
 }
 
-fn places(limbs: impl Iterator<Item = usize>) -> impl Iterator<Item = Place> {
+fn places(limbs: impl Iterator<Item = usize>) -> impl Iterator<Item = OutlinePlace> {
     limbs
         .flat_map(|limb| (0..PLACES.len()).flat_map(move |place| [(limb, place, false), (limb, place, true)]))
 }
 
 impl EdgeMemory {
     /// Remembers the contrasts along the outlines of all limbs at a fitted pose.
-    pub(super) fn learn(&mut self, seen: &Seen<'_>, picture: &GreyPicture) {
-        for place in places(0..seen.model.limbs().len()) {
-            let Some(profile) = profile(seen, picture, place, Some(FITTED_PX)) else { continue };
+    pub(super) fn learn(&mut self, sight: &BodySight<'_>, picture: &GreyPicture) {
+        for place in places(0..sight.model.limbs().len()) {
+            let Some(profile) = profile(sight, picture, place, Some(FITTED_PX)) else { continue };
             let strongest = profile.steps.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
             let Some(&contrast) = strongest else { continue };
             let known = self.0.entry(place).or_insert(contrast);
@@ -111,38 +109,60 @@ impl EdgeMemory {
     /// Pulls of a camera's picture at the outlines of limbs.
     pub(super) fn pulls(
         &self,
-        seen: &Seen<'_>,
+        sight: &BodySight<'_>,
         camera: usize,
         picture: &GreyPicture,
         limbs: &[usize],
         strength: CueStrength,
     ) -> Vec<CuePull> {
-        let one = |place: Place| {
+        let one = |place: OutlinePlace| {
             let known = *self.0.get(&place)?;
             if known.abs() < LEAST_CONTRAST {
                 return None;
             }
-            let profile = profile(seen, picture, place, None)?;
+            let profile = profile(sight, picture, place, None)?;
             let sign = known.signum();
-            let is_alike = |at: &usize| {
+            let is_same_contrast = |at: &usize| {
                 let share = profile.steps[*at] / known;
-                (ALIKE[0]..ALIKE[1]).contains(&share) && is_peak(&profile.steps, *at, sign)
+                (SAME_CONTRAST[0]..SAME_CONTRAST[1]).contains(&share) && is_peak(&profile.steps, *at, sign)
             };
-            let near =
-                (0..profile.steps.len()).filter(is_alike).min_by_key(|at| at.abs_diff(profile.middle))?;
-            let metres_per_px = metres_per_px(seen.camera, profile.point.depth)?;
+            let near = (0..profile.steps.len())
+                .filter(is_same_contrast)
+                .min_by_key(|at| at.abs_diff(profile.middle))?;
+            let metres_per_px = metres_per_px(sight.camera, profile.point.depth)?;
             let (arm, normal) = (profile.point.arm, profile.normal);
             let pixel = profile.point.pixel + normal * profile.offset_px(near);
-            Some(CuePull {
-                cue: Cue::Edges,
-                limb: place.0,
-                target: CueTarget::Line { camera, arm, pixel, normal },
-                metres_per_px,
-                weight: strength.weight,
-                loss: Loss::Cauchy { scale: strength.scale_m },
-            })
+            let target = CueTarget::Line { camera, arm, pixel, normal };
+            Some(strength.pull(Cue::Edges, place.0, target, metres_per_px))
         };
         places(limbs.iter().copied()).filter_map(one).collect()
+    }
+}
+
+/// Contrasts of outlines, by camera's name.
+#[derive(Debug, Default)]
+pub(super) struct EdgeSource {
+    by_camera: BTreeMap<String, EdgeMemory>,
+}
+
+impl CueSource for EdgeSource {
+    fn cue(&self) -> Cue {
+        Cue::Edges
+    }
+
+    fn pulls(&self, frame: &CueFrame<'_>, camera: usize, strength: CueStrength) -> Vec<CuePull> {
+        let edges = self.by_camera.get(frame.cameras[camera].name());
+        let Some((edges, picture)) = edges.zip(frame.picture(camera)) else { return Vec::new() };
+        edges.pulls(&frame.sight(camera), camera, picture, &frame.limbs, strength)
+    }
+
+    fn learn(&mut self, frame: &CueFrame<'_>) {
+        let is_on = frame.options.strength(Cue::Edges).weight > 0.0;
+        for camera in (0..frame.cameras.len()).filter(|_| is_on) {
+            let Some(picture) = frame.picture(camera) else { continue };
+            let edges = self.by_camera.entry(frame.cameras[camera].name().to_owned()).or_default();
+            edges.learn(&frame.sight(camera), picture);
+        }
     }
 }
 
@@ -171,18 +191,18 @@ mod tests {
         GreyPicture::new(160, 120, levels).unwrap()
     }
 
-    fn with<T>(model: &Model, down_m: f64, then: impl FnOnce(&Seen<'_>) -> T) -> T {
+    fn with<T>(model: &Model, down_m: f64, then: impl FnOnce(&BodySight<'_>) -> T) -> T {
         let mut pose = Pose::rest(model);
         pose.root.y -= down_m;
         let (kinematics, camera) = (Kinematics::new(model, &pose), camera());
         let view = View::new(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
-        then(&Seen { model, kinematics: &kinematics, camera: &camera, view: &view })
+        then(&BodySight { model, kinematics: &kinematics, camera: &camera, view: &view })
     }
 
     /// Rows of the limb's outline at rest.
     fn rows(model: &Model) -> [f64; 2] {
-        with(model, 0.0, |seen| {
-            let mut rows = [-1.0, 1.0].map(|s| seen.point(0, 0.5, s).unwrap().pixel.y);
+        with(model, 0.0, |sight| {
+            let mut rows = [-1.0, 1.0].map(|s| sight.point(0, 0.5, s).unwrap().pixel.y);
             rows.sort_by(f64::total_cmp);
             rows
         })
@@ -195,10 +215,10 @@ mod tests {
         let [top, bottom] = rows(&model);
         let bright = picture(bar([top, bottom], 180.0));
         let mut memory = EdgeMemory::default();
-        with(&model, 0.0, |seen| memory.learn(seen, &bright));
+        with(&model, 0.0, |sight| memory.learn(sight, &bright));
         assert!(memory.0.values().all(|contrast| *contrast < -40.0), "{memory:?}");
         // The limb's start is 2.5 cm, 3.5 px too low: every place pulls to a row of the bar's edges.
-        let pulls = with(&model, 0.025, |seen| memory.pulls(seen, 0, &bright, &[0], strength));
+        let pulls = with(&model, 0.025, |sight| memory.pulls(sight, 0, &bright, &[0], strength));
         assert_eq!(pulls.len(), 8);
         for pull in &pulls {
             let CueTarget::Line { pixel, normal, .. } = pull.target else { panic!("{pull:?}") };
@@ -208,10 +228,10 @@ mod tests {
         // A dark bar there has other polarities, and one that is hardly brighter another contrast: nobody pulls.
         for level in [20.0, 112.0] {
             let other = picture(bar([top, bottom], level));
-            let pulls = with(&model, 0.01, |seen| memory.pulls(seen, 0, &other, &[0], strength));
+            let pulls = with(&model, 0.01, |sight| memory.pulls(sight, 0, &other, &[0], strength));
             assert_eq!(pulls, [], "{level}");
         }
         let nothing = EdgeMemory::default();
-        assert_eq!(with(&model, 0.0, |seen| nothing.pulls(seen, 0, &bright, &[0], strength)), []);
+        assert_eq!(with(&model, 0.0, |sight| nothing.pulls(sight, 0, &bright, &[0], strength)), []);
     }
 }

@@ -1,6 +1,6 @@
 //! Optic flow: where points of the last picture are in this one.
 //!
-//! A window T about the point is looked for at d in the next picture I: with g the gradient of T, H = Σ g gᵀ and
+//! A patch T about the point is looked for at d in the next picture I: with g the gradient of T, H = Σ g gᵀ and
 //! d ← d + H⁻¹ Σ g (T − I(d)), from the coarsest picture of a pyramid to the finest (B. Lucas and T. Kanade, 1981;
 //! J.-Y. Bouguet, "Pyramidal implementation of the Lucas Kanade feature tracker", 2000). What is found is followed back; if
 //! that does not lead to where it began, nothing was found.
@@ -9,15 +9,14 @@
 
 use glam::{DMat2, DVec2};
 
-use super::keypoints::metres_per_px;
 use super::options::CueStrength;
 use super::picture::GreyPicture;
-use super::surface::Seen;
-use crate::body::Kinematics;
-use crate::residual::Loss;
+use super::source::{BodySight, CameraPictures, CueFrame, CueSource, SurfacePoint, drawn, metres_per_px};
+use super::watch::CueMemory;
+use crate::body::{Kinematics, Model, Pose};
 use crate::residual::cue::{Cue, CuePull, CueTarget};
 
-/// Pixels from a window's middle to its side.
+/// Pixels from a patch's middle to its side.
 const RADIUS: i32 = 4;
 const SIDE: usize = 2 * RADIUS as usize + 1;
 /// Pictures of the pyramid.
@@ -26,7 +25,7 @@ const LEVELS: usize = 3;
 const STEPS: usize = 8;
 /// A step shorter than this is the last, pixels.
 const SHORTEST: f64 = 0.02;
-/// A window whose smaller eigenvalue of H is below this, grey levels² per pixel, says nothing across its texture.
+/// A patch whose smaller eigenvalue of H is below this, grey levels² per pixel, says nothing across its texture.
 const LEAST_TEXTURE: f64 = 6.0;
 /// Where points of a limb are taken: along it, and aside of its middle as a share of its radius.
 const PLACES: [f64; 3] = [0.2, 0.5, 0.8];
@@ -34,7 +33,7 @@ const ASIDE: [f64; 2] = [-0.4, 0.4];
 /// How far from its beginning a point may come back, pixels.
 const FARTHEST_BACK: f64 = 0.7;
 
-/// Where a point of one picture is in the next, followed from a guess; `None` where the window has no texture, leaves the
+/// Where a point of one picture is in the next, followed from a guess; `None` where the patch has no texture, leaves the
 /// picture, or does not lead back to the point. Pixels.
 #[must_use]
 pub fn follow_point(from: &GreyPicture, to: &GreyPicture, point: DVec2, guess: DVec2) -> Option<DVec2> {
@@ -73,14 +72,14 @@ fn follow_at(from: &GreyPicture, to: &GreyPicture, point: DVec2, mut motion: DVe
     if !from.holds(point, border) {
         return None;
     }
-    let window = Window::new(from, point);
-    let inverse = window.inverse()?;
+    let patch = Patch::new(from, point);
+    let inverse = patch.inverse()?;
     for _ in 0..STEPS {
         let at = point + motion;
         if !to.holds(at, border) {
             return None;
         }
-        let step = inverse * window.force(to, at);
+        let step = inverse * patch.force(to, at);
         motion += step;
         if step.length() < SHORTEST {
             break;
@@ -89,32 +88,32 @@ fn follow_at(from: &GreyPicture, to: &GreyPicture, point: DVec2, mut motion: DVe
     to.holds(point + motion, border).then_some(motion)
 }
 
-struct Window {
+struct Patch {
     levels: [f32; SIDE * SIDE],
     gradients: [[f32; 2]; SIDE * SIDE],
     products: DMat2,
 }
 
-impl Window {
+impl Patch {
     fn new(picture: &GreyPicture, middle: DVec2) -> Self {
         // One more pixel on each side for the gradients.
         const WIDE: usize = SIDE + 2;
         let mut wide = [0.0_f32; WIDE * WIDE];
         picture.square(middle - f64::from(RADIUS + 1), WIDE, &mut wide);
-        let mut window =
+        let mut patch =
             Self { levels: [0.0; SIDE * SIDE], gradients: [[0.0; 2]; SIDE * SIDE], products: DMat2::ZERO };
         for index in 0..SIDE * SIDE {
             let at = (index / SIDE + 1) * WIDE + index % SIDE + 1;
             let [gx, gy] = [0.5 * (wide[at + 1] - wide[at - 1]), 0.5 * (wide[at + WIDE] - wide[at - WIDE])];
-            window.levels[index] = wide[at];
-            window.gradients[index] = [gx, gy];
+            patch.levels[index] = wide[at];
+            patch.gradients[index] = [gx, gy];
             let g = DVec2::new(f64::from(gx), f64::from(gy));
-            window.products += DMat2::from_cols(g * g.x, g * g.y);
+            patch.products += DMat2::from_cols(g * g.x, g * g.y);
         }
-        window
+        patch
     }
 
-    /// H⁻¹; `None` where the window has no texture in some direction.
+    /// H⁻¹; `None` where the patch has no texture in some direction.
     fn inverse(&self) -> Option<DMat2> {
         let [a, b, d] = [self.products.x_axis.x, self.products.x_axis.y, self.products.y_axis.y];
         let smaller = 0.5 * (a + d) - (0.25 * (a - d) * (a - d) + b * b).sqrt();
@@ -136,35 +135,69 @@ impl Window {
     }
 }
 
-/// Pulls at limbs of points that were seen in the last frame: `before` is the pose there, `now` where this one's fit begins.
-pub(super) fn pulls(
-    before: &Seen<'_>,
-    pictures: [&GreyPicture; 2],
-    camera: usize,
-    now: &Kinematics,
-    limbs: &[usize],
-    strength: CueStrength,
-) -> Vec<CuePull> {
-    let one = |(limb, place, aside): (usize, f64, f64)| {
-        let point = before.point(limb, place, aside)?;
-        if !before.is_visible(limb, &point) {
-            return None;
+/// Points of the last frame's picture, carried into this one's.
+#[derive(Debug, Default)]
+pub(super) struct FlowSource {
+    /// The frame before, if its pose was good and it had pictures.
+    before: Option<FrameBefore>,
+}
+
+#[derive(Debug)]
+struct FrameBefore {
+    pose: Pose,
+    kinematics: Kinematics,
+    pictures: CameraPictures,
+}
+
+impl CueSource for FlowSource {
+    fn cue(&self) -> Cue {
+        Cue::Flow
+    }
+
+    fn pulls(&self, frame: &CueFrame<'_>, index: usize, strength: CueStrength) -> Vec<CuePull> {
+        let camera = frame.cameras[index];
+        let Some(FrameBefore { kinematics, pictures, .. }) = &self.before else { return Vec::new() };
+        let (Some(last), Some(now)) = (pictures.get(camera.name()), frame.picture(index)) else {
+            return Vec::new();
+        };
+        let view = drawn(frame.model, kinematics, camera, frame.renderer);
+        let before = BodySight { model: frame.model, kinematics, camera, view: &view };
+        let pull = |(limb, point): (usize, SurfacePoint)| {
+            let turn = frame.kinematics.world_rotations()[frame.model.limbs()[limb].rotation];
+            let guess = camera.project(frame.kinematics.starts()[limb] + turn * point.arm)?;
+            let pixel = follow_point(last, now, point.pixel, guess)?;
+            let target = CueTarget::Pixel { camera: index, arm: point.arm, pixel };
+            Some(strength.pull(Cue::Flow, limb, target, metres_per_px(camera, point.depth)?))
+        };
+        before.visible_points(&frame.limbs, PLACES, ASIDE).filter_map(pull).collect()
+    }
+
+    fn learn(&mut self, frame: &CueFrame<'_>) {
+        let (pose, kinematics, pictures) = (frame.pose.clone(), frame.kinematics.clone(), frame.pictures());
+        self.before = (!pictures.is_empty()).then_some(FrameBefore { pose, kinematics, pictures });
+    }
+
+    fn forget_last_frame(&mut self) {
+        self.before = None;
+    }
+
+    fn store(&self, memory: &mut CueMemory) {
+        memory.before = self.before.as_ref().map(|before| before.pose.clone());
+    }
+
+    fn restore(&mut self, model: &Model, memory: &CueMemory) {
+        self.before = memory.before.clone().map(|pose| FrameBefore {
+            kinematics: Kinematics::new(model, &pose),
+            pictures: CameraPictures::new(),
+            pose,
+        });
+    }
+
+    fn see_before(&mut self, pictures: &CameraPictures) {
+        if let Some(before) = &mut self.before {
+            before.pictures.clone_from(pictures);
         }
-        let turn = now.world_rotations()[before.model.limbs()[limb].rotation];
-        let guess = before.camera.project(now.starts()[limb] + turn * point.arm)?;
-        let pixel = follow_point(pictures[0], pictures[1], point.pixel, guess)?;
-        Some(CuePull {
-            cue: Cue::Flow,
-            limb,
-            target: CueTarget::Pixel { camera, arm: point.arm, pixel },
-            metres_per_px: metres_per_px(before.camera, point.depth)?,
-            weight: strength.weight,
-            loss: Loss::Cauchy { scale: strength.scale_m },
-        })
-    };
-    let places =
-        |&limb: &usize| PLACES.into_iter().flat_map(move |place| ASIDE.map(|aside| (limb, place, aside)));
-    limbs.iter().flat_map(places).filter_map(one).collect()
+    }
 }
 
 #[cfg(test)]

@@ -5,14 +5,10 @@
 //! some 500.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::coverage::CoverageOptions;
-use crate::numbers::Brief;
+use crate::numbers::{OptionError, Range, check_options};
 use crate::residual::cue::Cue;
-
-/// Largest weight.
-const LARGEST_WEIGHT: f64 = 1e12;
 
 /// What cues pull at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -72,16 +68,6 @@ impl Default for CueOptions {
     }
 }
 
-/// What is wrong with options.
-#[derive(Debug, Error, Clone, PartialEq)]
-#[error("`{field}` is {}; expected {expected}", Brief(*.value))]
-#[expect(missing_docs, reason = "the message says what each field is")]
-pub struct CueOptionsError {
-    pub field: &'static str,
-    pub value: f64,
-    pub expected: &'static str,
-}
-
 impl CueOptions {
     /// The same with these cues alone.
     #[must_use]
@@ -94,34 +80,25 @@ impl CueOptions {
         self
     }
 
-    /// First thing wrong with the numbers, by field.
+    /// Checks the numbers.
     ///
     /// # Errors
-    /// A weight below 0, a scale that is not above 0, a share outside 0 to 1.
-    pub fn check(&self) -> Result<(), CueOptionsError> {
-        let error = |field, value, expected| Err(CueOptionsError { field, value, expected });
-        for cue in Cue::ALL {
+    /// The first option that is out of range.
+    pub fn check(&self) -> Result<(), OptionError> {
+        const WEIGHT: Range = Range(|value| (0.0..=1e12).contains(&value), "a number from 0 to 1e12");
+        const SCALE: Range = Range(|value| value.is_finite() && value > 1e-6, "metres above 0");
+        const SHARE: Range = Range(|value| (0.0..=1.0).contains(&value), "a number from 0 to 1");
+        const METRES: Range = Range(SHARE.0, "metres from 0 to 1");
+        let strengths = Cue::ALL.into_iter().flat_map(|cue| {
             let CueStrength { weight, scale_m } = self.strength(cue);
-            if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
-                return error("weight", weight, "a number from 0 to 1e12");
-            }
-            if !(scale_m.is_finite() && scale_m > 1e-6) {
-                return error("scale_m", scale_m, "metres above 0");
-            }
-        }
-        for (field, value) in
-            [("lowest_score", self.lowest_score), ("coverage.seen_share", self.coverage.seen_share)]
-        {
-            if !(0.0..=1.0).contains(&value) {
-                return error(field, value, "a number from 0 to 1");
-            }
-        }
-        for (field, value) in [("offset_m", self.offset_m), ("coverage.margin_m", self.coverage.margin_m)] {
-            if !(0.0..=1.0).contains(&value) {
-                return error(field, value, "metres from 0 to 1");
-            }
-        }
-        Ok(())
+            [("weight", weight, WEIGHT), ("scale_m", scale_m, SCALE)]
+        });
+        check_options(strengths.chain([
+            ("lowest_score", self.lowest_score, SHARE),
+            ("coverage.seen_share", self.coverage.seen_share, SHARE),
+            ("offset_m", self.offset_m, METRES),
+            ("coverage.margin_m", self.coverage.margin_m, METRES),
+        ]))
     }
 
     fn strength_mut(&mut self, cue: Cue) -> &mut CueStrength {
@@ -135,12 +112,7 @@ impl CueOptions {
 
     /// How strong a cue is.
     #[must_use]
-    pub fn strength(&self, cue: Cue) -> CueStrength {
-        match cue {
-            Cue::Keypoints => self.keypoints,
-            Cue::Flow => self.flow,
-            Cue::Edges => self.edges,
-            Cue::Stereo => self.stereo,
-        }
+    pub fn strength(mut self, cue: Cue) -> CueStrength {
+        *self.strength_mut(cue)
     }
 }

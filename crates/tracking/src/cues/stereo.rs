@@ -12,12 +12,10 @@
 
 use glam::DVec3;
 
-use super::keypoints::metres_per_px;
 use super::options::CueStrength;
 use super::picture::GreyPicture;
-use super::surface::{Seen, SurfacePoint};
+use super::source::{BodySight, CueFrame, CueSource, SurfacePoint, metres_per_px};
 use crate::camera::Camera;
-use crate::residual::Loss;
 use crate::residual::cue::{Cue, CuePull, CueTarget};
 
 /// Samples of a patch across and down.
@@ -47,68 +45,73 @@ const ASIDE: [f64; 2] = [-0.35, 0.35];
 const COSINES: [f64; 2] = [0.5, 0.996];
 
 /// One camera of a pair.
-pub(super) struct StereoView<'a> {
-    pub(super) seen: Seen<'a>,
-    pub(super) picture: &'a GreyPicture,
+struct StereoView<'a> {
+    sight: BodySight<'a>,
+    picture: &'a GreyPicture,
+}
+
+/// Points in space that neighbouring cameras see alike. Nothing is remembered.
+#[derive(Debug)]
+pub(super) struct StereoSource;
+
+impl CueSource for StereoSource {
+    fn cue(&self) -> Cue {
+        Cue::Stereo
+    }
+
+    fn pulls(&self, frame: &CueFrame<'_>, camera: usize, strength: CueStrength) -> Vec<CuePull> {
+        if frame.limbs.is_empty() {
+            return Vec::new();
+        }
+        let view =
+            |camera: usize| Some(StereoView { picture: frame.picture(camera)?, sight: frame.sight(camera) });
+        let Some(one) = view(camera) else { return Vec::new() };
+        let others = (0..frame.cameras.len()).filter(|other| *other != camera).filter_map(view);
+        others.flat_map(|other| pulls(&one, &other, &frame.limbs, strength)).collect()
+    }
 }
 
 /// Pulls at limbs of the points that two cameras see alike, from the first one's rays.
-pub(super) fn pulls(
+fn pulls(
     one: &StereoView<'_>,
     other: &StereoView<'_>,
     limbs: &[usize],
     strength: CueStrength,
 ) -> Vec<CuePull> {
-    let mut pulls = Vec::new();
-    for &limb in limbs {
-        for place in PLACES {
-            for aside in ASIDE {
-                let Some(point) = one.seen.point(limb, place, aside) else { continue };
-                if !one.seen.is_visible(limb, &point) || !is_seen_by(other, limb, &point) {
-                    continue;
-                }
-                let Some(found) = point_in_space(one, other, &point) else { continue };
-                pulls.push(CuePull {
-                    cue: Cue::Stereo,
-                    limb,
-                    target: CueTarget::Surface { point: found },
-                    metres_per_px: 1.0,
-                    weight: strength.weight,
-                    loss: Loss::Cauchy { scale: strength.scale_m },
-                });
-            }
-        }
-    }
-    pulls
+    let pull = |(limb, point): (usize, SurfacePoint)| {
+        let point = is_seen_by(other, limb, &point).then(|| point_in_space(one, other, &point))??;
+        Some(strength.pull(Cue::Stereo, limb, CueTarget::Surface { point }, 1.0))
+    };
+    one.sight.visible_points(limbs, PLACES, ASIDE).filter_map(pull).collect()
 }
 
 /// Whether the other camera sees a point from not too steep, and not hidden.
 fn is_seen_by(other: &StereoView<'_>, limb: usize, point: &SurfacePoint) -> bool {
-    let camera = other.seen.camera;
+    let camera = other.sight.camera;
     let Some(pixel) = camera.project(point.world) else { return false };
     let way = (camera.centre() - point.world).normalize();
     let seen = SurfacePoint { pixel, depth: camera.depth(point.world), ..*point };
-    way.dot(point.facing) > 0.4 && other.seen.is_visible(limb, &seen)
+    way.dot(point.facing) > 0.4 && other.sight.is_visible(limb, &seen)
 }
 
 fn point_in_space(one: &StereoView<'_>, other: &StereoView<'_>, point: &SurfacePoint) -> Option<DVec3> {
-    let eye = one.seen.camera.centre();
+    let eye = one.sight.camera.centre();
     let ray = (point.world - eye).normalize();
-    let towards = (point.world - other.seen.camera.centre()).normalize();
+    let towards = (point.world - other.sight.camera.centre()).normalize();
     let cosine = ray.dot(towards);
     if !(COSINES[0]..COSINES[1]).contains(&cosine) {
         return None;
     }
-    let metres = metres_per_px(one.seen.camera, point.depth)?;
+    let metres = metres_per_px(one.sight.camera, point.depth)?;
     let across = point.along.cross(point.facing).normalize();
     let [u, v] = [across, point.along].map(|side| side * (SPACING_PX * metres));
-    let here = patch(one.seen.camera, one.picture, point.world, [u, v])?;
+    let here = patch(one.sight.camera, one.picture, point.world, [u, v])?;
     let sine = (1.0 - cosine * cosine).sqrt();
-    let step = STEP_PX * metres_per_px(other.seen.camera, other.seen.camera.depth(point.world))? / sine;
+    let step = STEP_PX * metres_per_px(other.sight.camera, other.sight.camera.depth(point.world))? / sine;
     let depths = ((RANGE_M / step).ceil() as i32).clamp(2, MOST_DEPTHS);
     let correlation = |k: i32| {
         let there =
-            patch(other.seen.camera, other.picture, point.world + ray * (f64::from(k) * step), [u, v]);
+            patch(other.sight.camera, other.picture, point.world + ray * (f64::from(k) * step), [u, v]);
         there.map_or(-1.0, |there| zncc(&here, &there))
     };
     let all = near_peaks((2 * depths + 1) as usize, |at| correlation(at as i32 - depths));
@@ -237,7 +240,7 @@ mod tests {
             .each_ref()
             .map(|camera| View::new(&model, &kinematics, camera, RendererKind::Capsule, Ramp::Half));
         let stereo = |index: usize| StereoView {
-            seen: Seen {
+            sight: BodySight {
                 model: &model,
                 kinematics: &kinematics,
                 camera: &cameras[index],

@@ -1,22 +1,19 @@
 //! Cues from frame to frame: what a frame's fit is to be pulled by, and what is learnt of where it ended.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use super::coverage::{Coverage, CoverageView};
-use super::edges::EdgeMemory;
-use super::evidence::FrameCues;
-use super::flow;
-use super::hold::LimbHold;
-use super::keypoints::{self, KeypointOffsets};
-use super::options::{CueOptions, CueOptionsError, CueReach};
-use super::picture::GreyPicture;
-use super::stereo::{self, StereoView};
-use super::surface::Seen;
+use super::coverage::{Coverage, CoverageView, LimbHold};
+use super::edges::EdgeSource;
+use super::flow::FlowSource;
+use super::keypoints::KeypointSource;
+use super::options::{CueOptions, CueReach};
+use super::source::{CueFrame, CueSource, FrameCues, pictures_of};
+use super::stereo::StereoSource;
 use crate::body::{Kinematics, Model, Pose};
 use crate::camera::Camera;
-use crate::render::{Ramp, RendererKind, View};
-use crate::residual::cue::{Cue, CuePull, CueSet};
+use crate::numbers::OptionError;
+use crate::render::RendererKind;
+use crate::residual::cue::CueSet;
 use crate::silhouette::Mask;
 
 /// One camera of a frame, as cues ask for it.
@@ -29,29 +26,17 @@ pub struct WatchedCamera {
 }
 
 /// Everything that cues remember from frame to frame.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct CueWatch {
     model: Arc<Model>,
     options: CueOptions,
     renderer: RendererKind,
-    offsets: KeypointOffsets,
-    /// The frame before, if its pose was good.
-    before: Option<Before>,
-    /// By camera's name.
-    edges: BTreeMap<String, EdgeMemory>,
-}
-
-/// The frame before.
-#[derive(Debug, Clone)]
-struct Before {
-    pose: Pose,
-    kinematics: Kinematics,
-    /// By camera's name.
-    pictures: BTreeMap<String, Arc<GreyPicture>>,
+    /// Each group is asked camera by camera, one group after the other.
+    groups: [Vec<Box<dyn CueSource>>; 3],
 }
 
 /// What cues have learnt up to a frame, but for pictures and for edges.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct CueMemory {
     /// Of every limb, what says how far its keypoint is from its joint: nine numbers of products, three of forces.
     pub offsets: Vec<[f64; 12]>,
@@ -63,81 +48,35 @@ impl CueWatch {
     /// Remembers nothing yet.
     ///
     /// # Errors
-    /// Options that make no sense.
-    pub fn new(
-        model: Arc<Model>,
-        options: CueOptions,
-        renderer: RendererKind,
-    ) -> Result<Self, CueOptionsError> {
+    /// Returns an error if an option is out of range.
+    pub fn new(model: Arc<Model>, options: CueOptions, renderer: RendererKind) -> Result<Self, OptionError> {
         options.check()?;
-        let offsets = KeypointOffsets::new(model.limbs().len(), options.offset_m);
-        Ok(Self { offsets, options, renderer, model, before: None, edges: BTreeMap::new() })
+        let keypoints = KeypointSource::new(model.limbs().len(), options.offset_m);
+        let groups: [Vec<Box<dyn CueSource>>; 3] = [
+            vec![Box::new(keypoints)],
+            vec![Box::new(FlowSource::default())],
+            vec![Box::new(EdgeSource::default()), Box::new(StereoSource)],
+        ];
+        Ok(Self { model, options, renderer, groups })
     }
 
     /// What pulls in a frame whose fit begins at `start`. `cues` are in the order of the cameras; pictures that are not of
     /// their camera's size are not looked at.
     #[must_use]
     pub fn look(&self, cameras: &[WatchedCamera], cues: &FrameCues, start: &Pose) -> CueSet {
-        let kinematics = Kinematics::new(&self.model, start);
-        let coverage = self.coverage(&kinematics, cameras);
-        let plain: Vec<&Camera> = cameras.iter().map(|watched| &*watched.camera).collect();
-        let (model, options) = (&self.model, &self.options);
-        let mut pulls = keypoints::pulls(model, &kinematics, &plain, cues, &coverage, &self.offsets, options);
-        let is_pulled = |&limb: &usize| options.reach == CueReach::All || coverage.is_covered(limb);
-        let limbs: Vec<usize> = (0..model.limbs().len()).filter(is_pulled).collect();
-        if !limbs.is_empty() {
-            self.pulls_of_pictures(&plain, cues, &kinematics, &limbs, &mut pulls);
-        }
-        CueSet { cameras: cameras.iter().map(|watched| Arc::clone(&watched.camera)).collect(), pulls }
-    }
-
-    fn pulls_of_pictures(
-        &self,
-        cameras: &[&Camera],
-        cues: &FrameCues,
-        start: &Kinematics,
-        limbs: &[usize],
-        pulls: &mut Vec<CuePull>,
-    ) {
-        let pictures = pictures(cameras, cues);
-        if pictures.iter().all(Option::is_none) {
-            return;
-        }
-        let is_on = |cue| self.options.strength(cue).weight > 0.0;
-        if is_on(Cue::Flow)
-            && let Some(Before { kinematics: before, pictures: last, .. }) = &self.before
-        {
-            let strength = self.options.strength(Cue::Flow);
-            for (index, (camera, picture)) in cameras.iter().zip(&pictures).enumerate() {
-                let (Some(now), Some(last)) = (picture, last.get(camera.name())) else { continue };
-                let view = self.view(before, camera);
-                let seen = self.seen(before, camera, &view);
-                pulls.extend(flow::pulls(&seen, [last, now], index, start, limbs, strength));
-            }
-        }
-        if !is_on(Cue::Edges) && !is_on(Cue::Stereo) {
-            return;
-        }
-        let views: Vec<View> = cameras.iter().map(|camera| self.view(start, camera)).collect();
-        let stereo_view = |index: usize| {
-            let seen = self.seen(start, cameras[index], &views[index]);
-            Some(StereoView { seen, picture: pictures[index]? })
-        };
-        for (index, camera) in cameras.iter().enumerate() {
-            let Some(one) = stereo_view(index) else { continue };
-            if is_on(Cue::Edges)
-                && let Some(edges) = self.edges.get(camera.name())
-            {
-                let strength = self.options.strength(Cue::Edges);
-                pulls.extend(edges.pulls(&one.seen, index, one.picture, limbs, strength));
-            }
-            if is_on(Cue::Stereo) {
-                let strength = self.options.strength(Cue::Stereo);
-                for other in (0..cameras.len()).filter(|other| *other != index).filter_map(stereo_view) {
-                    pulls.extend(stereo::pulls(&one, &other, limbs, strength));
+        let frame = frame(&self.model, &self.options, self.renderer, cameras, cues, start);
+        let mut pulls = Vec::new();
+        for group in &self.groups {
+            for camera in 0..cameras.len() {
+                for source in group {
+                    let strength = self.options.strength(source.cue());
+                    if strength.weight > 0.0 {
+                        pulls.extend(source.pulls(&frame, camera, strength));
+                    }
                 }
             }
         }
+        CueSet { cameras: cameras.iter().map(|watched| Arc::clone(&watched.camera)).collect(), pulls }
     }
 
     /// Learns from where a frame's fit ended, if that `is_good`, and says what held it there, part by part. What is not good
@@ -150,98 +89,75 @@ impl CueWatch {
         pose: &Pose,
         is_good: bool,
     ) -> Vec<LimbHold> {
-        let kinematics = Kinematics::new(&self.model, pose);
-        let coverage = self.coverage(&kinematics, cameras);
-        let plain: Vec<&Camera> = cameras.iter().map(|watched| &*watched.camera).collect();
-        let holds = LimbHold::of_pose(&self.model, &kinematics, &coverage, set);
-        self.before = None;
-        if is_good {
-            let lowest = self.options.lowest_score;
-            self.offsets.learn(&self.model, &kinematics, &plain, cues, &coverage, lowest);
-            self.learn_pictures(&plain, cues, pose, kinematics);
+        let frame = frame(&self.model, &self.options, self.renderer, cameras, cues, pose);
+        for source in self.groups.iter_mut().flatten() {
+            if is_good { source.learn(&frame) } else { source.forget_last_frame() }
         }
-        holds
-    }
-
-    fn learn_pictures(&mut self, cameras: &[&Camera], cues: &FrameCues, pose: &Pose, kinematics: Kinematics) {
-        let learns_edges = self.options.strength(Cue::Edges).weight > 0.0;
-        for (camera, picture) in cameras.iter().zip(pictures(cameras, cues)).filter(|_| learns_edges) {
-            let Some(picture) = picture else { continue };
-            let view = self.view(&kinematics, camera);
-            let mut edges = self.edges.remove(camera.name()).unwrap_or_default();
-            edges.learn(&self.seen(&kinematics, camera, &view), picture);
-            self.edges.insert(camera.name().to_owned(), edges);
-        }
-        let pictures = shared_pictures(cameras, cues);
-        self.before = (!pictures.is_empty()).then(|| Before { pose: pose.clone(), kinematics, pictures });
+        LimbHold::of_pose(&self.model, &frame.kinematics, &frame.coverage, set)
     }
 
     /// What it has learnt so far.
     #[must_use]
     pub fn memory(&self) -> CueMemory {
-        let before = self.before.as_ref().map(|before| before.pose.clone());
-        CueMemory { offsets: self.offsets.numbers(), before }
+        let mut memory = CueMemory::default();
+        self.groups.iter().flatten().for_each(|source| source.store(&mut memory));
+        memory
     }
 
     /// Goes on from what another one had learnt. The memory must be of the same body.
-    pub fn remember(&mut self, memory: CueMemory) {
-        self.offsets.remember(&memory.offsets);
-        self.before = memory.before.map(|pose| Before {
-            kinematics: Kinematics::new(&self.model, &pose),
-            pictures: BTreeMap::new(),
-            pose,
-        });
+    pub fn remember(&mut self, memory: &CueMemory) {
+        self.groups.iter_mut().flatten().for_each(|source| source.restore(&self.model, memory));
     }
 
     /// Shows it the pictures of the frame that it [remembers](Self::remember).
     pub fn see_before(&mut self, cameras: &[WatchedCamera], cues: &FrameCues) {
         let plain: Vec<&Camera> = cameras.iter().map(|watched| &*watched.camera).collect();
-        if let Some(before) = &mut self.before {
-            before.pictures = shared_pictures(&plain, cues);
-        }
-    }
-
-    fn view(&self, kinematics: &Kinematics, camera: &Camera) -> View {
-        View::new(&self.model, kinematics, camera, self.renderer, Ramp::Half)
-    }
-
-    fn seen<'a>(&'a self, kinematics: &'a Kinematics, camera: &'a Camera, view: &'a View) -> Seen<'a> {
-        Seen { model: &self.model, kinematics, camera, view }
-    }
-
-    /// How far keypoints lie from their joints.
-    #[must_use]
-    pub fn offsets(&self) -> &KeypointOffsets {
-        &self.offsets
+        let pictures = pictures_of(&plain, cues);
+        self.groups.iter_mut().flatten().for_each(|source| source.see_before(&pictures));
     }
 
     /// Which parts silhouettes hold at a pose.
     #[must_use]
     pub fn coverage(&self, kinematics: &Kinematics, cameras: &[WatchedCamera]) -> Coverage {
-        let views: Vec<CoverageView<'_>> = cameras
-            .iter()
-            .map(|watched| CoverageView { camera: &watched.camera, mask: watched.mask.as_deref() })
-            .collect();
-        Coverage::new(&self.model, kinematics, &views, self.renderer, &self.options.coverage)
+        coverage(&self.model, &self.options, self.renderer, kinematics, cameras)
     }
 }
 
-/// The pictures that are of their camera's size.
-fn pictures<'a>(cameras: &[&Camera], cues: &'a FrameCues) -> Vec<Option<&'a GreyPicture>> {
-    let of_camera = |(index, camera): (usize, &&Camera)| {
-        let picture = cues.cameras.get(index)?.picture.as_deref()?;
-        let is_its_own = (picture.width(), picture.height()) == (camera.width(), camera.height());
-        is_its_own.then_some(picture)
-    };
-    cameras.iter().enumerate().map(of_camera).collect()
+fn frame<'a>(
+    model: &'a Arc<Model>,
+    options: &'a CueOptions,
+    renderer: RendererKind,
+    cameras: &'a [WatchedCamera],
+    cues: &'a FrameCues,
+    pose: &'a Pose,
+) -> CueFrame<'a> {
+    let kinematics = Kinematics::new(model, pose);
+    let coverage = coverage(model, options, renderer, &kinematics, cameras);
+    let is_pulled = |&limb: &usize| options.reach == CueReach::All || coverage.is_covered(limb);
+    CueFrame {
+        cameras: cameras.iter().map(|watched| &*watched.camera).collect(),
+        limbs: (0..model.limbs().len()).filter(is_pulled).collect(),
+        drawn: cameras.iter().map(|_| OnceLock::new()).collect(),
+        model,
+        options,
+        renderer,
+        cues,
+        pose,
+        kinematics,
+        coverage,
+    }
 }
 
-/// The same, by the camera's name.
-fn shared_pictures(cameras: &[&Camera], cues: &FrameCues) -> BTreeMap<String, Arc<GreyPicture>> {
-    let are_their_own = pictures(cameras, cues).into_iter().map(|picture| picture.is_some());
-    let of_cameras =
-        cameras.iter().zip(&cues.cameras).zip(are_their_own).filter(|(_, is_its_own)| *is_its_own);
-    of_cameras
-        .filter_map(|((camera, cues), _)| Some((camera.name().to_owned(), cues.picture.clone()?)))
-        .collect()
+fn coverage(
+    model: &Model,
+    options: &CueOptions,
+    renderer: RendererKind,
+    kinematics: &Kinematics,
+    cameras: &[WatchedCamera],
+) -> Coverage {
+    let views: Vec<CoverageView<'_>> = cameras
+        .iter()
+        .map(|watched| CoverageView { camera: &watched.camera, mask: watched.mask.as_deref() })
+        .collect();
+    Coverage::new(model, kinematics, &views, renderer, &options.coverage)
 }

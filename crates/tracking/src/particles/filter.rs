@@ -7,14 +7,15 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::likelihood::Likelihood;
-use super::options::{ParticleError, ParticleOptions};
-use super::weights::{resampled, tempered};
+use super::likelihood::{Likelihood, resampled, tempered};
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{FitView, PreparedFit};
+use crate::fit::{FitError, FitOptions, FitView, PreparedFit};
 use crate::geometry::rotation::exp;
+use crate::numbers::{NOT_NEGATIVE, OptionError, Range, check_options};
 use crate::search::Chains;
 
 /// Particles that a thread takes at a time.
@@ -33,7 +34,7 @@ pub struct Particle {
 
 /// A part of the body that is sampled in one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct Partition {
     /// What it is called: "trunk", or a chain's first limb; "body" where all is sampled at once.
     pub name: String,
     /// Its rotations.
@@ -96,7 +97,7 @@ pub struct ParticleFilter {
     options: ParticleOptions,
     /// One a layer.
     likelihoods: Vec<Arc<Likelihood>>,
-    parts: Vec<Part>,
+    parts: Vec<Partition>,
     /// Where the particles of the next step come from, and which child of its parent each is.
     poses: Vec<(Pose, usize)>,
     next: usize,
@@ -108,8 +109,8 @@ impl ParticleFilter {
     /// A filter whose particles begin at the starts, in turn.
     ///
     /// # Errors
-    /// No start or one that is not the model's, data that are not the cameras', numbers that make no sense, or no camera
-    /// with a silhouette.
+    /// Returns an error if there is no start or one that is not the model's, if data are not the cameras', if an option is out
+    /// of range, or if no camera has a silhouette.
     pub fn new(
         model: Arc<Model>,
         views: Vec<FitView>,
@@ -120,7 +121,7 @@ impl ParticleFilter {
         let first = starts.first().ok_or(ParticleError::NoStart)?;
         let fit = options.fit.clone().at_scale(&model, &views, first);
         for start in starts {
-            start.check(&model).map_err(crate::fit::FitError::from)?;
+            start.check(&model).map_err(FitError::from)?;
         }
         let prepared = PreparedFit::new(&model, views, first, &fit, |_, _, _| 0.0)?;
         let stages = fit.stages.iter();
@@ -143,7 +144,7 @@ impl ParticleFilter {
 
     /// The parts of the body, in the order in which they are sampled.
     #[must_use]
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[Partition] {
         &self.parts
     }
 
@@ -201,7 +202,7 @@ impl ParticleFilter {
     }
 
     /// A pose with one part moved by the layer's noise.
-    fn moved(&self, from: &Pose, part: &Part, shrunk: f64, random: &mut Pcg64Mcg) -> Pose {
+    fn moved(&self, from: &Pose, part: &Partition, shrunk: f64, random: &mut Pcg64Mcg) -> Pose {
         let options = &self.options;
         let mut pose = from.clone();
         let turn = if part.moves_root { options.trunk_turn_rad } else { options.chain_turn_rad };
@@ -235,11 +236,16 @@ fn children(sampled: &[(f64, Pose)], parents: &[usize]) -> Vec<(Pose, usize)> {
 }
 
 /// The trunk and then every chain, the shortest first; or all at once.
-fn parts(model: &Model, partitioned: bool) -> Vec<Part> {
+fn parts(model: &Model, partitioned: bool) -> Vec<Partition> {
     let limbs = model.limbs().len();
     if !partitioned {
         let rotations = (0..model.rotation_count()).collect();
-        return vec![Part { name: "body".into(), rotations, moves_root: true, drawn: vec![true; limbs] }];
+        return vec![Partition {
+            name: "body".into(),
+            rotations,
+            moves_root: true,
+            drawn: vec![true; limbs],
+        }];
     }
     let mut chains = Chains::new(model);
     chains.chains.sort_by_key(|chain| chain.rotations.len());
@@ -252,7 +258,7 @@ fn parts(model: &Model, partitioned: bool) -> Vec<Part> {
         for &limb in rotations.iter().flat_map(|&rotation| &chains.groups[rotation]) {
             drawn[limb] = true;
         }
-        list.push(Part { name, rotations, moves_root: index == 0, drawn: drawn.clone() });
+        list.push(Partition { name, rotations, moves_root: index == 0, drawn: drawn.clone() });
     }
     list
 }
@@ -266,4 +272,110 @@ fn normal(random: &mut Pcg64Mcg) -> DVec3 {
     };
     let ((x, y), (z, _)) = (pair(), pair());
     DVec3::new(x, y, z)
+}
+
+/// Numbers of particles, each of which holds a pose, and of layers.
+const PARTICLES: Range = Range(|value| (2.0..=1e6).contains(&value), "2 to 1000000");
+const LAYERS: Range = Range(|value| (1.0..=1000.0).contains(&value), "1 to 1000");
+/// What a layer leaves of deviations, and of particles.
+const DECAY: Range = Range(|value| value > 0.0 && value <= 1.0, "more than 0 and less than 1");
+const ALIVE: Range = Range(|value| value > 0.0 && value <= 0.999, DECAY.1);
+
+/// How to look with particles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ParticleOptions {
+    /// How many.
+    pub particles: usize,
+    /// Annealing layers; each samples every part of the body once. They share out the fit's stages, widest ramp first.
+    pub layers: usize,
+    /// Deviation of the trunk's turns in the first layer, radians about each axis.
+    pub trunk_turn_rad: f64,
+    /// The same of the rotations of chains.
+    pub chain_turn_rad: f64,
+    /// Deviation of the root in the first layer, metres along each axis.
+    pub move_m: f64,
+    /// Every layer's deviations, of the layer before.
+    pub decay: f64,
+    /// Survival rate: the share of particles that is left alive by the weights, between 0 and 1.
+    pub alive: f64,
+    /// Whether the trunk is sampled first and every chain after it; otherwise all at once.
+    pub partitioned: bool,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// The solid, the stages' ramps and the weight of limits.
+    pub fit: FitOptions,
+}
+
+impl Default for ParticleOptions {
+    fn default() -> Self {
+        Self {
+            particles: 200,
+            layers: 8,
+            trunk_turn_rad: 0.15,
+            chain_turn_rad: 0.3,
+            move_m: 0.08,
+            decay: 0.75,
+            alive: 0.25,
+            partitioned: true,
+            seed: 1,
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+/// Why a particle filter cannot begin.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ParticleError {
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    #[error("no start was given; expected at least one pose")]
+    NoStart,
+}
+
+impl ParticleOptions {
+    /// Checks all but the fit's options, which are checked where the filter begins.
+    ///
+    /// # Errors
+    /// The first option that is out of range.
+    pub fn check(&self) -> Result<(), OptionError> {
+        check_options([
+            ("particles", self.particles as f64, PARTICLES),
+            ("layers", self.layers as f64, LAYERS),
+            ("trunk_turn_rad", self.trunk_turn_rad, NOT_NEGATIVE),
+            ("chain_turn_rad", self.chain_turn_rad, NOT_NEGATIVE),
+            ("move_m", self.move_m, NOT_NEGATIVE),
+            ("decay", self.decay, DECAY),
+            ("alive", self.alive, ALIVE),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_out_of_range_are_named() {
+        let good = ParticleOptions::default();
+        assert_eq!(good.check(), Ok(()));
+        type Spoil = fn(&mut ParticleOptions);
+        let wrong: [(Spoil, &str); 6] = [
+            (|options| options.particles = 1, "particles"),
+            (|options| options.particles = usize::MAX, "particles"),
+            (|options| options.layers = 0, "layers"),
+            (|options| options.move_m = f64::NAN, "move_m"),
+            (|options| options.decay = 0.0, "decay"),
+            (|options| options.alive = 1.0, "alive"),
+        ];
+        for (change, expected) in wrong {
+            let mut options = good.clone();
+            change(&mut options);
+            let said = options.check().unwrap_err().to_string();
+            assert!(said.contains(expected) && said.contains("expected"), "{said}");
+        }
+    }
 }

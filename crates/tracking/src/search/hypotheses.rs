@@ -22,10 +22,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::chains::Chains;
-use super::options::SearchOptions;
 use super::reseed::Reseeder;
 use super::sketch::Sketch;
-use super::start;
+use super::{SearchOptions, start};
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, PreparedFit, Stage};
@@ -82,11 +81,11 @@ pub struct Hypothesis {
     pub origin: Origin,
 }
 
-/// What a search found.
+/// What a search found and what it tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hypotheses {
+pub struct SearchResult {
     /// All that differ, best first; never empty.
-    pub found: Vec<Hypothesis>,
+    pub hypotheses: Vec<Hypothesis>,
     /// Every one that was refined to the end, worse ones and doubles too, in the order in which they were.
     pub tried: Vec<Hypothesis>,
     /// Iterations of all refinements, rejected ones included.
@@ -107,7 +106,7 @@ pub fn search(
     options: &FitOptions,
     effort: &SearchOptions,
     cancel: &CancelToken,
-) -> Result<Hypotheses, FitError> {
+) -> Result<SearchResult, FitError> {
     effort.check()?;
     let prepared = PreparedFit::new(model, views, start, options, Sketch::reach_px)?;
     Ok(run(model, &prepared, options, effort, cancel))
@@ -129,9 +128,9 @@ pub fn fit_best(
     effort.check()?;
     let options = options.at_scale(&model, &views, start);
     let prepared = PreparedFit::new(&model, views, start, &options, Sketch::reach_px)?;
-    let found = run(&model, &prepared, &options, effort, cancel).found;
-    let fit = Fit::at_last_stage(model, prepared, options, &found[0].pose);
-    Ok((fit, found))
+    let hypotheses = run(&model, &prepared, &options, effort, cancel).hypotheses;
+    let fit = Fit::at_last_stage(model, prepared, options, &hypotheses[0].pose);
+    Ok((fit, hypotheses))
 }
 
 /// A search in progress.
@@ -143,7 +142,7 @@ pub(super) struct Search<'a> {
     cancel: &'a CancelToken,
     pub(super) reseeder: Reseeder<'a>,
     pub(super) objectives: Vec<(Stage, Objective)>,
-    pub(super) found: Vec<Hypothesis>,
+    pub(super) hypotheses: Vec<Hypothesis>,
     tried: Vec<Hypothesis>,
     pub(super) iterations: usize,
     pub(super) evaluations: usize,
@@ -156,7 +155,7 @@ fn run(
     options: &FitOptions,
     effort: &SearchOptions,
     cancel: &CancelToken,
-) -> Hypotheses {
+) -> SearchResult {
     let subject = BACKGROUND * BACKGROUND * subject_pixels(&prepared.views);
     let pairs_above = effort.pairs_above * subject;
     let mut search = Search::about(&prepared.start, model, prepared, options, effort, cancel);
@@ -168,9 +167,9 @@ fn run(
     if effort.turned && !cancel.is_cancelled() {
         search.try_the_other_way(prepared, &chains, subject);
     }
-    search.found.truncate(effort.kept.max(1));
-    let Search { found, tried, iterations, evaluations, .. } = search;
-    Hypotheses { found, tried, iterations, evaluations }
+    search.hypotheses.truncate(effort.kept.max(1));
+    let Search { hypotheses, tried, iterations, evaluations, .. } = search;
+    SearchResult { hypotheses, tried, iterations, evaluations }
 }
 
 impl<'a> Search<'a> {
@@ -197,7 +196,7 @@ impl<'a> Search<'a> {
             cancel,
             reseeder: Reseeder { model, parts, sketch, reference: start, effort },
             objectives: options.stages.iter().map(objective).collect(),
-            found: Vec::new(),
+            hypotheses: Vec::new(),
             tried: Vec::new(),
             iterations: 0,
             evaluations: 0,
@@ -206,7 +205,7 @@ impl<'a> Search<'a> {
 
     /// Other trunks, and all chains again on them and on the best one.
     fn try_trunks(&mut self, start: &Pose, chains: &[usize]) {
-        let best = self.found[0].pose.clone();
+        let best = self.hypotheses[0].pose.clone();
         let mut trunks: Vec<(f32, Pose)> = Vec::with_capacity(self.effort.trunk_samples);
         for sample in 0..self.effort.trunk_samples {
             // Small and large samples about the start and about what was found from it.
@@ -234,7 +233,7 @@ impl<'a> Search<'a> {
     /// Its priors pull towards its own start, or the start's would hold it back by a whole turn. It is ranked as if
     /// it were as far from the start as the best of the others, and a little behind.
     fn try_the_other_way(&mut self, prepared: &PreparedFit, chains: &[usize], subject: f64) {
-        let best = self.found[0].clone();
+        let best = self.hypotheses[0].clone();
         let turned = posing::turn_round(self.model, &best.pose);
         let mut other = Search::about(&turned, self.model, prepared, self.options, self.effort, self.cancel);
         other.try_turned(&turned, chains);
@@ -248,16 +247,16 @@ impl<'a> Search<'a> {
             equations.cost
         };
         let of_best = judged(&best.pose);
-        if judged(&other.found[0].pose) < RIVAL * of_best {
+        if judged(&other.hypotheses[0].pose) < RIVAL * of_best {
             other.sweep(chains, self.effort.pairs_above * subject);
         }
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;
-        for found in other.found {
-            let cost = (1.0 + LEAST_BETTER) * judged(&found.pose)
+        for hypothesis in other.hypotheses {
+            let cost = (1.0 + LEAST_BETTER) * judged(&hypothesis.pose)
                 + LEAST_BETTER_PIXELS * subject
                 + (best.cost - of_best);
-            self.keep(Hypothesis { cost, ..found });
+            self.keep(Hypothesis { cost, ..hypothesis });
         }
     }
 
@@ -273,12 +272,12 @@ impl<'a> Search<'a> {
     /// Sweeps over the chains, and the pairs where the fit is poor, until one brings nothing.
     pub(super) fn sweep(&mut self, chains: &[usize], pairs_above: f64) {
         for _ in 0..self.effort.sweeps {
-            let before = self.found[0].cost;
+            let before = self.hypotheses[0].cost;
             self.try_chains(chains);
-            if self.found[0].cost > pairs_above {
+            if self.hypotheses[0].cost > pairs_above {
                 self.try_pairs(chains);
             }
-            if self.found[0].cost > before * (1.0 - LEAST_GAIN) {
+            if self.hypotheses[0].cost > before * (1.0 - LEAST_GAIN) {
                 break;
             }
         }
@@ -287,7 +286,7 @@ impl<'a> Search<'a> {
     /// Every chain again, one after the other, each on the best pose so far.
     fn try_chains(&mut self, chains: &[usize]) {
         for &chain in chains {
-            let proposals = self.reseeder.propose(&self.found[0].pose, chain, &[]);
+            let proposals = self.reseeder.propose(&self.hypotheses[0].pose, chain, &[]);
             let origin = Origin::Chain { limb: self.reseeder.name(chain) };
             self.refine_best(proposals.into_iter().map(|proposal| proposal.pose).collect(), &origin);
         }
@@ -303,7 +302,7 @@ impl<'a> Search<'a> {
                 if self.cancel.is_cancelled() {
                     return;
                 }
-                let base = &self.found[0].pose;
+                let base = &self.hypotheses[0].pose;
                 let mut poses = Vec::new();
                 for half in self.reseeder.propose(base, first, &[second]) {
                     poses.extend(self.reseeder.propose(&half.pose, second, &[]).into_iter().next());
@@ -367,12 +366,12 @@ impl<'a> Search<'a> {
     pub(super) fn keep(&mut self, new: Hypothesis) {
         self.tried.push(new.clone());
         let is_same = |old: &&mut Hypothesis| farthest_m(self.model, &old.pose, &new.pose) < SAME_M;
-        match self.found.iter_mut().find(is_same) {
+        match self.hypotheses.iter_mut().find(is_same) {
             Some(old) if new.cost < old.cost => *old = new,
             Some(_) => {}
-            None => self.found.push(new),
+            None => self.hypotheses.push(new),
         }
-        self.found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        self.hypotheses.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     }
 }
 

@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
+use super::SearchOptions;
 use super::chains::{Chain, Chains};
-use super::options::SearchOptions;
-use super::sketch::{Canvas, Skeleton, Sketch};
+use super::sketch::{Canvas, LimbPositions, Sketch};
 use crate::body::{Model, Pose};
 use crate::geometry::rotation::{exp, log};
 
@@ -36,9 +36,9 @@ pub(super) struct Proposal {
     pub(super) cost: f32,
 }
 
-struct Node {
+struct PartialChain {
     pose: Pose,
-    skeleton: Skeleton,
+    skeleton: LimbPositions,
     canvas: Canvas,
     cost: f32,
 }
@@ -55,12 +55,12 @@ pub(super) struct Reseeder<'a> {
 }
 
 /// A candidate place of one rotation.
-struct Candidate {
+struct RatedTurn {
     /// What it is ranked by, and what it costs.
     ranked: f32,
     cost: f32,
     /// Index of the partial chain that it goes on from.
-    node: usize,
+    partial: usize,
     turn: DQuat,
     /// Where its last limb ends.
     end: DVec3,
@@ -78,8 +78,8 @@ impl Reseeder<'_> {
         self.sketch.cost(&self.drawn(pose, absent).1)
     }
 
-    fn drawn(&self, pose: &Pose, absent: &[usize]) -> (Skeleton, Canvas) {
-        let skeleton = Skeleton::new(self.model, pose);
+    fn drawn(&self, pose: &Pose, absent: &[usize]) -> (LimbPositions, Canvas) {
+        let skeleton = LimbPositions::new(self.model, pose);
         let mut canvas = self.sketch.blank();
         for (rotation, group) in self.parts.groups.iter().enumerate() {
             if absent.iter().any(|&chain| self.parts.chains[chain].rotations.contains(&rotation)) {
@@ -111,21 +111,21 @@ impl Reseeder<'_> {
         without.push(chain);
         let (skeleton, canvas) = self.drawn(base, &without);
         let cost = self.sketch.cost(&canvas);
-        let mut beam = vec![Node { pose: base.clone(), skeleton, canvas, cost }];
+        let mut beam = vec![PartialChain { pose: base.clone(), skeleton, canvas, cost }];
         let chain = &self.parts.chains[chain];
         let wide = self.wide_rotations(chain);
         for &rotation in &chain.rotations {
             let is_last = Some(&rotation) == chain.rotations.last();
             let turns = self.turns(base, rotation, wide.contains(&rotation));
             let mut candidates = Vec::with_capacity(beam.len() * turns.len());
-            for (index, node) in beam.iter_mut().enumerate() {
+            for (index, partial) in beam.iter_mut().enumerate() {
                 let is_wide = wide.contains(&rotation);
-                self.rate(index, node, rotation, &turns, is_wide, is_last, &mut candidates);
+                self.rate(index, partial, rotation, &turns, is_wide, is_last, &mut candidates);
             }
             candidates.sort_by(|a, b| a.ranked.total_cmp(&b.ranked));
             beam = self.pick(&beam, &candidates, rotation, is_last);
         }
-        beam.into_iter().map(|node| Proposal { pose: node.pose, cost: node.cost }).collect()
+        beam.into_iter().map(|partial| Proposal { pose: partial.pose, cost: partial.cost }).collect()
     }
 
     /// Rates the turns of a rotation on one partial chain.
@@ -133,45 +133,51 @@ impl Reseeder<'_> {
     fn rate(
         &self,
         index: usize,
-        node: &mut Node,
+        partial: &mut PartialChain,
         rotation: usize,
         turns: &[DQuat],
         is_wide: bool,
         is_last: bool,
-        candidates: &mut Vec<Candidate>,
+        candidates: &mut Vec<RatedTurn>,
     ) {
         let group = &self.parts.groups[rotation];
-        let (kept, root) = (node.pose.rotations[rotation], node.pose.root);
+        let (kept, root) = (partial.pose.rotations[rotation], partial.pose.root);
         let gain = if is_last { 1.0 } else { EARLY_GAIN };
         let back = self.reference.rotations[rotation].inverse();
-        for turn in self.sifted(turns, node, rotation, is_wide) {
-            node.skeleton.set(self.model, group, rotation, turn, root);
+        for turn in self.sifted(turns, partial, rotation, is_wide) {
+            partial.skeleton.set(self.model, group, rotation, turn, root);
             let pull = PULL * log(turn * back).length_squared() as f32;
-            let (mut cost, mut ranked) = (node.cost + pull, node.cost + pull);
+            let (mut cost, mut ranked) = (partial.cost + pull, partial.cost + pull);
             for &limb in group {
-                let change = self.sketch.change(&node.canvas, &node.skeleton, limb);
+                let change = self.sketch.change(&partial.canvas, &partial.skeleton, limb);
                 cost += change.spill + change.gain;
                 ranked += change.spill + gain * change.gain;
             }
-            let end = group.last().map_or(root, |&limb| node.skeleton.ends[limb]);
-            candidates.push(Candidate { ranked, cost, node: index, turn, end });
+            let end = group.last().map_or(root, |&limb| partial.skeleton.ends[limb]);
+            candidates.push(RatedTurn { ranked, cost, partial: index, turn, end });
         }
-        node.skeleton.set(self.model, group, rotation, kept, root);
+        partial.skeleton.set(self.model, group, rotation, kept, root);
     }
 
     /// The best candidates as partial chains; the last rotation's differ.
-    fn pick(&self, beam: &[Node], candidates: &[Candidate], rotation: usize, is_last: bool) -> Vec<Node> {
+    fn pick(
+        &self,
+        beam: &[PartialChain],
+        candidates: &[RatedTurn],
+        rotation: usize,
+        is_last: bool,
+    ) -> Vec<PartialChain> {
         let group = &self.parts.groups[rotation];
         let width = if is_last { self.effort.proposals } else { self.effort.beam };
-        let mut picked: Vec<(Node, DVec3)> = Vec::with_capacity(width);
+        let mut picked: Vec<(PartialChain, DVec3)> = Vec::with_capacity(width);
         for candidate in candidates {
             if picked.len() == width {
                 break;
             }
-            let parent = &beam[candidate.node];
-            let is_same = |(node, end): &(Node, DVec3)| {
-                let starts = |skeleton: &Skeleton| group.first().map(|&limb| skeleton.starts[limb]);
-                let apart = starts(&node.skeleton).zip(starts(&parent.skeleton));
+            let parent = &beam[candidate.partial];
+            let is_same = |(partial, end): &(PartialChain, DVec3)| {
+                let starts = |skeleton: &LimbPositions| group.first().map(|&limb| skeleton.starts[limb]);
+                let apart = starts(&partial.skeleton).zip(starts(&parent.skeleton));
                 end.distance(candidate.end) < SAME_M && apart.is_none_or(|(a, b)| a.distance(b) < SAME_M)
             };
             if is_last && picked.iter().any(is_same) {
@@ -188,21 +194,21 @@ impl Reseeder<'_> {
                     self.sketch.draw(&mut canvas, &skeleton, limb);
                 }
             }
-            picked.push((Node { pose, skeleton, canvas, cost: candidate.cost }, candidate.end));
+            picked.push((PartialChain { pose, skeleton, canvas, cost: candidate.cost }, candidate.end));
         }
-        picked.into_iter().map(|(node, _)| node).collect()
+        picked.into_iter().map(|(partial, _)| partial).collect()
     }
 
     /// The turns whose limbs lie best in the silhouettes, by a few points of each.
-    fn sifted(&self, turns: &[DQuat], node: &mut Node, rotation: usize, wide: bool) -> Vec<DQuat> {
+    fn sifted(&self, turns: &[DQuat], partial: &mut PartialChain, rotation: usize, wide: bool) -> Vec<DQuat> {
         if !wide {
             return turns.to_vec();
         }
         let group = &self.parts.groups[rotation];
         let mut scored: Vec<(f32, DQuat)> = Vec::with_capacity(turns.len());
         for &turn in turns {
-            node.skeleton.set(self.model, group, rotation, turn, node.pose.root);
-            let misses = group.iter().map(|&limb| self.sketch.misses(&node.skeleton, limb)).sum();
+            partial.skeleton.set(self.model, group, rotation, turn, partial.pose.root);
+            let misses = group.iter().map(|&limb| self.sketch.misses(&partial.skeleton, limb)).sum();
             scored.push((misses, turn));
         }
         let keep = ((turns.len() as f64 * self.effort.sieve) as usize).max(1);

@@ -30,13 +30,13 @@ const SIEVE_POINTS: usize = 4;
 
 /// Where all limbs are, without derivatives.
 #[derive(Debug, Clone)]
-pub(super) struct Skeleton {
+pub(super) struct LimbPositions {
     pub(super) starts: Vec<DVec3>,
     pub(super) ends: Vec<DVec3>,
     world: Vec<DMat3>,
 }
 
-impl Skeleton {
+impl LimbPositions {
     pub(super) fn new(model: &Model, pose: &Pose) -> Self {
         let limbs = model.limbs().len();
         let mut this = Self {
@@ -102,7 +102,7 @@ pub(super) type Canvas = Vec<f32>;
 
 /// What drawing a limb changes: where it hides what it should not, and where it covers what it should.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Change {
+pub(super) struct CostChange {
     pub(super) spill: f32,
     pub(super) gain: f32,
 }
@@ -145,7 +145,7 @@ impl Sketch {
     }
 
     /// Draws a limb.
-    pub(super) fn draw(&self, canvas: &mut Canvas, skeleton: &Skeleton, limb: usize) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, skeleton: &LimbPositions, limb: usize) {
         let mut from = 0;
         for view in &self.views {
             let pixels = &mut canvas[from..from + view.data.len()];
@@ -162,8 +162,8 @@ impl Sketch {
     }
 
     /// What drawing a limb would change.
-    pub(super) fn change(&self, canvas: &Canvas, skeleton: &Skeleton, limb: usize) -> Change {
-        let mut change = Change::default();
+    pub(super) fn change(&self, canvas: &Canvas, skeleton: &LimbPositions, limb: usize) -> CostChange {
+        let mut change = CostChange::default();
         let mut from = 0;
         for view in &self.views {
             let pixels = &canvas[from..from + view.data.len()];
@@ -177,7 +177,7 @@ impl Sketch {
     }
 
     /// Mean of D at points along a limb's axis: a first sieve of directions.
-    pub(super) fn misses(&self, skeleton: &Skeleton, limb: usize) -> f32 {
+    pub(super) fn misses(&self, skeleton: &LimbPositions, limb: usize) -> f32 {
         let (start, end) = (skeleton.starts[limb], skeleton.ends[limb]);
         let mut sum = 0.0;
         for view in &self.views {
@@ -212,7 +212,7 @@ fn lanes(from: &[f32]) -> &[f32; LANES] {
 }
 
 /// A limb in one picture.
-struct Segment {
+struct ProjectedLimb {
     from: [f32; 2],
     along: [f32; 2],
     inverse: f32,
@@ -223,7 +223,7 @@ struct Segment {
     rows: (usize, usize),
 }
 
-impl Segment {
+impl ProjectedLimb {
     /// Columns of a row within reach of the limb.
     #[inline]
     fn columns(&self, y: usize) -> (usize, usize) {
@@ -253,7 +253,7 @@ impl Segment {
 impl SketchView {
     /// What one limb changes here.
     #[inline(always)]
-    fn change(&self, pixels: &[f32], segment: &Segment) -> Change {
+    fn change(&self, pixels: &[f32], segment: &ProjectedLimb) -> CostChange {
         let (mut spill, mut gain) = ([0.0_f32; LANES], [0.0_f32; LANES]);
         for y in segment.rows.0..segment.rows.1 {
             let (x0, x1) = segment.columns(y);
@@ -273,7 +273,7 @@ impl SketchView {
                 x += LANES;
             }
         }
-        Change { spill: spill.iter().sum(), gain: gain.iter().sum() }
+        CostChange { spill: spill.iter().sum(), gain: gain.iter().sum() }
     }
 
     /// D at a point; what lies outside the picture is neither.
@@ -338,7 +338,7 @@ impl SketchView {
         }
     }
 
-    fn segment(&self, skeleton: &Skeleton, limb: usize, radius: f64) -> Option<Segment> {
+    fn segment(&self, skeleton: &LimbPositions, limb: usize, radius: f64) -> Option<ProjectedLimb> {
         let p0 = self.rotation * skeleton.starts[limb] + self.translation;
         let p1 = self.rotation * skeleton.ends[limb] + self.translation;
         if p0.z < NEAREST || p1.z < NEAREST {
@@ -356,7 +356,7 @@ impl SketchView {
             return None;
         }
         let along = b - a;
-        Some(Segment {
+        Some(ProjectedLimb {
             from: [a.x as f32, a.y as f32],
             along: [along.x as f32, along.y as f32],
             inverse: (1.0 / along.length_squared().max(1e-9)) as f32,

@@ -13,16 +13,12 @@
 //! | file | holds |
 //! |---|---|
 //! | `place` | where the subject is, by its silhouettes |
-//! | `stance` | the body as it stands at rest, facing any way |
-//! | `small` | pictures no larger than the search needs |
 //! | `rounds` | the rounds of the search, each with fewer candidates and a closer look |
 //!
 //! All of it is the same for any number of threads.
 
 mod place;
 mod rounds;
-mod small;
-mod stance;
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -32,12 +28,11 @@ use std::sync::atomic::AtomicUsize;
 use glam::{DQuat, DVec3};
 use thiserror::Error;
 
-pub(crate) use self::place::{Place, mask_of};
+pub(crate) use self::place::{Stance, SubjectPlace, mask_of, reduced, turn_whole};
 use self::rounds::Rounds;
-pub(crate) use self::small::reduced;
-pub(crate) use self::stance::{Stance, turn_whole};
+use super::SearchOptions;
 use super::chains::Chains;
-use super::options::SearchOptions;
+use super::hypotheses::Hypothesis;
 use super::sketch::Sketch;
 use crate::body::{Model, ModelError, Parameters, Pose};
 use crate::cancel::CancelToken;
@@ -48,7 +43,7 @@ const LARGEST_SCALE: f64 = 2.0;
 
 /// How to look for a pose without a start.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WithoutStart {
+pub struct WithoutStartOptions {
     /// Up in world axes, of any length; `None` asks the cameras ([`up_of`](crate::camera::up_of)).
     pub up: Option<DVec3>,
     /// Whether the body is scaled as a whole to stand as tall as the hull is: rough, and better than an average body for
@@ -70,7 +65,7 @@ pub struct WithoutStart {
     pub fine: SearchOptions,
 }
 
-impl Default for WithoutStart {
+impl Default for WithoutStartOptions {
     fn default() -> Self {
         let fine = SearchOptions { pairs: 0, ..SearchOptions::default() };
         Self {
@@ -87,34 +82,22 @@ impl Default for WithoutStart {
     }
 }
 
-/// A pose with its cost by one stage, squared grey levels.
-pub type Rated = (f64, Pose);
-
-/// A pose that was refined to the end.
+/// What a search without a start found and what it tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
-    /// The pose.
-    pub pose: Pose,
-    /// Its cost by the last stage, without any pull to a start, squared grey levels.
-    pub cost: f64,
-    /// Where it looks: a unit vector, world axes; `None` for a body without front and back.
-    pub ahead: Option<DVec3>,
-}
-
-/// What was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct WithoutStartResult {
     /// The body that the poses are of: the given one, or as it was scaled.
     pub model: Arc<Model>,
-    /// All that were refined to the end and differ, best first; never empty. The best may cost a little more than another
-    /// that faces away from the cameras.
-    pub candidates: Vec<Candidate>,
+    /// All that were refined to the end and differ, best first; never empty. Costs are the last stage's, without any pull to
+    /// a start. The best may cost a little more than another that faces away from the cameras.
+    pub hypotheses: Vec<Hypothesis>,
     /// What came of each round, best first: the trunks of all headings with their limbs; the best of these, their chains seeded
     /// again; the best of those and the same turned round, looked at more closely. Costs can be compared within a round.
-    pub rounds: Vec<Vec<Rated>>,
+    pub rounds: Vec<Vec<Hypothesis>>,
+    /// Where the body of each hypothesis looks: a unit vector, world axes; `None` for a body without front and back.
+    pub facings: Vec<Option<DVec3>>,
     /// Up, a unit vector, world axes.
     pub up: DVec3,
-    /// What that body was scaled by; 1 unless [`scale_body`](WithoutStart::scale_body) asks for more.
+    /// What that body was scaled by; 1 unless [`scale_body`](WithoutStartOptions::scale_body) asks for more.
     pub scale: f64,
     /// How tall the subject's hull is and how tall the given body stands. `None` with one camera.
     pub heights: Option<Heights>,
@@ -124,11 +107,11 @@ pub struct Found {
     pub evaluations: usize,
 }
 
-impl Found {
+impl WithoutStartResult {
     /// The best pose.
     #[must_use]
     pub fn pose(&self) -> &Pose {
-        &self.candidates[0].pose
+        &self.hypotheses[0].pose
     }
 }
 
@@ -207,13 +190,13 @@ pub enum WithoutStartError {
 pub fn without_start(
     model: &Arc<Model>,
     views: &[FitView],
-    choices: &WithoutStart,
+    choices: &WithoutStartOptions,
     cancel: &CancelToken,
-) -> Result<Found, WithoutStartError> {
+) -> Result<WithoutStartResult, WithoutStartError> {
     choices.check()?;
     let seen = with_subject(model, views, &choices.fit)?;
     let body_m = Stance::new(model, &Chains::new(model)).height();
-    let place = Place::of(&seen, choices.up, body_m, cancel)?;
+    let place = SubjectPlace::of(&seen, choices.up, body_m, cancel)?;
     let heights = (seen.len() > 1).then(|| Heights { subject_m: place.height(), body_m });
     let in_place = InPlace { seen: &seen, choices, place: &place, heights, cancel };
     let Some(heights) = heights.filter(|_| choices.scale_body) else { return in_place.search(model, 1.0) };
@@ -235,7 +218,7 @@ pub fn hull_scale(
 ) -> Result<f64, WithoutStartError> {
     let seen = with_subject(model, views, &FitOptions::default())?;
     let body_m = Stance::new(model, &Chains::new(model)).height();
-    let place = Place::of(&seen, up, body_m, cancel)?;
+    let place = SubjectPlace::of(&seen, up, body_m, cancel)?;
     let ratio = place.height() / body_m;
     Ok(if seen.len() > 1 { ratio.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE) } else { 1.0 })
 }
@@ -272,7 +255,7 @@ pub fn standing(
 ) -> Result<Vec<Pose>, WithoutStartError> {
     let seen = with_subject(model, views, &FitOptions::default())?;
     let stance = Stance::new(model, &Chains::new(model));
-    let place = Place::of(&seen, up, stance.height(), cancel)?;
+    let place = SubjectPlace::of(&seen, up, stance.height(), cancel)?;
     // Between a body on the hull's floor and one under its top.
     let height = 0.5 * (place.bottom + stance.below + place.top - stance.above);
     let middle = place.middle_at(height);
@@ -288,15 +271,15 @@ pub fn standing(
 /// A search whose place is known.
 struct InPlace<'a> {
     seen: &'a [FitView],
-    choices: &'a WithoutStart,
-    place: &'a Place,
+    choices: &'a WithoutStartOptions,
+    place: &'a SubjectPlace,
     heights: Option<Heights>,
     cancel: &'a CancelToken,
 }
 
 impl InPlace<'_> {
     /// The search with the body as it is; `scale` is what it was scaled by.
-    fn search(&self, model: &Arc<Model>, scale: f64) -> Result<Found, WithoutStartError> {
+    fn search(&self, model: &Arc<Model>, scale: f64) -> Result<WithoutStartResult, WithoutStartError> {
         let Self { choices, place, cancel, .. } = *self;
         let stance = Stance::new(model, &Chains::new(model));
         let middle = place.middle();
@@ -314,22 +297,23 @@ impl InPlace<'_> {
             cancel,
             evaluations: AtomicUsize::new(0),
         };
-        let (candidates, facing, all) = rounds.run()?;
+        let judged = rounds.run()?;
         let one_camera = (self.seen.len() == 1).then_some(Doubt::OneCamera);
-        Ok(Found {
+        Ok(WithoutStartResult {
             model: Arc::clone(model),
             scale,
             heights: self.heights,
-            candidates,
-            rounds: all,
+            hypotheses: judged.hypotheses,
+            facings: judged.facings,
+            rounds: judged.rounds,
             up: place.up,
-            doubts: one_camera.into_iter().chain(facing).collect(),
+            doubts: one_camera.into_iter().chain(judged.doubt).collect(),
             evaluations: rounds.evaluations.into_inner(),
         })
     }
 }
 
-impl WithoutStart {
+impl WithoutStartOptions {
     /// The usual choices for a fit: by its own options where they are made for a start from afar, else by the robust
     /// preset with its solid.
     #[must_use]

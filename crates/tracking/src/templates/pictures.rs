@@ -24,7 +24,7 @@ pub(crate) struct Template {
 
 /// What a template holds, as shares of its pixels, cameras summed and divided by their number.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Held {
+pub(crate) struct TemplateContent {
     /// Of the subject, in no other template.
     pub(crate) subject: f64,
     /// In other templates.
@@ -38,7 +38,7 @@ pub(crate) struct Held {
 
 /// One camera's silhouette.
 #[derive(Debug, Clone)]
-pub(crate) struct Picture {
+pub(crate) struct SilhouetteView {
     pub(crate) camera: Arc<Camera>,
     mask: Arc<Mask>,
     /// Subject pixels with background beside them.
@@ -49,14 +49,14 @@ pub(crate) struct Picture {
 
 /// All of them.
 #[derive(Debug, Clone)]
-pub(crate) struct Pictures(pub(crate) Vec<Picture>);
+pub(crate) struct Silhouettes(pub(crate) Vec<SilhouetteView>);
 
-impl Pictures {
+impl Silhouettes {
     pub(crate) fn new(views: &[FitView]) -> Self {
         let picture = |view: &FitView| {
             let mask = mask_of(view)?;
             let claimed = vec![false; mask.labels().len()];
-            Some(Picture { camera: Arc::clone(&view.camera), border: border(&mask), claimed, mask })
+            Some(SilhouetteView { camera: Arc::clone(&view.camera), border: border(&mask), claimed, mask })
         };
         Self(views.iter().filter_map(picture).collect())
     }
@@ -74,8 +74,8 @@ impl Pictures {
     }
 
     /// What a template holds.
-    pub(crate) fn held(&self, template: &Template) -> Held {
-        let mut held = Held::default();
+    pub(crate) fn held(&self, template: &Template) -> TemplateContent {
+        let mut held = TemplateContent::default();
         let middle = 0.5 * (template.from + template.to);
         let (mut sum, mut right, mut mass) = (DMat3::ZERO, DVec3::ZERO, 0.0);
         for picture in &self.0 {
@@ -129,7 +129,7 @@ impl Pictures {
     }
 }
 
-impl Picture {
+impl SilhouetteView {
     /// Every pixel whose centre lies in a template's outline, about: a segment whose radius goes from one end's to the
     /// other's.
     fn each_pixel(&self, template: &Template, mut see: impl FnMut(usize, usize, usize)) {

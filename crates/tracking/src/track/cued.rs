@@ -27,7 +27,7 @@ impl Cued {
 
     /// Goes on from there.
     pub(super) fn remember(&mut self, memory: CueMemory) {
-        self.watch.remember(memory);
+        self.watch.remember(&memory);
     }
 
     /// Shows it the pictures of the frame before.

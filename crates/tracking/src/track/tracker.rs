@@ -13,10 +13,11 @@ use super::lost::{LastResort, Lost, UsualCost};
 use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::cues::{CueOptions, CueOptionsError, CueWatch, FrameCues};
+use crate::cues::{CueOptions, CueWatch, FrameCues};
 use crate::fit::{Fit, FitError, FitOptions, FitView};
+use crate::numbers::OptionError;
 use crate::residual::learnt_prior::LearntPrior;
-use crate::search::{self, Hypothesis, Origin, SearchOptions, WithoutStart, WithoutStartError};
+use crate::search::{self, SearchOptions, WithoutStartError, WithoutStartOptions};
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
@@ -122,7 +123,7 @@ impl Tracker {
     ///
     /// # Errors
     /// Options that make no sense, by field.
-    pub fn with_cues(mut self, options: CueOptions) -> Result<Self, CueOptionsError> {
+    pub fn with_cues(mut self, options: CueOptions) -> Result<Self, OptionError> {
         let watch = CueWatch::new(Arc::clone(&self.model), options, self.options.renderer)?;
         self.cues = Some(Cued::new(watch));
         Ok(self)
@@ -341,17 +342,10 @@ impl Tracker {
     ) -> Result<Found, WithoutStartError> {
         let sides = before.and_then(|pose| Sides::of(&self.model, &Kinematics::new(&self.model, pose)));
         let faces = sides.map(|sides| sides.ahead);
-        let choices = WithoutStart { faces, ..WithoutStart::for_fit(&self.options) };
+        let choices = WithoutStartOptions { faces, ..WithoutStartOptions::for_fit(&self.options) };
         let found = search::without_start(&self.model, &views, &choices, cancel)?;
-        let hypotheses = found.candidates.iter().map(|candidate| Hypothesis {
-            pose: candidate.pose.clone(),
-            cost: candidate.cost,
-            origin: Origin::Hull,
-        });
-        let hypotheses = hypotheses.collect();
-        let mut fitted = self.follow(views, found.pose().clone(), cancel)?;
-        fitted.hypotheses = hypotheses;
-        Ok(fitted)
+        let fitted = self.follow(views, found.pose().clone(), cancel)?;
+        Ok(Found { hypotheses: found.hypotheses, ..fitted })
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.

@@ -146,9 +146,7 @@ fn what_cannot_be_acquired_is_said() {
         (AcquireOptions { range: [1.0, 2.0], ..AcquireOptions::default() }, "range[0]"),
     ] {
         let refused = acquire(&adult, &one.views, &options, &CancelToken::new()).unwrap_err();
-        assert!(
-            matches!(refused, AcquireError::Templates(TemplateError::Number { field: said, .. }) if said == field)
-        );
+        assert!(matches!(refused, AcquireError::Option(error) if error.field == field));
     }
     let limb = Arc::new(builtin::single_limb());
     let posed = [(one.views, Pose::rest(&limb))];

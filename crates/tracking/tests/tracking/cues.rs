@@ -9,7 +9,7 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{
     CameraCues, Cue, CueError, CueOptions, CuePull, CueSet, CueTarget, CueWatch, FrameCues, GreyPicture,
-    JointKeypoint, WatchedCamera,
+    JointKeypoint, KeypointOffsets, WatchedCamera,
 };
 use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView};
 use backlit_tracking::render::RendererKind;
@@ -137,7 +137,9 @@ fn offsets_of_keypoints_are_learnt() {
             let set = watch.look(&watched, &cues, &pose);
             watch.learn(&watched, &cues, &set, &pose, true);
         }
-        watch.offsets().offset(model.limb_index("right forearm").unwrap())
+        let mut offsets = KeypointOffsets::new(model.limbs().len(), options.offset_m);
+        offsets.remember(&watch.memory().offsets);
+        offsets.offset(model.limb_index("right forearm").unwrap())
     };
     let found = learnt(0.0);
     assert!(found.distance(off) < 0.012, "{found}");

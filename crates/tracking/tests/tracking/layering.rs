@@ -30,6 +30,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "particles" => [&fit[..], &["fit", "geometry", "search"]].concat(),
         "templates" => [&fit[..], &["fit", "geometry", "search", "particles"]].concat(),
         "acquisition" => [&fit[..], &["fit", "search", "templates"]].concat(),
+        "initialisation" => [&fit[..], &["fit", "search", "particles", "templates", "acquisition"]].concat(),
         "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
         "body_spheres" => [&fit[..], &["fit", "names"]].concat(),

@@ -14,6 +14,7 @@ mod fit;
 mod fixtures;
 mod footage;
 mod golden;
+mod initialisation;
 mod kernel_parity;
 mod layering;
 mod lens_distortion;

@@ -11,7 +11,7 @@ use backlit_tracking::fit::{Fit, FitError, FitOptions, FitView};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::search::start::Level;
-use backlit_tracking::templates::{Placed, TemplateError, TemplateOptions, place};
+use backlit_tracking::templates::{TemplateError, TemplateOptions, TemplateResult, place};
 use glam::{DQuat, DVec3};
 
 use crate::fixtures;
@@ -46,7 +46,7 @@ fn views(model: &Model, pose: &Pose, count: usize) -> Vec<FitView> {
     (0..count).map(view).collect()
 }
 
-fn placed(model: &Arc<Model>, views: &[FitView], options: &TemplateOptions) -> Placed {
+fn placed(model: &Arc<Model>, views: &[FitView], options: &TemplateOptions) -> TemplateResult {
     place(model, views, options, &CancelToken::new()).unwrap()
 }
 

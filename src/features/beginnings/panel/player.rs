@@ -5,25 +5,24 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{Icon, ValueSlider, checkbox, icon_button};
 use egui::{Button, Label, RichText, Ui};
 
-use super::Wish;
-use crate::features::beginnings::way::Way;
-use crate::features::beginnings::{At, Beginnings};
+use super::PaneAction;
+use crate::features::beginnings::{AttemptIndex, Beginnings, Method};
 
 /// Lines that are kept for the words about a step.
 const LINES: f32 = 4.0;
 
 /// The controls of the step and what it does.
-pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
+pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, actions: &mut Vec<PaneAction>) {
     let Some((at, outcome)) = beginnings.at.zip(beginnings.outcome()) else { return };
     let last = outcome.steps.len().saturating_sub(1);
     let Some(step) = outcome.steps.get(at.step) else { return };
-    let go_to = |step: usize| Wish::LookAt(At { step, ..at });
+    let go_to = |step: usize| PaneAction::LookAt(AttemptIndex { step, ..at });
     let palette = theme::palette(ui);
     ui.separator();
     ui.horizontal(|ui| {
         ui.add_enabled_ui(at.step > 0, |ui| {
             if icon_button(ui, Icon::Previous, "Previous step of the way", "Previous step").clicked() {
-                wishes.push(go_to(at.step - 1));
+                actions.push(go_to(at.step - 1));
             }
         });
         let (icon, label) = match beginnings.plays {
@@ -32,12 +31,12 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
         };
         ui.add_enabled_ui(last > 0, |ui| {
             if icon_button(ui, icon, label, label).clicked() {
-                wishes.push(Wish::Play);
+                actions.push(PaneAction::Play);
             }
         });
         ui.add_enabled_ui(at.step < last, |ui| {
             if icon_button(ui, Icon::Next, "Next step of the way", "Next step").clicked() {
-                wishes.push(go_to(at.step + 1));
+                actions.push(go_to(at.step + 1));
             }
         });
         let text = format!("Step {} of {}", at.step + 1, last + 1);
@@ -50,7 +49,7 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
         let slider = ui.add(slider.width(width).held(true));
         let chosen = value.round() as usize;
         if slider.changed() && chosen != at.step {
-            wishes.push(go_to(chosen));
+            actions.push(go_to(chosen));
         }
     }
     let words = ui.add(Label::new(RichText::new(&step.words).color(palette.text)).wrap());
@@ -58,8 +57,8 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
     let line = ui.text_style_height(&egui::TextStyle::Body) + space::ROW;
     ui.add_space((LINES * line - words.rect.height()).max(0.0));
     ui.horizontal_wrapped(|ui| {
-        let (text, tooltip) = match at.way {
-            Way::Body => (
+        let (text, tooltip) = match at.method {
+            Method::Body => (
                 "Take this body",
                 "The body gets the sizes of this step, and the frame its pose; one undo takes both back",
             ),
@@ -67,14 +66,14 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
         };
         let button = ui.add(Button::new(text).min_size(egui::vec2(0.0, size::BUTTON)));
         if button.on_hover_text(tooltip).clicked() {
-            wishes.push(Wish::Take);
+            actions.push(PaneAction::Take);
         }
         let mut is_shown = beginnings.is_shown;
         let shown = checkbox(ui, &mut is_shown, "Show in the views").on_hover_text(
             "Draw the step in views and scene, in the place of the pose; Esc brings the pose back",
         );
         if shown.changed() {
-            wishes.push(Wish::Show(is_shown));
+            actions.push(PaneAction::Show(is_shown));
         }
     });
 }

@@ -9,12 +9,11 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::Wish;
+use super::PaneAction;
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::{Context, unavailable};
 use crate::features::beginnings::job::Outcome;
-use crate::features::beginnings::way::Way;
-use crate::features::beginnings::{At, Beginnings};
+use crate::features::beginnings::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
 
 /// Height of a row of the table.
 const ROW: f32 = 26.0;
@@ -63,18 +62,18 @@ fn columns(width: f32) -> Vec<Column> {
 }
 
 /// All rows.
-pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, context: &Context<'_>, actions: &mut Vec<PaneAction>) {
     let columns = columns(ui.available_width());
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         titles(ui, &columns);
-        for way in Way::COMPARED {
-            row(ui, beginnings, context, wishes, way, &columns);
+        for method in COMPARED {
+            row(ui, beginnings, context, actions, method, &columns);
         }
         ui.add_space(space::ROW);
         let text = "A body from nothing: neither pose nor size is known";
         ui.label(RichText::new(text).small().color(theme::palette(ui).text2));
-        row(ui, beginnings, context, wishes, Way::Body, &columns);
+        row(ui, beginnings, context, actions, Method::Body, &columns);
     });
 }
 
@@ -110,14 +109,16 @@ fn row(
     ui: &mut Ui,
     beginnings: &Beginnings,
     context: &Context<'_>,
-    wishes: &mut Vec<Wish>,
-    way: Way,
+    actions: &mut Vec<PaneAction>,
+    method: Method,
     columns: &[Column],
 ) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-    let is_looked_at = beginnings.at.is_some_and(|at| at.way == way);
-    let ended = beginnings.ended.get(&way);
-    response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_looked_at, way.name()));
+    let is_looked_at = beginnings.at.is_some_and(|at| at.method == method);
+    let ended = beginnings.ended.get(&method);
+    response.widget_info(|| {
+        WidgetInfo::selected(Role::ListItem, true, is_looked_at, MethodWords::of(method).name)
+    });
     let palette = theme::palette(ui);
     if is_looked_at {
         ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.select);
@@ -126,16 +127,16 @@ fn row(
     }
     let left = Rect::from_min_size(rect.min, vec2(size::BUTTON, rect.height()));
     let builder = UiBuilder::new().max_rect(left).layout(Direction::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| run_button(ui, context, wishes, way));
+    ui.scope_builder(builder, |ui| run_button(ui, context, actions, method));
     let body = TextStyle::Body.resolve(ui.style());
     let name_at = pos2(left.right() + space::ROW, rect.center().y);
     let paint = |at, align, text: &str, colour: Color32, font| {
         ui.painter().text(at, align, text, font, colour);
     };
     let name_colour = if is_looked_at { palette.accent_text } else { palette.text };
-    paint(name_at, Align2::LEFT_CENTER, way.name(), name_colour, body.clone());
+    paint(name_at, Align2::LEFT_CENTER, MethodWords::of(method).name, name_colour, body.clone());
     let cells = cells(rect, columns);
-    let mut hover = format!("{}.", way.explanation());
+    let mut hover = format!("{}.", MethodWords::of(method).explanation);
     match ended {
         Some(Ok(outcome)) => {
             let mono = TextStyle::Monospace.resolve(ui.style());
@@ -156,29 +157,29 @@ fn row(
             hover = format!("{text}.");
         }
         None => {
-            let is_now = beginnings.is_running() && beginnings.running == Some(way);
+            let is_now = beginnings.is_running() && beginnings.running == Some(method);
             let text = if is_now { "running…" } else { "not run yet" };
             let at = rect.right_center() - vec2(space::ROW, 0.0);
             paint(at, Align2::RIGHT_CENTER, text, palette.text3, body);
         }
     }
     if response.clicked() && matches!(ended, Some(Ok(_))) {
-        wishes.push(Wish::LookAt(At { way, step: 0 }));
+        actions.push(PaneAction::LookAt(AttemptIndex { method, step: 0 }));
     }
     response.on_hover_text(hover);
 }
 
-fn run_button(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>, way: Way) {
-    let command = match way {
-        Way::Body => BeginningCommand::AcquireBody,
+fn run_button(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<PaneAction>, method: Method) {
+    let command = match method {
+        Method::Body => BeginningCommand::AcquireBody,
         _ => BeginningCommand::RunAll,
     };
     let why_not = unavailable(Command::Beginning(command), context);
-    let label = format!("Run {}", way.lower_case());
+    let label = format!("Run {}", MethodWords::of(method).lower_case);
     let tooltip = why_not.map_or_else(|| label.clone(), |why| format!("{label}\n{why}."));
     ui.add_enabled_ui(why_not.is_none(), |ui| {
         if icon_button(ui, Icon::Run, &label, &tooltip).clicked() {
-            wishes.push(Wish::Run(way));
+            actions.push(PaneAction::Run(method));
         }
     });
 }

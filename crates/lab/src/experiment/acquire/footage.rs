@@ -7,17 +7,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_formats::Footage;
-use backlit_tracking::acquisition::{AcquireOptions, FirstPose, acquire, acquire_posed};
-use backlit_tracking::body::{Kinematics, Model, Pose};
-use backlit_tracking::body_fit::{BodyFitOptions, BodyFrame, fit_body, fit_body_from, frames};
+use backlit_tracking::body::{Kinematics, Limb, Model, Pose};
+use backlit_tracking::body_fit::{BodyFitOptions, BodyFrame, frames};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::search::{WithoutStart, without_start};
-use backlit_tracking::templates::TemplateOptions;
 use backlit_tracking::track::Tracker;
 use serde::Serialize;
 
-use super::{Body, Report, Row, Way, number, words};
+use super::{BodyMethod, BodyRow, Moments, PosedBody, Report};
 use crate::experiment::{ExperimentError, Progress};
 
 /// Which frames.
@@ -35,11 +32,11 @@ impl Default for Options {
     }
 }
 
-/// Finds the person in every way that needs nothing known. The take is opened with the
+/// Finds the person by every method that needs nothing known. The take is opened with the
 /// average body; lengths and radii are told beside those of `by_hand`, the person's own as far as they are known.
 ///
 /// # Errors
-/// Pictures that cannot be read, a take in whose first frame nobody is seen, or `cancel`.
+/// Returns an error if pictures cannot be read, if nobody is seen in the first frame, or if it is cancelled.
 pub fn run(
     footage: &Footage,
     by_hand: &Model,
@@ -63,49 +60,32 @@ pub fn run(
     };
     let average = Arc::clone(footage.take().model());
     let views = &first.views;
-    let scale_body = WithoutStart { scale_body: true, ..WithoutStart::default() };
-    let by = |pose: FirstPose| AcquireOptions { pose, ..AcquireOptions::default() };
-    let ways = [
-        Way::Scaled,
-        Way::Templates,
-        Way::Acquired,
-        Way::AcquiredInAll,
-        Way::Fitted,
-        Way::FittedFromAcquired,
-    ];
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<BodyRow> = Vec::new();
     // Frames with the poses of the track with the body that was grown.
     let mut followed: Option<(Arc<Model>, Vec<BodyFrame>)> = None;
-    for (done, way) in ways.into_iter().enumerate() {
-        on_progress(Progress { done, total: ways.len() });
+    let total = BodyMethod::ALL.len();
+    for (done, method) in BodyMethod::ALL.into_iter().enumerate() {
+        on_progress(Progress { done, total });
+        let needs_all = !matches!(method, BodyMethod::Scaled | BodyMethod::Templates | BodyMethod::Acquired);
+        if needs_all && followed.is_none() {
+            continue;
+        }
+        let moments = followed.as_ref().map(|(body, frames)| Moments {
+            frames,
+            body: Arc::clone(body),
+            fit: BodyFitOptions::for_people(&average, false),
+        });
         let began = Instant::now();
-        let found: Result<Body, String> = match way {
-            Way::Scaled => without_start(&average, views, &scale_body, cancel)
-                .map(|found| Body {
-                    model: Arc::clone(&found.model),
-                    poses: number(vec![found.pose().clone()]),
-                })
-                .map_err(words),
-            Way::Templates | Way::Acquired => {
-                let pose = match way {
-                    Way::Templates => FirstPose::Templates(TemplateOptions::default()),
-                    _ => FirstPose::Search(scale_body.clone()),
-                };
-                acquire(&average, views, &by(pose), cancel)
-                    .map(|found| Body { model: found.model, poses: number(found.poses) })
-                    .map_err(words)
-            }
-            Way::AcquiredInAll | Way::Fitted | Way::FittedFromAcquired => {
-                let Some((grown, frames)) = &followed else { continue };
-                in_all(way, &average, grown, frames, cancel)
-            }
-        };
+        let mut found = method.find(&average, views, moments.as_ref(), cancel);
+        if let (Ok(body), true) = (&mut found, needs_all) {
+            body.poses.truncate(1);
+        }
         let seconds = began.elapsed().as_secs_f64();
         let tracked = match &found {
             Ok(body) => track(footage, body, &seen, cancel)?,
             Err(_) => Tracked::default(),
         };
-        if way == Way::Acquired
+        if method == BodyMethod::Acquired
             && let Ok(body) = &found
         {
             let numbers: Vec<usize> = (0..tracked.poses.len()).collect();
@@ -113,36 +93,13 @@ pub fn run(
             let frame = |at: usize| BodyFrame { start: tracked.poses[at].clone(), ..seen[at].clone() };
             followed = Some((Arc::clone(&body.model), chosen.map(frame).collect()));
         }
-        rows.push(row(way, by_hand, found, seconds, &tracked));
+        rows.push(row(method, by_hand, found, seconds, &tracked));
         if cancel.is_cancelled() {
             return Err(ExperimentError::Cancelled);
         }
     }
-    on_progress(Progress { done: ways.len(), total: ways.len() });
+    on_progress(Progress { done: total, total });
     Ok(Report { rows })
-}
-
-fn in_all(
-    way: Way,
-    average: &Arc<Model>,
-    grown: &Arc<Model>,
-    frames: &[BodyFrame],
-    cancel: &CancelToken,
-) -> Result<Body, String> {
-    let options = BodyFitOptions::for_people(average, false);
-    let first = |poses: Vec<Pose>| number(poses.into_iter().take(1).collect());
-    let fitted = match way {
-        Way::AcquiredInAll => {
-            let posed: Vec<_> =
-                frames.iter().map(|frame| (frame.views.clone(), frame.start.clone())).collect();
-            let found = acquire_posed(grown, &posed, &AcquireOptions::default(), cancel).map_err(words)?;
-            return Ok(Body { model: found.model, poses: first(found.poses) });
-        }
-        Way::Fitted => fit_body(Arc::clone(average), frames.to_vec(), None, &options, cancel, |_| {}),
-        _ => fit_body_from(Arc::clone(average), frames.to_vec(), grown, &options, cancel, |_| {}),
-    };
-    let fitted = fitted.map_err(words)?;
-    Ok(Body { model: Arc::new(fitted.model), poses: first(fitted.poses) })
 }
 
 /// What a track gave.
@@ -156,7 +113,7 @@ struct Tracked {
 /// Tracks all frames that were seen, from the body's own pose in the first.
 fn track(
     footage: &Footage,
-    body: &Body,
+    body: &PosedBody,
     seen: &[BodyFrame],
     cancel: &CancelToken,
 ) -> Result<Tracked, ExperimentError> {
@@ -179,12 +136,18 @@ fn track(
     Ok(tracked)
 }
 
-fn row(way: Way, by_hand: &Model, found: Result<Body, String>, seconds: f64, tracked: &Tracked) -> Row {
+fn row(
+    method: BodyMethod,
+    by_hand: &Model,
+    found: Result<PosedBody, String>,
+    seconds: f64,
+    tracked: &Tracked,
+) -> BodyRow {
     let mean = |errors: Vec<f64>| 1e3 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    let beside = |of: fn(&backlit_tracking::body::Limb) -> f64| match &found {
+    let beside = |of: fn(&Limb) -> f64| match &found {
         Ok(body) => {
             let limbs = body.model.limbs().iter();
-            let off = |limb: &backlit_tracking::body::Limb| {
+            let off = |limb: &Limb| {
                 let other = by_hand.limb_index(&limb.name).map(|index| &by_hand.limbs()[index])?;
                 Some((of(limb) - of(other)).abs())
             };
@@ -192,9 +155,9 @@ fn row(way: Way, by_hand: &Model, found: Result<Body, String>, seconds: f64, tra
         }
         Err(_) => f64::INFINITY,
     };
-    Row {
+    BodyRow {
         person: "the take's person",
-        way,
+        method,
         seconds,
         length_mm: beside(|limb| limb.length),
         radius_mm: beside(|limb| limb.radius),

@@ -4,14 +4,16 @@
 //! the fit that begins at the keypoints, which are a few centimetres accurate themselves. A given start is that fit's pose with every
 //! joint turned and the root moved.
 
-use std::time::Instant;
-
 use backlit_formats::Footage;
+use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::FitView;
+use backlit_tracking::initialisation::InitialisationInputs;
+use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use serde::Serialize;
 
-use super::{Beginning, Options, Report, Row, Trial, begin};
+use super::{BeginTrial, MethodRow, Options, Report};
 use crate::experiment::no_start::{error_mm, fit, sets};
 use crate::experiment::{ExperimentError, Progress};
 use backlit_tracking::search::start::Level;
@@ -32,7 +34,8 @@ pub struct Frames {
 /// Tries all methods on all frames by all sets of `options.cameras` cameras, from starts of all levels, or without.
 ///
 /// # Errors
-/// A number of cameras that the take does not have, frames without keypoints, pictures that cannot be read, or `cancel`.
+/// Returns an error if the take lacks a number of cameras, if a frame has no keypoints, if pictures cannot be read, or if it is
+/// cancelled.
 pub fn run(
     footage: &Footage,
     options: &Options,
@@ -52,35 +55,23 @@ pub fn run(
     for (&cameras, sets) in options.cameras.iter().zip(&of_count) {
         let mut trials = vec![vec![Vec::new(); options.methods.len()]; levels.len()];
         for (set, &frame) in sets.iter().flat_map(|set| frames.frames.iter().map(move |frame| (set, frame))) {
-            let scene = Scene::new(footage, set, frame, cancel)?;
+            let scene = KeypointFrame::new(footage, set, frame, cancel)?;
             for (level, trials) in levels.iter().zip(&mut trials) {
                 for (&method, trials) in options.methods.iter().zip(trials) {
                     on_progress(Progress { done, total });
                     done += 1;
                     let given = level.map(|level| scene.start(level, frames.seed.wrapping_add(frame as u64)));
-                    let from = Beginning {
-                        model: footage.take().model(),
-                        views: &scene.views,
-                        start: given.as_ref(),
-                    };
-                    let began = Instant::now();
-                    let end = begin(method, &from, options, cancel)?;
-                    let seconds = began.elapsed().as_secs_f64();
-                    let error = |pose| error_mm(from.model, pose, &scene.joints);
-                    let error_mm = end.pose.as_ref().map_or(f64::INFINITY, error);
-                    trials.push(Trial {
-                        error_mm,
-                        before_mm: end.before.as_ref().map(error),
-                        evaluations: end.evaluations,
-                        seconds,
-                        found: error_mm <= scene.fitted_mm + frames.within_mm,
-                    });
+                    let (model, views) = (footage.take().model(), &scene.views[..]);
+                    let inputs = InitialisationInputs { model, views, start: given.as_ref() };
+                    let error = |pose: &Pose| error_mm(model, pose, &scene.joints);
+                    let is_found = |error: f64| error <= scene.fitted_mm + frames.within_mm;
+                    trials.push(BeginTrial::run(options, method, &inputs, error, is_found, cancel)?);
                 }
             }
         }
         for (level, trials) in levels.iter().zip(&trials) {
-            let row = |(method, trials): (&_, &Vec<Trial>)| {
-                Row::of(*method, cameras, level.map(|level| level.degrees), trials)
+            let row = |(method, trials): (&_, &Vec<BeginTrial>)| {
+                MethodRow::of(*method, cameras, level.map(|level| level.degrees), trials)
             };
             rows.extend(options.methods.iter().zip(trials).map(row));
         }
@@ -90,15 +81,15 @@ pub fn run(
 }
 
 /// One frame by one set of cameras.
-struct Scene<'a> {
+struct KeypointFrame<'a> {
     footage: &'a Footage,
-    views: Vec<backlit_tracking::fit::FitView>,
-    joints: backlit_tracking::metrics::ReferenceJoints,
-    fitted: backlit_tracking::body::Pose,
+    views: Vec<FitView>,
+    joints: ReferenceJoints,
+    fitted: Pose,
     fitted_mm: f64,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> KeypointFrame<'a> {
     fn new(
         footage: &'a Footage,
         set: &[usize],
@@ -117,7 +108,7 @@ impl<'a> Scene<'a> {
         Ok(Self { footage, views, joints, fitted, fitted_mm })
     }
 
-    fn start(&self, level: Level, seed: u64) -> backlit_tracking::body::Pose {
+    fn start(&self, level: Level, seed: u64) -> Pose {
         let angle = f64::from(level.degrees).to_radians();
         start::perturb(self.footage.take().model(), &self.fitted, angle, level.metres, seed)
     }

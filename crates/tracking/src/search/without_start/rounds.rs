@@ -7,18 +7,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::place::Place;
-use super::stance::{self, Stance};
-use super::{Candidate, Doubt, Rated, WithoutStart, WithoutStartError};
+use super::place::{Stance, SubjectPlace, turn_whole};
+use super::{Doubt, WithoutStartError, WithoutStartOptions};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::fit::{FitOptions, PreparedFit, Stage};
 use crate::geometry::rotation::log;
 use crate::posing;
 use crate::render::BACKGROUND;
-use crate::search::SearchOptions;
 use crate::search::hypotheses::{Hypothesis, Origin, Search, farthest_m, subject_pixels};
-use crate::search::start;
+use crate::search::{SearchOptions, start};
 
 /// Stages that all headings are refined by, and most iterations of each.
 const COARSE_STAGES: usize = 2;
@@ -45,12 +43,12 @@ const LEAN_M: f64 = 0.08;
 /// The last stage goes on for so many times its iterations, down to so much of its least gain.
 const POLISH_ITERATIONS: usize = 4;
 const POLISH_GAIN: f64 = 0.1;
-/// Costs within so much of the best one's do not tell poses apart. A body without limits has twins within 0.03 of each
+/// Costs within this fraction of the best one's do not tell poses apart. A body without limits has twins within 0.03 of each
 /// other, most of them within 0.005; of real people the body turned round costs 0.07 more and beyond.
-const TELLS: f64 = 0.03;
-/// Among these, how much less strange one must be than the best: facing the other way is 2, and so is an arm that hangs on
-/// the wrong side of its trunk, turned by half a turn in two joints.
-const STRANGER: f64 = 0.5;
+const SAME_COST: f64 = 0.03;
+/// Among these, another hypothesis is preferred to the best if its penalty is smaller by this. Facing the other way counts 2,
+/// and so does an arm that hangs on the wrong side of its trunk, turned by half a turn in two joints.
+const LEAST_PENALTY_GAIN: f64 = 0.5;
 /// Cameras stand on one side of the subject where their directions add up to so much of their number.
 const ONE_SIDED: f64 = 0.3;
 
@@ -60,65 +58,58 @@ pub(super) struct Rounds<'a> {
     pub(super) prepared: &'a PreparedFit,
     /// At the pictures' scale.
     pub(super) options: &'a FitOptions,
-    pub(super) choices: &'a WithoutStart,
-    pub(super) place: &'a Place,
+    pub(super) choices: &'a WithoutStartOptions,
+    pub(super) place: &'a SubjectPlace,
     pub(super) stance: Stance,
     pub(super) cancel: &'a CancelToken,
     /// Evaluations of Λ in all searches, whatever their order.
     pub(super) evaluations: AtomicUsize,
 }
 
-/// Candidates, a doubt, and the rounds.
-type Judged = (Vec<Candidate>, Option<Doubt>, Vec<Vec<Rated>>);
+/// What was refined to the end, best first, where each body looks, whether front and back are in doubt, and what came of each
+/// round.
+pub(super) struct Judged {
+    pub(super) hypotheses: Vec<Hypothesis>,
+    pub(super) facings: Vec<Option<DVec3>>,
+    pub(super) doubt: Option<Doubt>,
+    pub(super) rounds: Vec<Vec<Hypothesis>>,
+}
 
 impl Rounds<'_> {
-    /// All rounds: what was refined to the end, best first, whether front and back are in doubt, and what came of each round.
+    /// All rounds.
     pub(super) fn run(&self) -> Result<Judged, WithoutStartError> {
         let headings = (0..self.choices.headings).into_par_iter();
-        let standing: Vec<Vec<Rated>> = headings.map(|heading| self.heading(heading)).collect();
-        let standing = self.best(standing.into_iter().flatten().collect(), usize::MAX, SAME_EARLY_M)?;
+        let standing: Vec<Vec<Hypothesis>> = headings.map(|heading| self.heading(heading)).collect();
+        let standing = self.best(standing.into_iter().flatten().collect(), SAME_EARLY_M)?;
         let first = &standing[..self.choices.kept[0].min(standing.len())];
-        let second = first.par_iter().map(|(_, pose)| self.refine(pose, &self.choices.coarse)).collect();
-        let second = self.best(second, usize::MAX, SAME_EARLY_M)?;
+        let second = first.par_iter().map(|one| self.refine(&one.pose, &self.choices.coarse)).collect();
+        let second = self.best(second, SAME_EARLY_M)?;
         let closer = second.iter().take(self.choices.kept[1]);
-        let last: Vec<Pose> = closer.flat_map(|(_, pose)| [self.turned(pose), pose.clone()]).collect();
+        let last: Vec<Pose> = closer.flat_map(|one| [self.turned(&one.pose), one.pose.clone()]).collect();
         let last = last.par_iter().map(|pose| self.refine(pose, &self.choices.fine)).collect();
-        let last = self.best(last, usize::MAX, SAME_M)?;
-        let rounds = vec![standing, second, last.clone()];
-        let last = last.par_iter().map(|(_, pose)| self.polish(pose)).collect();
-        let last = self.best(last, usize::MAX, SAME_M)?;
-        let candidates = last.into_iter().map(|(cost, pose)| Candidate {
-            cost,
-            ahead: self.stance.has_front.then(|| self.ahead(&pose)),
-            pose,
-        });
-        let (candidates, doubt) = self.judged(candidates.collect());
-        Ok((candidates, doubt, rounds))
+        let last = self.best(last, SAME_M)?;
+        let polished = last.par_iter().map(|one| self.polish(&one.pose)).collect();
+        let polished = self.best(polished, SAME_M)?;
+        Ok(self.judged(polished, vec![standing, second, last]))
     }
 
     /// The best that differ, best first.
-    fn best(
-        &self,
-        mut rated: Vec<Rated>,
-        count: usize,
-        apart_m: f64,
-    ) -> Result<Vec<Rated>, WithoutStartError> {
+    fn best(&self, mut all: Vec<Hypothesis>, apart_m: f64) -> Result<Vec<Hypothesis>, WithoutStartError> {
         if self.cancel.is_cancelled() {
             return Err(WithoutStartError::Cancelled);
         }
-        rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut kept: Vec<Rated> = Vec::new();
-        for (cost, pose) in rated {
-            let is_new = kept.iter().all(|(_, other)| farthest_m(self.model, other, &pose) > apart_m);
-            if is_new && kept.len() < count {
-                kept.push((cost, pose));
+        all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut kept: Vec<Hypothesis> = Vec::new();
+        for one in all {
+            if kept.iter().all(|other| farthest_m(self.model, &other.pose, &one.pose) > apart_m) {
+                kept.push(one);
             }
         }
         Ok(kept)
     }
 
-    /// Candidates of one heading, by the last coarse stage.
-    fn heading(&self, heading: usize) -> Vec<Rated> {
+    /// Bodies of one heading, by the last coarse stage.
+    fn heading(&self, heading: usize) -> Vec<Hypothesis> {
         if self.cancel.is_cancelled() {
             return Vec::new();
         }
@@ -136,7 +127,7 @@ impl Rounds<'_> {
         let trunks = self.trunks(&begin, &search, &chains);
         let whole = |trunk: Pose| {
             let whole = search.reseeder.assemble(&trunk, &chains);
-            search.refine(&whole, 0)
+            of_hull(search.refine(&whole, 0))
         };
         let rated = trunks.into_iter().map(whole).collect();
         self.count(&search);
@@ -175,19 +166,18 @@ impl Rounds<'_> {
     }
 
     /// Refined to the end, its chains seeded again.
-    fn refine(&self, pose: &Pose, effort: &SearchOptions) -> Rated {
+    fn refine(&self, pose: &Pose, effort: &SearchOptions) -> Hypothesis {
         let options = self.free_options();
         let mut search = self.search(pose, &options, effort);
-        let (cost, refined) = search.refine(pose, 0);
-        search.keep(Hypothesis { pose: refined, cost, origin: Origin::Hull });
+        let refined = search.refine(pose, 0);
+        search.keep(of_hull(refined));
         search.sweep(&chains(&search), effort.pairs_above * self.subject());
         self.count(&search);
-        let best = search.found.swap_remove(0);
-        (best.cost, best.pose)
+        search.hypotheses.swap_remove(0)
     }
 
     /// Gone on with by the last stage until hardly anything is gained, so that costs can be compared.
-    fn polish(&self, pose: &Pose) -> Rated {
+    fn polish(&self, pose: &Pose) -> Hypothesis {
         let mut options = self.free_options();
         options.stages.drain(..options.stages.len() - 1);
         for last in &mut options.stages {
@@ -197,7 +187,7 @@ impl Rounds<'_> {
         let mut search = self.search(pose, &options, &self.choices.fine);
         let refined = search.refine(pose, 0);
         self.count(&search);
-        refined
+        of_hull(refined)
     }
 
     fn count(&self, search: &Search<'_>) {
@@ -218,45 +208,47 @@ impl Rounds<'_> {
         }
         let mut turned = pose.clone();
         let up = self.stance.up_of(self.model, pose);
-        stance::turn_whole(self.model, &mut turned, DQuat::from_axis_angle(up, PI));
+        turn_whole(self.model, &mut turned, DQuat::from_axis_angle(up, PI));
         let no_stages = FitOptions { stages: Vec::new(), ..self.options.clone() };
         let search = self.search(&turned, &no_stages, &self.choices.fine);
         search.reseeder.assemble(&turned, &chains(&search))
     }
 
-    /// By cost; where costs hardly differ, by joints that are not wrung and by the facing that is expected.
-    fn judged(&self, mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Option<Doubt>) {
+    /// By cost; where costs hardly differ, by how far joints are turned from rest and by the facing that is expected.
+    fn judged(&self, mut hypotheses: Vec<Hypothesis>, rounds: Vec<Vec<Hypothesis>>) -> Judged {
+        let mut facings: Vec<Option<DVec3>> = hypotheses.iter().map(|one| self.facing(&one.pose)).collect();
         let to_cameras = (self.place.one_sided >= ONE_SIDED).then_some(self.place.to_cameras);
         let expected = self.choices.faces.or(to_cameras);
-        let strange = |candidate: &Candidate| {
-            let faces = expected.zip(candidate.ahead).map_or(0.0, |(expected, ahead)| ahead.dot(expected));
-            self.wrung(&candidate.pose) - faces
+        let enough = (1.0 + SAME_COST) * hypotheses[0].cost;
+        let rivals = hypotheses.iter().take_while(|one| one.cost <= enough).count();
+        let penalty = |(one, facing): (&Hypothesis, &Option<DVec3>)| {
+            let faces = expected.zip(*facing).map_or(0.0, |(expected, facing)| facing.dot(expected));
+            self.turned_from_rest(&one.pose) - faces
         };
-        let enough = (1.0 + TELLS) * candidates[0].cost;
-        let rivals = candidates.iter().take_while(|candidate| candidate.cost <= enough).count();
-        let first = strange(&candidates[0]);
-        let scores = candidates[..rivals].iter().map(strange).enumerate();
-        let best = scores.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, score)| *score < first - STRANGER);
-        if let Some((best, _)) = best {
-            candidates[..=best].rotate_right(1);
+        let penalties: Vec<f64> = hypotheses.iter().zip(&facings).take(rivals).map(penalty).collect();
+        let least = penalties.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((best, _)) = least.filter(|(_, penalty)| **penalty < penalties[0] - LEAST_PENALTY_GAIN) {
+            hypotheses[..=best].rotate_right(1);
+            facings[..=best].rotate_right(1);
         }
-        let ahead = candidates[0].ahead;
-        let opposes = |other: &Candidate| other.ahead.zip(ahead).is_some_and(|(a, b)| a.dot(b) < 0.0);
-        let is_open = candidates[..rivals].iter().any(opposes);
+        let opposes = |other: &Option<DVec3>| other.zip(facings[0]).is_some_and(|(a, b)| a.dot(b) < 0.0);
         let doubt = if expected.is_some() { Doubt::FacingAssumed } else { Doubt::FacingOpen };
-        (candidates, is_open.then_some(doubt))
+        let doubt = facings[..rivals].iter().any(opposes).then_some(doubt);
+        Judged { hypotheses, facings, doubt, rounds }
     }
 
     /// How far joints are turned from rest: 1 for one that is turned by half a turn.
-    fn wrung(&self, pose: &Pose) -> f64 {
+    fn turned_from_rest(&self, pose: &Pose) -> f64 {
         let own = self.model.rotation_parents().iter().zip(&pose.rotations);
         let turns = own.filter(|(parent, _)| parent.is_some()).map(|(_, turn)| log(*turn).length() / PI);
         turns.map(|halves| halves * halves).sum()
     }
 
-    fn ahead(&self, pose: &Pose) -> DVec3 {
-        let sides = Sides::of(self.model, &Kinematics::new(self.model, pose));
-        sides.map_or_else(|| self.stance.ahead_of(self.model, pose), |sides| sides.ahead)
+    /// Where a body looks; `None` for one without front and back.
+    fn facing(&self, pose: &Pose) -> Option<DVec3> {
+        let sides = || Sides::of(self.model, &Kinematics::new(self.model, pose));
+        let ahead = || sides().map_or_else(|| self.stance.ahead_of(self.model, pose), |sides| sides.ahead);
+        self.stance.has_front.then(ahead)
     }
 
     /// The cost of a body that is nowhere.
@@ -277,6 +269,10 @@ impl Rounds<'_> {
     ) -> Search<'b> {
         Search::about(about, self.model, self.prepared, options, effort, self.cancel)
     }
+}
+
+fn of_hull((cost, pose): (f64, Pose)) -> Hypothesis {
+    Hypothesis { pose, cost, origin: Origin::Hull }
 }
 
 fn chains(search: &Search<'_>) -> Vec<usize> {

@@ -1,8 +1,11 @@
 //! The body's parts as templates.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3};
 
-use super::pictures::Template;
+use super::pictures::{Silhouettes, Template};
+use super::{Record, TemplateOptions, TemplateStep};
 use crate::body::{Kinematics, Model, Pose};
 use crate::search::{Chain, Chains, Stance, turn_whole};
 
@@ -11,7 +14,7 @@ const WIDE: usize = 2;
 
 /// A body taken apart for its templates.
 #[derive(Debug)]
-pub(crate) struct Frame<'a> {
+pub(crate) struct TemplateBody<'a> {
     pub(crate) model: &'a Model,
     pub(crate) parts: Chains,
     pub(crate) stance: Stance,
@@ -35,7 +38,7 @@ pub(crate) struct Segment {
     pub(crate) is_wide: bool,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> TemplateBody<'a> {
     /// `None` for a body without a chain on its trunk.
     pub(crate) fn new(model: &'a Model) -> Option<Self> {
         let parts = Chains::new(model);
@@ -146,4 +149,77 @@ impl<'a> Frame<'a> {
 
 fn chain_end(parts: &Chains, chain: &Chain) -> Option<usize> {
     chain.rotations.last().and_then(|&rotation| parts.groups[rotation].last().copied())
+}
+
+/// The template of the trunk at one head, resting.
+pub(super) fn hung(
+    frame: &TemplateBody<'_>,
+    pictures: &Silhouettes,
+    options: &TemplateOptions,
+    (ball, up, ahead): (DVec3, DVec3, DVec3),
+    record: &mut Record,
+) -> Pose {
+    let model = frame.model;
+    let [skull, first] = frame.skull_and_neck();
+    let at_rest = Kinematics::new(model, &Pose::rest(model));
+    let neck = ball - up * (at_rest.ends()[skull] - at_rest.starts()[first]).length();
+    let mut pose = frame.standing(neck, ball, up, ahead);
+    let template = frame.trunk_template(&pose);
+    record.push(TemplateStep::of(
+        "head",
+        pose.clone(),
+        head_limbs(frame),
+        [ball, ball],
+        model.limbs()[skull].radius,
+    ));
+    let drawn = trunk_limbs(frame);
+    for turn in 1..=options.turns {
+        let template = Template { radius: template.radius, ..frame.trunk_template(&pose) };
+        let held = pictures.held(&template);
+        let (before, after) = (template.to - neck, held.towards.map_or(DVec3::ZERO, |to| to - neck));
+        let by = before.angle_between(after);
+        let rests = !(by >= options.rest_rad && by.is_finite()) || turn == options.turns;
+        let ends = [template.from, template.to];
+        let step = TemplateStep::of("trunk", pose.clone(), drawn.clone(), ends, template.radius);
+        record.push(TemplateStep { held: held.subject + held.claimed, turned_rad: by, rests, ..step });
+        if rests {
+            break;
+        }
+        frame.turn_about(&mut pose, neck, DQuat::from_rotation_arc(before.normalize(), after.normalize()));
+    }
+    // The head stays where its ball is.
+    let axis = neck - pose.root;
+    frame.standing(neck, ball, axis.normalize_or(up), frame.stance.ahead_of(model, &pose))
+}
+
+/// A trunk facing every way about its own axis, as many as there are headings.
+pub(super) fn facings(frame: &TemplateBody<'_>, pose: &Pose, ball: DVec3, headings: usize) -> Vec<Pose> {
+    let [_, first] = frame.skull_and_neck();
+    let neck = Kinematics::new(frame.model, pose).starts()[first];
+    let up = frame.stance.up_of(frame.model, pose);
+    let ahead = frame.stance.ahead_of(frame.model, pose);
+    let facing = |heading: usize| {
+        let turn = DQuat::from_axis_angle(up, TAU * heading as f64 / headings as f64);
+        frame.standing(neck, ball, up, turn * ahead)
+    };
+    (0..headings).map(facing).collect()
+}
+
+/// Which limbs are the head's.
+fn head_limbs(frame: &TemplateBody<'_>) -> Vec<bool> {
+    limbs_of(frame.model, frame, &frame.parts.chains[frame.head].rotations)
+}
+
+/// Which limbs are the head's and the trunk's.
+pub(super) fn trunk_limbs(frame: &TemplateBody<'_>) -> Vec<bool> {
+    let rotations = [&frame.parts.trunk[..], &frame.parts.chains[frame.head].rotations].concat();
+    limbs_of(frame.model, frame, &rotations)
+}
+
+fn limbs_of(model: &Model, frame: &TemplateBody<'_>, rotations: &[usize]) -> Vec<bool> {
+    let mut drawn = vec![false; model.limbs().len()];
+    for &limb in rotations.iter().flat_map(|&rotation| &frame.parts.groups[rotation]) {
+        drawn[limb] = true;
+    }
+    drawn
 }
