@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use backlit_formats::Footage;
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::initialisation::{InitialisationMessage, InitialisationOutcome, InitialisationRun};
 use backlit_tracking::initialisation::InitialisationMethod as Method;
