@@ -11,7 +11,7 @@ use backlit_tracking::silhouette::{Label, Mask};
 
 use crate::session::{Extent, union};
 
-/// So many frames are looked at.
+/// This many frames are looked at.
 const FRAMES: usize = 6;
 /// This share of the subject's pixels may lie outside on each side: specks are not the subject.
 const OUTSIDE: f64 = 0.004;

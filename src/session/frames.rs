@@ -7,7 +7,7 @@ use backlit_formats::footage::{CameraFrame, FrameData};
 
 /// Megabytes that are kept unless something else is chosen.
 const LIMIT_MB: usize = 512;
-/// So many frames are kept however large they are: what is shown, and what was read ahead.
+/// This many frames are kept however large they are: what is shown, and what was read ahead.
 const FEWEST: usize = 4;
 /// Bytes of a pixel: its colours, its label, whether it is shadow, its distance.
 const BYTES_PER_PIXEL: usize = 3 + 1 + 1 + 4;

@@ -85,7 +85,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Tells that so many of all are done.
+    /// Tells that this many of all are done.
     ///
     /// # Errors
     /// Ctrl+C was pressed.

@@ -31,7 +31,7 @@ pub(crate) struct FollowArguments {
     /// and root (m/s^1.5)
     #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
     pub(crate) noise: Option<Vec<f64>>,
-    /// Smooth every frame by only so many frames after it, as a live track with that delay could
+    /// Smooth every frame by only this many frames after it, as a live track with that delay could
     #[arg(long, value_name = "FRAMES")]
     pub(crate) lag: Option<usize>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one

@@ -65,7 +65,7 @@ pub struct RecogniseArguments {
     /// kind of motion is said to be unknown
     #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
     leave_classes_out: bool,
-    /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
+    /// With --test: add the noise of a tracker to the joints, this many millimetres (root mean square)
     #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
     noise: Option<f64>,
     /// With --test: draw the confusion matrix

@@ -13,7 +13,7 @@ pub fn mirrored(motion: &JointMotion) -> JointMotion {
     motion.map(|joints| std::array::from_fn(|index| flip * joints[Joint::ALL[index].mirrored() as usize]))
 }
 
-/// The motion so many times as fast.
+/// The motion this many times as fast.
 #[must_use]
 pub fn faster(motion: &JointMotion, times: f64) -> JointMotion {
     let thinned = motion.resampled(motion.frame_rate() / times);

@@ -93,7 +93,7 @@ pub struct Prepared {
 const SPEEDS: [f64; 5] = [0.85, 0.92, 1.0, 1.08, 1.18];
 /// How long the smooth part of the noise lasts, seconds.
 const MEMORY_S: f64 = 0.25;
-/// Every so many frames one is used for the plane.
+/// Every n frames one is used for the plane.
 const PLANE_STEP: usize = 5;
 
 /// Measures a motion and its copies.

@@ -68,7 +68,7 @@ mod tests {
         ]
     }
 
-    /// A stick figure that walks forward (z) at 30 frames a second, so many metres a second, stepping twice a second.
+    /// A stick figure that walks forward (z) at 30 frames a second, this many metres a second, stepping twice a second.
     pub(crate) fn walker(seconds: f64, speed: f64) -> JointMotion {
         let frames = (0..(seconds * 30.0).round() as usize).map(|frame| {
             let t = frame as f64 / 30.0;

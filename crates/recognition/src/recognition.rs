@@ -114,7 +114,7 @@ impl Recognizer {
     }
 }
 
-/// Of each number the middle one of it and so many before and after it.
+/// Of each number the middle one of it and this many before and after it.
 fn medians_about(values: &[f64], reach: usize) -> Vec<f64> {
     let about = |index: usize| &values[index.saturating_sub(reach)..(index + reach + 1).min(values.len())];
     (0..values.len()).map(|index| median(about(index).to_vec())).collect()

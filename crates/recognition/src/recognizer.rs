@@ -42,7 +42,7 @@ impl Method {
 
 /// Short windows overlap: so much of each is news.
 const NEWS: f64 = STEP as f64 / SHORT as f64;
-/// Margins are made probabilities by a softmax of so many times the margin.
+/// Margins are made probabilities by a softmax of this many times the margin.
 const MARGIN_NATS: f64 = 6.0;
 /// What hidden Markov models say counts so much beside the support vectors: of people that were left out, they are sure too soon.
 const HMM_SHARE: f64 = 0.25;

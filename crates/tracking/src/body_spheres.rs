@@ -85,7 +85,7 @@ pub struct SphereBody {
 /// Makes the body of spheres of a person from frames. `fit` is how poses are fitted between rounds.
 ///
 /// # Errors
-/// No frames, options or poses that are none, a limb of which nothing is left, or it was cancelled.
+/// No frames, options out of range, poses of another model, a limb that carving left empty, or `cancel`.
 pub fn sphere_body(
     model: &Model,
     mut frames: Vec<PosedViews>,

@@ -326,7 +326,7 @@ impl Recorder {
     }
 }
 
-/// So many of the best, heaviest first.
+/// This many of the best, heaviest first.
 fn weighed(all: &[(Arc<Pose>, f64)], least: f64, count: usize) -> Vec<(Arc<Pose>, f64)> {
     let weigh = |(pose, cost): &(Arc<Pose>, f64)| (pose.clone(), likeness(*cost, least));
     let mut bodies: Vec<_> = all.iter().map(weigh).collect();

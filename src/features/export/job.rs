@@ -14,7 +14,7 @@ use crate::context::Context;
 /// What an export says.
 #[derive(Debug)]
 pub(super) enum Exported {
-    /// So many pictures are done.
+    /// This many pictures are done.
     Pictures(usize),
     /// All are.
     Whole,

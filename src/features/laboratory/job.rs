@@ -89,7 +89,7 @@ impl StepJob {
         Self { starts, steps: Some(0), target: None, fits: Vec::new() }
     }
 
-    /// Goes on with all fits by so many steps, or to their ends.
+    /// Goes on with all fits by this many steps, or to their ends.
     pub(super) fn go_on(fits: Vec<Racing>, steps: Option<usize>) -> Self {
         Self { starts: Vec::new(), steps, target: None, fits }
     }

@@ -20,12 +20,12 @@ pub(crate) enum StartChoice {
     Shown,
     /// The pose that the take begins with.
     Take,
-    /// The single limb of Fig. 5.1, so many millimetres along its axis from the truth.
+    /// The single limb of Fig. 5.1, this many millimetres along its axis from the truth.
     Slid {
         /// Millimetres.
         mm: u32,
     },
-    /// Every joint turned by so many degrees, each about an axis of its own, and the root moved by 3 cm: from the
+    /// Every joint turned by this many degrees, each about an axis of its own, and the root moved by 3 cm: from the
     /// truth of a demonstration, else from the pose on the screen.
     Turned {
         /// Degrees.

@@ -20,7 +20,7 @@ const NAME: &str = "unsaved";
 const ASIDE: &str = "left";
 /// Ending of a copy's name.
 const ENDING: &str = "backlit";
-/// So many windows can be open at once, or have left something.
+/// This many windows can be open at once, or have left something.
 const MOST: usize = 200;
 /// How many of the copies that were put aside are kept, the newest first.
 const MOST_ASIDE: usize = 20;

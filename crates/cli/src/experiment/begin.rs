@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     /// Ways to begin: report, ramp, particles, templates, search
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', default_values_t = InitialisationMethod::COMPARED)]
     methods: Vec<InitialisationMethod>,
-    /// Numbers of cameras; with --take all sets of so many are tried
+    /// Numbers of cameras; with --take all sets of this many are tried
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2])]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10, 15 and 20 cm

@@ -23,7 +23,7 @@ use super::{Experiment, Run, check_least};
 use crate::output::number;
 use crate::table::Table;
 
-/// The upper body before so many cameras.
+/// The upper body before this many cameras.
 #[derive(Debug, Args, Serialize)]
 #[command(
     about = if CAMERAS == 1 {

@@ -27,7 +27,7 @@ use crate::table::Table;
 /// The frames that the report shows, counted from 0.
 const FRAMES: [usize; 5] = [0, 8, 16, 24, 32];
 
-/// A sequence followed in pictures of so many pixels.
+/// A sequence followed in pictures of this many pixels.
 #[derive(Debug, Args, Serialize)]
 #[command(
     about = if WIDTH == 192 {

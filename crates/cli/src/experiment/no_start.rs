@@ -1,4 +1,4 @@
-//! Frames of a take with keypoints, looked at without a start, by all sets of so many cameras: how many end where a fit that
+//! Frames of a take with keypoints, looked at without a start, by all sets of this many cameras: how many end where a fit that
 //! begins at the keypoints does.
 //!
 //! Keypoints are a few centimetres accurate, so that a pose is judged beside the one that a fit from the keypoints finds
@@ -32,7 +32,7 @@ pub(crate) struct NoStart {
     #[arg(long, value_name = "MODEL")]
     #[serde(skip)]
     model: Option<String>,
-    /// Numbers of cameras; all sets of so many are tried
+    /// Numbers of cameras; all sets of this many are tried
     #[arg(long = "sets-of", value_name = "N,…", value_delimiter = ',', default_values_t = [2, 4])]
     #[serde(rename = "cameras")]
     sets_of: Vec<usize>,

@@ -131,7 +131,7 @@ fn under(correlation: f64, frames: Option<usize>, pixels: usize, seed: u64) -> [
     })
 }
 
-/// Mean and deviation of so many standard normal numbers, drawn from their own distributions: the mean is normal, and the
+/// Mean and deviation of this many standard normal numbers, drawn from their own distributions: the mean is normal, and the
 /// square of the deviation a sum of squares.
 fn estimated(frames: usize, random: &mut Pcg64Mcg) -> (f64, f64) {
     let degrees = frames.saturating_sub(1).max(1);

@@ -315,7 +315,7 @@ impl FilmedPerson {
         })
     }
 
-    /// Follows everything with a body, on masks that are narrowed by so many pixels.
+    /// Follows everything with a body, on masks that are narrowed by this many pixels.
     fn follow(
         &self,
         model: &Arc<Model>,

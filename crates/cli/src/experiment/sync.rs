@@ -161,9 +161,9 @@ enum Trouble {
     Noise(f64),
     /// Cameras stand turned by this many degrees.
     Turned(f64),
-    /// Every other camera has so many frames a second in the place of 30.
+    /// Every other camera has this many frames a second in the place of 30.
     OtherRate(f64),
-    /// All cameras have so many frames a second.
+    /// All cameras have this many frames a second.
     Rate(f64),
 }
 

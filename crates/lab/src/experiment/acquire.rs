@@ -133,7 +133,7 @@ struct PosedBody {
 pub struct Options {
     /// How many of the builds.
     pub people: usize,
-    /// Moments of the built-in movement; the first is the one of which nothing is known.
+    /// Moments of the built-in movement; nothing is known of the first one.
     pub moments: Vec<f64>,
     /// Frames that are tracked with every body, from the first moment on; 0 for none.
     pub tracked: usize,

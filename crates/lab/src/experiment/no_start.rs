@@ -9,10 +9,10 @@ use backlit_tracking::metrics::ReferenceJoints;
 
 use super::ExperimentError;
 
-/// All sets of so many of `all` cameras, in order.
+/// All sets of this many of `all` cameras, in order.
 ///
 /// # Errors
-/// There are not so many.
+/// There are not this many.
 pub fn sets(all: usize, count: usize) -> Result<Vec<Vec<usize>>, ExperimentError> {
     if !(1..=all).contains(&count) {
         let (value, expected) = (count as f64, "1 to as many cameras as the take has");

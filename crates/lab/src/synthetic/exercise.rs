@@ -16,7 +16,7 @@ pub const FRAME_RATE: f64 = 20.0;
 const BEGINS: [f64; 4] = [0.0, 3.0, 6.6, 9.4];
 /// Length of the whole sequence, seconds.
 pub const SECONDS: f64 = 12.4;
-/// One part becomes the next in so many seconds.
+/// One part becomes the next in this many seconds.
 const BLEND: f64 = 0.5;
 
 /// Metres a second of the walk, and seconds of two of its steps.

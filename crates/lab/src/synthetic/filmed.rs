@@ -64,7 +64,7 @@ pub struct FilmedFrame {
     pub cues: FrameCues,
 }
 
-/// Films squats for so many seconds at [`DRAWN_RATE`], every so manieth frame.
+/// Films squats for this many seconds at [`DRAWN_RATE`], every so manieth frame.
 ///
 /// # Errors
 /// A size that no camera can have, or a body of other limbs.

@@ -32,7 +32,7 @@ pub fn silhouette(figure: &Figure, camera: &Camera) -> Result<Mask, MaskError> {
     Mask::new(width, height, rows.concat())
 }
 
-/// The mask with all that lies within so many pixels of its subject.
+/// The mask with all that lies within this many pixels of its subject.
 ///
 /// # Errors
 /// None: a mask of that size is there already.

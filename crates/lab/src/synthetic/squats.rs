@@ -57,7 +57,7 @@ pub fn pose(model: &Model, seconds: f64) -> Pose {
     pose
 }
 
-/// The two telephones, upright, with pictures of so many pixels across and down.
+/// The two telephones, upright, with pictures of this many pixels across and down.
 ///
 /// # Errors
 /// A size that no camera can have.

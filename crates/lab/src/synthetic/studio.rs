@@ -42,7 +42,7 @@ pub fn cameras() -> Rig {
     Rig::new(cameras).expect("the names differ")
 }
 
-/// The same four without their lenses, in pictures of so many pixels.
+/// The same four without their lenses, in pictures of this many pixels.
 ///
 /// # Errors
 /// A size that no camera can have.

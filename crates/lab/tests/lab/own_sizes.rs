@@ -24,7 +24,7 @@ fn cameras() -> Vec<Arc<Camera>> {
     studio::cameras().cameras().iter().map(resized).collect()
 }
 
-/// What the cameras see of a body, masks too wide by so many pixels.
+/// What the cameras see of a body, masks too wide by this many pixels.
 fn views(body: &Model, pose: &Pose, by_px: f64) -> Vec<FitView> {
     let see = |camera: Arc<Camera>| {
         let exact = capsules::hard_mask(body, pose, &camera).unwrap();

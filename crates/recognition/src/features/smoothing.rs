@@ -10,7 +10,7 @@ pub(super) trait Quantity:
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Quantity for T {}
 
-/// Convolution with a Gaussian of so many frames' deviation, cut at four deviations; the ends go on as they are.
+/// Convolution with a Gaussian of this many frames' deviation, cut at four deviations; the ends go on as they are.
 pub(super) fn gaussian<T: Quantity>(values: &[T], deviation: f64) -> Vec<T> {
     let reach = (4.0 * deviation + 0.5) as isize;
     let weights: Vec<f64> =

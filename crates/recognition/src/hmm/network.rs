@@ -13,7 +13,7 @@ pub struct Network<'a> {
 }
 
 impl<'a> Network<'a> {
-    /// Joins the classes' models; leaving a class costs so many nats, more than none.
+    /// Joins the classes' models; leaving a class costs this many nats, more than none.
     #[must_use]
     pub fn new(models: &'a [HiddenMarkov], switch_penalty: f64) -> Self {
         Self { models, switch_penalty }

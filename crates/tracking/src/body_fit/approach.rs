@@ -25,7 +25,7 @@ pub struct Approach {
     pub size: Option<f64>,
     /// Frames wanted, in any order; the start is that of the smallest.
     pub frames: Vec<usize>,
-    /// On the way, every so many frames are looked at.
+    /// On the way, every n frames are looked at.
     pub step: usize,
 }
 

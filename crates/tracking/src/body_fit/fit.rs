@@ -62,7 +62,7 @@ pub enum BodyFitError {
     Cancelled,
 }
 
-/// A widening is believed where it is so many of its standard deviations from none.
+/// A widening is believed if it is this many of its standard deviations above 0.
 const SURE: f64 = 3.0;
 /// Stages that are gone through again where a widening is not believed.
 const LAST_STAGES: usize = 2;
@@ -73,7 +73,7 @@ const LAST_STAGES: usize = 2;
 /// is not surely there is taken for none, and the last stages are gone through again without it.
 ///
 /// # Errors
-/// Poses that are not the model's, data that are not the cameras', options that make no sense, or no silhouette at all.
+/// Poses that are not the model's, data that are not the cameras', options out of range, or no silhouette at all.
 pub fn fit_body(
     start: Arc<Model>,
     frames: Vec<BodyFrame>,

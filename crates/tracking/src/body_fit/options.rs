@@ -77,7 +77,7 @@ impl BodyFitOptions {
         Self::default().with_proportions(if joints_known { seen } else { clothed })
     }
 
-    /// The same with proportions that count so many times as much.
+    /// The same with proportions that count this many times as much.
     #[must_use]
     pub fn with_proportions(mut self, factor: f64) -> Self {
         self.shape_weight *= factor;

@@ -164,13 +164,13 @@ pub enum OwnSizesError {
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OwnSizesProgress {
-    /// So many of so many chosen frames are read.
+    /// How many of the chosen frames are read, and how many there are.
     Reading(usize, usize),
     /// Sizes are fitted.
     Fitting(BodyProgress),
     /// The body to begin with is scaled as a whole.
     Scaling(BodyProgress),
-    /// So many of so many frames held out are judged.
+    /// How many of the frames held out are judged, and how many there are.
     Judging(usize, usize),
 }
 

@@ -32,7 +32,7 @@ pub struct PersonOptions {
 }
 
 impl PersonOptions {
-    /// For a recording of so many frames a second.
+    /// For a recording of this many frames a second.
     #[must_use]
     pub fn new(fit: FitOptions, sizes: bool, frame_rate: f64) -> Self {
         Self { fit, sizes, frame_rate, followed_rate: 20.0, most_followed: 60, joints: BTreeMap::new() }
@@ -64,7 +64,7 @@ pub struct Person {
 pub enum PersonProgress {
     /// A start is searched for.
     Searching,
-    /// So many of so many frames are followed.
+    /// How many frames are tracked, and how many there are.
     Following(usize, usize),
     /// Sizes are found.
     Sizes(OwnSizesProgress),
@@ -92,7 +92,7 @@ pub enum PersonError {
 /// and fits its own sizes. That no sizes can be found is an answer, not an error: the body is then only scaled as a whole.
 ///
 /// # Errors
-/// What `views` returns; nobody is seen, options that make no sense, or `cancel`.
+/// What `views` returns; nobody is seen, options out of range, or `cancel`.
 pub fn find_person<E: From<PersonError>>(
     model: &Arc<Model>,
     start: Option<Pose>,

@@ -17,7 +17,7 @@ use crate::residual::proportion_prior::{self, BodySizes, SizePrior};
 use crate::residual::{Loss, pose_prior};
 use crate::silhouette::SignedDistance;
 
-/// A widening stays within so many of its prior's deviations.
+/// A widening stays within this many of its prior's deviations.
 const LARGEST_WIDENING: f64 = 4.0;
 
 /// Poses of all frames, and the sizes.

@@ -17,7 +17,7 @@ const ROUNDS: usize = 6;
 const LARGEST_CHANGE: f64 = 0.3;
 /// Smallest and largest size, as logarithms of the start's.
 const RANGE: f64 = 1.2;
-/// Every so many pixels across and down: areas and places need no more.
+/// Every n pixels across and down: areas and places need no more.
 const STRIDE: usize = 4;
 
 /// The logarithm of the size of a body whose joints are known, over the model's: the median over all pairs of known

@@ -11,7 +11,7 @@ use crate::fit::FitView;
 /// Frames that are looked at: the first, the last, and some between.
 pub const LOOKED_AT: usize = 5;
 
-/// At most so many of some frames, spread from the first to the last.
+/// At most this many of some frames, spread from the first to the last.
 #[must_use]
 pub fn spread(frames: &[usize], most: usize) -> Vec<usize> {
     let wanted = most.min(frames.len());
@@ -59,7 +59,7 @@ pub struct NobodyToTrack {
     pub looked_at: usize,
 }
 
-/// Looks at the silhouettes of some frames, usually [`spread`] over those that are to be tracked. Cameras of no weight do not
+/// Surveys the silhouettes of some frames, usually [`spread`] over the frames of a track. Cameras of no weight do not
 /// count.
 ///
 /// # Errors

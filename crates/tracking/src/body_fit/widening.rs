@@ -40,14 +40,14 @@ impl Widening {
     }
 }
 
-/// The body as silhouettes show it that are too wide by so many pixels: all radii are larger by what those pixels are, metres.
+/// The body as silhouettes show it that are too wide by this many pixels: all radii are larger by what those pixels are, metres.
 /// To be followed where masks stay as they are; a radius keeps a fifth of itself at least.
 #[must_use]
 pub fn as_seen(model: &Model, by_px: f64, metres_per_px: f64) -> Model {
     widened(model, &vec![metres_per_px; model.limbs().len()], by_px).into_owned()
 }
 
-/// What a camera contributes once its mask is narrower by so many pixels all round (wider, below 0). Unknown pixels stay
+/// What a camera contributes once its mask is narrower by this many pixels all round (wider, below 0). Unknown pixels stay
 /// unknown, and a mask in which nothing would be left stays as it is. Grey levels do too.
 #[must_use]
 pub fn narrowed(view: &FitView, by_px: f64) -> FitView {

@@ -27,7 +27,7 @@ pub struct SphereBodyOptions {
     pub rounds: usize,
     /// Steps of a round.
     pub steps: usize,
-    /// Every so many pixels are looked at.
+    /// Every n pixels are looked at.
     pub stride: usize,
     /// Standard deviation of a centre about where the tree put it, metres.
     pub centre_deviation: f64,

@@ -28,7 +28,7 @@ use crate::silhouette::Measurement;
 /// Distances that the silhouettes' ramp rises over, pixels, inside and outside.
 const RAMP_PX: [f64; 2] = [1.5, 3.0];
 
-/// A radius stays within so many times what the tree gave, either way.
+/// A radius stays within this many times what the tree gave, either way.
 const LARGEST_CHANGE: f64 = 3.0;
 
 /// What all pixels that a sphere wins say of it.

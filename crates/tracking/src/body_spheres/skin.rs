@@ -86,7 +86,7 @@ pub enum SkinError {
     Model(#[from] ModelError),
 }
 
-/// A limb that is to be.
+/// A limb to be made.
 #[derive(Debug, Clone)]
 struct Bone {
     name: String,
@@ -109,7 +109,7 @@ impl Bone {
 /// The body of a skin. At rest, with its root at the skeleton's, it stands as the skin does.
 ///
 /// # Errors
-/// A skeleton that is none, a surface that bounds no solid, or a body that cannot hold its trees.
+/// A skeleton without bones, a surface that bounds no solid, or a body that cannot hold its trees.
 pub fn body_of_skin(skin: &Skin, name: &str, options: &SkinOptions) -> Result<Model, SkinError> {
     // Seams of a surface are written twice, and differ by rounding.
     let snapped = skin.vertices.iter().map(|place| (*place / GRID).round() * GRID).collect();
@@ -139,7 +139,7 @@ pub fn body_of_skin(skin: &Skin, name: &str, options: &SkinOptions) -> Result<Mo
             let (signed, owner) = solid.at(&surfaces, place);
             signed.max(if owner == bone { -step } else { step })
         };
-        // A limb of which nothing is left has no shape of its own.
+        // A limb that carving left empty has no shape of its own.
         let mesh = isosurface(bounds, step, value).ok().filter(|_| !own.is_empty());
         mesh.and_then(|mesh| mesh.largest_part().map(|place| place - bones[bone].from).ok())
     };

@@ -15,7 +15,7 @@ const FEWEST: usize = 2;
 /// Limbs carved from frames, each with a tree of its own.
 ///
 /// # Errors
-/// A limb of which nothing is left, or a body that cannot hold its trees.
+/// A limb that carving left empty, or a body that cannot hold its trees.
 pub(super) fn carved(
     model: &Model,
     frames: &[PosedViews],

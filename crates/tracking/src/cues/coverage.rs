@@ -27,7 +27,7 @@ const PLACES: [f64; 3] = [0.2, 0.5, 0.85];
 const INSIDE: f64 = 0.5;
 /// A limb whose axis is within this sine of a ray (12°) points at the camera: it is looked at about its far end.
 const END_ON: f64 = 0.2;
-/// So many held parts that grow from a part hold it, or all where there are fewer.
+/// This many held parts that grow from a part hold it, or all where there are fewer.
 const HOLDING_CHILDREN: usize = 2;
 /// Limbs nearer to the camera's plane than this are not looked at, metres.
 const NEAREST: f64 = 0.1;
@@ -38,7 +38,7 @@ const OUTLINE: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CoverageOptions {
-    /// So many cameras must see a boundary of its own; all of them where there are fewer.
+    /// This many cameras must see a boundary of its own; all of them where there are fewer.
     pub enough_cameras: usize,
     /// A camera sees a part if it sees this share of its outline, 0 to 1.
     pub seen_share: f64,
@@ -249,7 +249,7 @@ impl Eye<'_> {
 
 /// A pull counts if its loss believes it at the fitted pose by this much, 0 to 1.
 const BELIEVED: f64 = 0.5;
-/// So many flowed points, pieces of edge or points in space hold a part.
+/// This many flowed points, pieces of edge or points in space hold a part.
 const FEWEST: usize = 4;
 
 /// What held a part of the body in one frame: the limb that owns a rotation, and those that turn with it.
@@ -310,7 +310,7 @@ mod tests {
 
     use super::*;
 
-    /// Seen from the front (the body faces +y) at so many degrees to its left.
+    /// Seen from the front (the body faces +y) at this many degrees to its left.
     fn camera(degrees: f64) -> Camera {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let at = DVec3::new(-3.0 * sine, 3.0 * cosine, 1.1);

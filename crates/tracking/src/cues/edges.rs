@@ -27,7 +27,7 @@ const ACROSS: usize = 4;
 const MOST_SAMPLES: usize = 60;
 /// A step below this contrast is none, grey levels.
 const LEAST_CONTRAST: f32 = 8.0;
-/// A step is taken for the outline if its contrast is this share of the remembered one, and not so many times as much.
+/// A step is taken for the outline if its contrast is this share of the remembered one, and not this many times as much.
 const SAME_CONTRAST: [f32; 2] = [0.5, 2.0];
 /// What a new frame's contrast counts beside the remembered one.
 const RENEWAL: f32 = 0.3;

@@ -93,7 +93,7 @@ impl GreyPicture {
         &self.levels
     }
 
-    /// Whether a place lies between pixels of the picture, at least so many from its border.
+    /// Whether a place lies between pixels of the picture, at least this many from its border.
     #[must_use]
     pub fn holds(&self, place: DVec2, border_px: f64) -> bool {
         let last = DVec2::new(self.width as f64 - 1.0, self.height as f64 - 1.0);
@@ -101,7 +101,7 @@ impl GreyPicture {
     }
 
     /// The level at a place, between its four pixels; outside that of the nearest place inside, and no
-    /// number at a place that is none.
+    /// number outside the picture.
     #[inline]
     #[must_use]
     pub fn at(&self, place: DVec2) -> f32 {

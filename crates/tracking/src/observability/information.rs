@@ -72,7 +72,7 @@ impl FrameInformation {
     /// Options are taken as they are: made to a scale before, where that is wanted.
     ///
     /// # Errors
-    /// A pose that is not the model's, data that are not the camera's, options that make no sense.
+    /// A pose that is not the model's, data that are not the camera's, options out of range.
     pub fn new(
         model: &Arc<Model>,
         views: &[Option<FitView>],

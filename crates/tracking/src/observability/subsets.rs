@@ -5,9 +5,9 @@ use super::information::FrameInformation;
 use super::uncertainty::{JointUncertainty, joint_uncertainties};
 use crate::statistics::upper_median;
 
-/// Up to so many cameras every set of them is compared.
+/// Up to this many cameras every set of them is compared.
 const ALL_SETS_UP_TO: usize = 4;
-/// Up to so many cameras pairs are compared; beyond, single cameras, all but one, and all.
+/// Up to this many cameras pairs are compared; beyond, single cameras, all but one, and all.
 const PAIRS_UP_TO: usize = 8;
 
 /// What a set of cameras sees, in a few numbers.

@@ -85,7 +85,7 @@ impl JointUncertainty {
         let by_point = pixel_by_point(camera, self.at);
         let [long, short] = axes(&(by_point * self.covariance * by_point.transpose()));
         let unseen = by_point * self.unseen * by_point.transpose();
-        // A metre of the joint is so many pixels: rounding is measured by that.
+        // A metre of the joint is this many pixels: rounding is measured by that.
         let least = MOVED_BY_NULL_M * camera.intrinsics().mean_focal_px() / camera.depth(self.at).max(1e-9);
         let unseen = axes(&unseen).into_iter().filter(|axis| axis.length() > least);
         Some(ImageEllipse {

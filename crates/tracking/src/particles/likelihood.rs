@@ -78,7 +78,7 @@ impl Likelihood {
 
 /// Halvings of the interval of log β.
 const HALVINGS: usize = 60;
-/// log β is looked for within so many powers of e about one over the costs' mean excess.
+/// log β is looked for within this many powers of e about one over the costs' mean excess.
 const POWERS: f64 = 40.0;
 
 /// Normalised weights wᵢ ∝ exp(−β (cᵢ − min c)) with the β that leaves a share of them alive, 1/(N Σ wᵢ²) = `alive`; and β.

@@ -37,7 +37,7 @@ use crate::silhouette::Label;
 const SAME_M: f64 = 0.05;
 /// A sweep that lowers the best cost by less than this fraction was the last.
 const LEAST_GAIN: f64 = 1e-3;
-/// A body turned round whose cost is below so many of the best one's is worth a search of its own.
+/// A body turned round whose cost is below this many of the best one's is worth a search of its own.
 const RIVAL: f64 = 1.6;
 /// The start knows which way the body faces: to be believed, a body turned round must explain the silhouettes better by so
 /// much of the cost, and by so much of the subject's pixels. A body of capsules without limits looks the same both ways.

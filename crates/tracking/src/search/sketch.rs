@@ -15,7 +15,7 @@ use crate::render::BACKGROUND;
 use crate::silhouette::{Label, SignedDistance};
 
 /// Widths of the sketch's ramp inside and outside a limb's surface, coarse pixels. The outer one forgives
-/// directions that are tried only every so many degrees.
+/// directions that are tried only every n degrees.
 const INNER_PX: f32 = 1.0;
 const OUTER_PX: f32 = 2.5;
 /// Widest inner half of the ramp, as a fraction of the radius.

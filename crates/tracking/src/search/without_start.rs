@@ -185,7 +185,7 @@ pub enum WithoutStartError {
 /// Looks for a pose where no start is known. Views without a subject are left out; one that has one is enough.
 ///
 /// # Errors
-/// Nobody is seen ([`FitError::NoData`]), silhouettes that do not meet, no vertical, choices or data that make no sense,
+/// Nobody is seen ([`FitError::NoData`]), silhouettes that do not meet, no vertical, choices or data out of range,
 /// or `cancel`.
 pub fn without_start(
     model: &Arc<Model>,
@@ -241,7 +241,7 @@ fn with_subject(
     Ok(seen)
 }
 
-/// The body at rest where the subject is, upright and facing so many ways, at least one: where a search, a fit or a
+/// The body at rest where the subject is, upright and facing this many ways, at least one: where a search, a fit or a
 /// filter may begin that has nothing else to go by.
 ///
 /// # Errors
@@ -326,7 +326,7 @@ impl WithoutStartOptions {
     /// First thing wrong with the choices.
     ///
     /// # Errors
-    /// A count of zero, numbers that make no sense, no direction.
+    /// A count of zero, numbers out of range, no direction.
     fn check(&self) -> Result<(), WithoutStartError> {
         for (field, count) in
             [("headings", self.headings), ("trunks", self.trunks), ("kept", self.kept[0].min(self.kept[1]))]

@@ -177,7 +177,7 @@ struct Lasting {
 }
 
 impl Lasting {
-    /// Its level, if it is seen in this share of so many frames.
+    /// Its level, if it is seen in this share of this many frames.
     fn filter_share(self, share: f64, count: usize) -> Option<[u8; 3]> {
         (self.frames as f64 >= share * count as f64).then_some(self.level)
     }

@@ -32,7 +32,7 @@ pub(super) fn box_average(
     }
 }
 
-/// How many entries of a row of so many lie within a radius of one of them.
+/// How many entries of a row of this many lie within a radius of one of them.
 fn within(radius: usize, size: usize, at: usize) -> usize {
     at.saturating_add(radius + 1).min(size) - at.saturating_sub(radius)
 }

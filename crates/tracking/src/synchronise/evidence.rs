@@ -9,7 +9,7 @@ const HALF_SPEED: [f64; 2] = [5.0, 0.25];
 const STILL_WEIGHT: f64 = 0.02;
 /// The least noise that is believed, pixels; the same share of the spread for signals without pixels.
 const LEAST_NOISE: [f64; 2] = [0.5, 0.1];
-/// An edge may always be off by so many pixels, or spreads, in one camera beside the other.
+/// An edge may always be off by this many pixels, or spreads, in one camera beside the other.
 const MOST_BIAS: f64 = 12.0;
 /// The noise is that of the best offset among those that see at least this share of the most motion that any sees.
 const ENOUGH_MOTION: f64 = 0.25;

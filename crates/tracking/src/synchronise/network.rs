@@ -16,7 +16,7 @@ const LEAST_FRAMES: usize = 12;
 const LEAST_MOTION_PX: f64 = 1.5;
 /// A pair whose best evidence is less than this has nothing to say, nats.
 const LEAST_EVIDENCE: f64 = 4.0;
-/// Offsets over the longest recording: times that make no sense are not to fill the memory.
+/// Offsets beyond the longest recording are refused: absurd times must not fill the memory.
 const MOST_OFFSETS: f64 = 10_000.0;
 /// Rounds over all cameras; each can only raise the evidence.
 const ROUNDS: usize = 20;

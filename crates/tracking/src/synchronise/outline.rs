@@ -51,7 +51,7 @@ impl Recording {
     }
 
     /// Adds a silhouette at a time by the camera's own clock, seconds, later than the one before. A mask without subject
-    /// counts as a moment of which nothing is known.
+    /// counts as an unknown moment.
     pub fn push(&mut self, seconds: f64, mask: &Mask) {
         if [mask.width(), mask.height()] != [self.camera.width(), self.camera.height()] {
             self.wrong_size.get_or_insert(self.sightings.len());

@@ -14,9 +14,9 @@ const ENOUGH: f64 = 0.3;
 const WIDEST: f64 = 2.8;
 /// An open corner this near to the extreme one may be what hides a farther one, share of the silhouette's extent.
 const NEAR_EXTREME: f64 = 0.1;
-/// Motion is measured over so many seconds.
+/// Motion is measured over this many seconds.
 const SPEED_OVER_S: f64 = 0.3;
-/// Both cameras' signals are smoothed so many times. Between two samples the mean of both has half the noise of either, so
+/// Both cameras' signals are smoothed this many times. Between two samples the mean of both has half the noise of either, so
 /// that without smoothing noisy masks draw offsets towards halves of a frame.
 const SMOOTHED: usize = 2;
 /// Frames farther apart than this many usual steps have a gap between them.

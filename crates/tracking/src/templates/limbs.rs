@@ -141,7 +141,7 @@ fn sphere(count: usize) -> impl Iterator<Item = DVec3> {
 
 /// Places along the longest side of what the silhouettes leave of space.
 const CELLS: f64 = 48.0;
-/// Width of the crust about the ball's outline, in radii and at least so many pixels, to either side.
+/// Width of the crust about the ball's outline, in radii and at least this many pixels, to either side.
 const CRUST: f64 = 0.12;
 const CRUST_PX: f64 = 0.7;
 /// Rounds of looking nearer about a place, each with half the step.

@@ -44,7 +44,7 @@ pub struct FrameEstimate {
 }
 
 impl FrameEstimate {
-    /// A pose of which nothing else is known.
+    /// A pose alone, without cost or overlap.
     #[must_use]
     pub fn of_pose(frame: usize, pose: Pose) -> Self {
         Self {

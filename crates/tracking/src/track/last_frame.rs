@@ -16,7 +16,7 @@ pub struct LastFrame {
 }
 
 impl LastFrame {
-    /// Where the motion leads in so many seconds, negative backwards.
+    /// Where the motion leads in this many seconds, negative backwards.
     pub(super) fn leads_to(&self, seconds: f64) -> Pose {
         match &self.velocity {
             Some(velocity) => {
@@ -27,7 +27,7 @@ impl LastFrame {
         }
     }
 
-    /// The velocity that leads to a pose in so many seconds.
+    /// The velocity that leads to a pose in this many seconds.
     pub(super) fn velocity_to(&self, pose: &Pose, seconds: f64) -> Vec<f64> {
         pose.local(&self.pose).into_iter().map(|value| value / seconds).collect()
     }

@@ -17,10 +17,10 @@ pub const LOST_BELOW_IOU: f64 = 0.4;
 /// stay below 1.14, with two cameras and with every sixth frame alone too.
 pub const LOST_ABOVE_RMS_RATIO: f64 = 1.35;
 
-/// And only if it rose by so many grey levels: clean simulations leave hardly any, and twice that is no loss.
+/// And only if it rose by this many grey levels: clean simulations leave hardly any, and twice that is no loss.
 const LEAST_RISE: f64 = 4.0;
 
-/// The usual RMS is the median of so many frames.
+/// The usual RMS is the median of this many frames.
 const REMEMBERED: usize = 10;
 
 /// With fewer frames nothing is usual.

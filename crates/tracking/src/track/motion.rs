@@ -144,7 +144,7 @@ pub struct Predicted {
 }
 
 impl Predicted {
-    /// What is foretold so many seconds after a frame of which this is believed.
+    /// What the belief predicts this many seconds after its frame.
     pub(super) fn after(noise: &KalmanOptions, pose: &Pose, belief: &Belief, seconds: f64) -> Self {
         let (step, belief) = noise.model(belief.columns()).predict(belief, seconds);
         let mean = pose.retract(Parameters::Tangent, step.as_slice());

@@ -24,7 +24,7 @@ pub enum SmoothingError {
 }
 
 /// The track smoothed by what later frames say of earlier ones (Rauch, Tung, Striebel): by all of them, or, with a
-/// `lag`, by so many frames after each, as a live track could show that many frames late.
+/// `lag`, by this many frames after each, as a live track could show that many frames late.
 ///
 /// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
 /// was foretold, begins again. Costs and overlaps stay those of the filtered poses; overlaps can be measured again
@@ -63,16 +63,16 @@ fn runs_back(frames: &[&FrameEstimate]) -> Result<bool, SmoothingError> {
 }
 
 /// Frames after each that a [`Smoother`] waits for where all that come later count. With the default noise a velocity is
-/// forgotten within 0.3 s: what is so many frames later moves a joint that is seen by less than 10⁻⁶ rad. A joint that nobody
+/// forgotten within 0.3 s: what is this many frames later moves a joint that is seen by less than 10⁻⁶ rad. A joint that nobody
 /// sees for longer than this is not moved by what is seen of it afterwards.
 pub const WHOLE_LAG: usize = 64;
 
 /// How many frames after it a frame waits for.
 #[derive(Debug, Clone, Copy)]
 enum Wait {
-    /// So many: the smoother runs back over all of them for every frame.
+    /// This many: the smoother runs back over all of them for every frame.
     Exactly(usize),
-    /// So many or more, up to twice as many: the smoother runs back once for so many frames.
+    /// At least this many, up to twice as many: the smoother runs back once for this many frames.
     AtLeast(usize),
 }
 

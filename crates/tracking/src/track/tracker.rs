@@ -60,7 +60,7 @@ impl Tracker {
     /// then the wide first stages are skipped.
     ///
     /// # Errors
-    /// A pose that is not the model's, or options that make no sense.
+    /// A pose that is not the model's, or options out of range.
     pub fn new(model: Arc<Model>, options: FitOptions, start: Pose) -> Result<Self, FitError> {
         start.check(&model)?;
         Self::begin(model, options, Some(start.normalized()))
@@ -70,7 +70,7 @@ impl Tracker {
     /// ([`without_start`](crate::search::without_start())).
     ///
     /// # Errors
-    /// Options that make no sense.
+    /// An option out of range.
     pub fn without_start(model: Arc<Model>, options: FitOptions) -> Result<Self, FitError> {
         Self::begin(model, options, None)
     }
@@ -92,10 +92,10 @@ impl Tracker {
         })
     }
 
-    /// Carries motion from frame to frame in another way, at so many frames a second.
+    /// Carries motion from frame to frame in another way, at this many frames a second.
     ///
     /// # Errors
-    /// A number that makes no sense, by field.
+    /// A number out of range, by field.
     pub fn with_motion(mut self, motion: Motion, frame_rate: f64) -> Result<Self, MotionError> {
         if !(frame_rate.is_normal() && frame_rate > 0.0) {
             return Err(MotionError::FrameRate(frame_rate));
@@ -122,7 +122,7 @@ impl Tracker {
     /// Lets cues of the pictures pull at limbs that silhouettes do not hold, and says of every frame what held which limb.
     ///
     /// # Errors
-    /// Options that make no sense, by field.
+    /// An option out of range, by field.
     pub fn with_cues(mut self, options: CueOptions) -> Result<Self, OptionError> {
         let watch = CueWatch::new(Arc::clone(&self.model), options, self.options.renderer)?;
         self.cues = Some(Cued::new(watch));

@@ -26,7 +26,7 @@ const WELL_SEEN: f64 = 1e-3;
 const FEWEST_FRAMES: usize = 10;
 /// Factors by which an acceleration is changed, one after the other.
 const FACTORS: [f64; 3] = [4.0, 2.0, 1.25];
-/// Accelerations stay within so many times what they began with, either way.
+/// Accelerations stay within this many times what they began with, either way.
 const FARTHEST: f64 = 1000.0;
 
 /// Noise that suits a track.

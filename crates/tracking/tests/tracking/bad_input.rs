@@ -1,4 +1,4 @@
-//! Numbers that are none, sizes that are absurd, shapes that are degenerate: an error with the field's name where
+//! Numbers that are not finite, sizes that are absurd, shapes that are degenerate: an error with the field's name where
 //! something is made, and never a panic or a NaN after that.
 
 use backlit_tracking::body::{

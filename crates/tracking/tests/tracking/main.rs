@@ -1,4 +1,4 @@
-//! The tracking core through its public face: what it computes, what it does with what makes no sense.
+//! The tracking core through its public face: what it computes, what it does with bad input.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 

@@ -21,7 +21,7 @@ const ROW: f32 = 19.0;
 /// Width of the names of the levels, and of the counts of a choice of fit.
 const LEVEL: f32 = 84.0;
 const CHOICE: f32 = 44.0;
-/// Choices of fit stand so many degrees beside each other, so that their bars do not cover each other.
+/// Choices of fit stand this many degrees beside each other, so that their bars do not cover each other.
 const BESIDE: f64 = 0.5;
 /// Half a bar's cap, degrees.
 const CAP: f64 = 0.35;

@@ -19,7 +19,7 @@ use crate::features::motions::words;
 const MOST_PLACES: usize = 4000;
 /// Most dots that mark time.
 const MOST_DOTS: usize = 40;
-/// The pointer is at a place of the curve within so many points.
+/// The pointer is at a place of the curve within this many points.
 const REACH: f32 = 16.0;
 /// Opacity of the curve away from the frame on the screen, of a region and of its edge.
 const FAR: f32 = 0.5;
@@ -221,7 +221,7 @@ fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, streng
     }
 }
 
-/// A dot every so many seconds, with its time where nothing else stands.
+/// A dot every n seconds, with its time where nothing else stands.
 fn dots(
     ui: &Ui,
     sheet: &Sheet,

@@ -1,4 +1,4 @@
-//! Frames of a take with keypoints, begun at by every method, by all sets of so many cameras.
+//! Frames of a take with keypoints, begun at by every method, by all sets of this many cameras.
 //!
 //! A pose is judged as [`no_start`](super::super::no_start) does it: found where its mean joint error is no more than so much larger than that of
 //! the fit that begins at the keypoints, which are a few centimetres accurate themselves. A given start is that fit's pose with every

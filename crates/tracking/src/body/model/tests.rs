@@ -1,4 +1,4 @@
-//! Models that are none, and one in any order.
+//! Invalid models, and one in any order.
 
 use super::*;
 

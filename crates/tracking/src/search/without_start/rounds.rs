@@ -40,7 +40,7 @@ const LEANING: usize = 120;
 const LEAN_RAD: f64 = 0.4;
 const LEAN_M: f64 = 0.08;
 
-/// The last stage goes on for so many times its iterations, down to so much of its least gain.
+/// The last stage goes on for this many times its iterations, down to so much of its least gain.
 const POLISH_ITERATIONS: usize = 4;
 const POLISH_GAIN: f64 = 0.1;
 /// Costs within this fraction of the best one's do not tell poses apart. A body without limits has twins within 0.03 of each
