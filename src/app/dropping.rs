@@ -74,7 +74,7 @@ impl Files {
                 News::Output(Err(error)) => inspector.state.notices.error(format!("{error:#}")),
                 News::Ended => {}
                 News::Failed(failure) => {
-                    inspector.state.notices.failed("Reading the dropped files", &failure)
+                    inspector.state.notices.failed("Reading the dropped files", &failure);
                 }
             }
         }

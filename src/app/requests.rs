@@ -117,7 +117,7 @@ impl Inspector {
                 self.dock(|docking, tiles| docking.switch_camera(tiles, from, to));
             }
             ShellRequest::Pane(pane, event) => {
-                self.dock(|docking, tiles| docking.pane_event(tiles, pane, event))
+                self.dock(|docking, tiles| docking.pane_event(tiles, pane, event));
             }
             ShellRequest::Arrange(tree) => self.dock(|_, tiles| tiles.arrange(*tree)),
             ShellRequest::ShowAllTiles => self.shell.docking.alone = None,

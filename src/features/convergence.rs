@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | this | what the plot shows, kept from start to start; runs removed and brought back, files written |
-//! | [`quantity`] | [`Quantity`]: cost, RMS, step norm, damping, decrease; the points of a run's curve, and ends of the axes |
+//! | `quantity` | `Quantity`: cost, RMS, step norm, damping, decrease; the points of a run's curve, and ends of the axes |
 //! | `panel`, `runs`, `steps` | the pane: the plot, the list of runs, the steps of one |
 //! | `plot`, `picture` | the plot, on the screen and as a file |
 

@@ -4,7 +4,7 @@
 //! | file | holds |
 //! |---|---|
 //! | this | asked for, begun, stopped, told |
-//! | `choices` | [`ExportChoices`]: what the card and the command line choose, kept from start to start; [`ExportOrder`] |
+//! | `choices` | [`ExportChoices`]: what the card and the command line choose, kept from start to start; `ExportOrder` |
 //! | `dialog` | the card on which an export is put together |
 //! | `job` | painting and writing, one picture a step |
 //! | `motion_card` | poses for other programs, BVH, TRC, C3D, glTF and others, and the card on which that is chosen |

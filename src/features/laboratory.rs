@@ -71,7 +71,7 @@ pub struct Laboratory {
     steps: Task<(), Stepped, { priority::LABORATORY }>,
     looks: Task<Lacking, Look, { priority::LABORATORY_LOOK }>,
     /// Known by the fits and poses whose gradients are checked.
-    checks: Task<Vec<(usize, Pose)>, job::Found, { priority::LABORATORY_CHECK }>,
+    checks: Task<Vec<(usize, Pose)>, job::CheckedFit, { priority::LABORATORY_CHECK }>,
     dialogs: FileDialogs<()>,
 }
 

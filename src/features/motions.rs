@@ -28,7 +28,7 @@ use backlit_jobs::Task;
 use crate::context::file_dialog::FileDialogs;
 use crate::context::marks::MotionMarks;
 use crate::context::priority;
-use job::{Found, Inputs, Missing};
+use job::{Inputs, Missing, RecognisedMotions};
 pub(crate) use preferences::MotionsPreferences;
 
 /// The feature.
@@ -38,10 +38,10 @@ pub(crate) struct Motions {
     pub(crate) preferences: MotionsPreferences,
     /// What was learnt elsewhere and is used instead of the program's own.
     model: Option<PathBuf>,
-    found: Option<Arc<Found>>,
+    found: Option<Arc<RecognisedMotions>>,
     /// Why there are no names, once somebody has looked.
     missing: Option<Missing>,
     marks: MotionMarks,
-    task: Task<Inputs, Result<Arc<Found>, Missing>, { priority::MOTIONS }>,
+    task: Task<Inputs, Result<Arc<RecognisedMotions>, Missing>, { priority::MOTIONS }>,
     dialogs: FileDialogs<()>,
 }

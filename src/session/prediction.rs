@@ -197,7 +197,8 @@ impl Predicted {
     /// A step of a fit that ends at what predicts this.
     pub(crate) fn step_of(&self, iteration: Iteration<Pose>, seconds: f64) -> RunStep {
         RunStep {
-            iteration,
+            // A project does not keep these two, and a run is equal when it comes back from one.
+            iteration: Iteration { rms: 0.0, gradient_max: 0.0, ..iteration },
             mismatch: self.mismatch,
             rms: self.rms.unwrap_or_default(),
             iou: self.iou(),

@@ -188,7 +188,7 @@ impl Canvas {
     }
 }
 
-/// Calls `paint` with the pixels `span` of every row of `band`, and with the row's index in it. TexelRows do not
+/// Calls `paint` with the pixels `span` of every row of `band`, and with the row's index in it. Rows do not
 /// depend on each other, so threads change nothing.
 fn for_each_row(
     band: &mut [u32],

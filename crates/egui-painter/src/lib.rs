@@ -85,7 +85,7 @@
 //! - Colours and texture coordinates between corners, and the place in a texture, rounded to 1/256 texel, are `f64`
 //!   and `f32` sums, products and quotients in a fixed order. Texels are mixed (bilinear) or picked (nearest) in
 //!   integers.
-//! - TexelRows of large pictures are shared among threads; no row depends on another.
+//! - Rows of large pictures are shared among threads; no row depends on another.
 //!
 //! Not guaranteed: that a GPU paints the same bits (it is close to egui's glow backend), and that egui itself
 //! tessellates the same bits on another platform, where the sine of a round corner may have another last bit.

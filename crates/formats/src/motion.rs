@@ -13,7 +13,7 @@
 //! | `frames` | the frames to write, in the file's axes and unit |
 //! | `bones` | limbs as a tree of bones; rotations as three angles, without jumps |
 //! | `bvh` | Biovision hierarchy |
-//! | `tables` | OpenSim's TRC and MOT, CSV |
+//! | `tables` | TRC and MOT of `OpenSim`, CSV |
 //! | `c3d` | C3D points |
 //! | `glb` | glTF 2.0 with a skinned body |
 //! | `npz` | NumPy arrays |

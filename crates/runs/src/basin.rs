@@ -3,7 +3,7 @@
 //! A [`Subject`] is a body, what its cameras see, and the pose that starts are about. Where a subject comes from does not
 //! matter: a frame of a take or a simulation. Its starts are drawn at random or stand on a grid ([`Starts`]), or are handed
 //! in with it ([`Basin::from_starts`]). A fit succeeds when root and leaf joints end within a limit of the target on
-//! average ([`leaf_error_mm`](backlit_tracking::metrics::leaf_error_mm)).
+//! average ([`leaf_error_mm`]).
 //! Every trial can be made by itself, in any order, and gives the same numbers every time.
 //!
 //! | module | holds |

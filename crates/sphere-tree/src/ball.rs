@@ -40,7 +40,7 @@ pub(crate) enum Effort {
 }
 
 /// A search for the best centre.
-struct Search<'a> {
+struct BallSearch<'a> {
     surface: &'a MeshSurface<'a>,
     points: &'a [DVec3],
     /// Places of the surface that were closest to centres so far.
@@ -50,7 +50,7 @@ struct Search<'a> {
     downhill: DVec3,
 }
 
-impl Search<'_> {
+impl BallSearch<'_> {
     /// Takes a centre if it is better by more than a trifle. The surface is asked only if what is known of it does not say no.
     fn try_centre(&mut self, centre: DVec3) -> bool {
         let wanted = self.best.error() - 1e-6 * self.best.radius;
@@ -88,7 +88,7 @@ impl Search<'_> {
 /// There must be a start.
 pub(crate) fn fit(surface: &MeshSurface<'_>, points: &[DVec3], starts: &[DVec3], effort: Effort) -> Ball {
     let none = Ball { centre: starts[0], radius: 0.0, signed: f64::INFINITY };
-    let mut search = Search { surface, points, known: Vec::new(), best: none, downhill: DVec3::ZERO };
+    let mut search = BallSearch { surface, points, known: Vec::new(), best: none, downhill: DVec3::ZERO };
     starts.iter().for_each(|&start| {
         search.try_centre(start);
     });

@@ -73,9 +73,9 @@ impl VisualHull {
         options: &HullOptions,
         cancel: &CancelToken,
     ) -> Option<Self> {
-        let seen: Vec<Seen<'_>> = views
+        let seen: Vec<CarvingView<'_>> = views
             .iter()
-            .filter_map(|view| Seen::new(view.camera.borrow(), view.silhouette.borrow()))
+            .filter_map(|view| CarvingView::new(view.camera.borrow(), view.silhouette.borrow()))
             .collect();
         if seen.len() < 2 {
             return None;
@@ -104,7 +104,7 @@ impl VisualHull {
 }
 
 /// A silhouette that shows something.
-struct Seen<'a> {
+struct CarvingView<'a> {
     camera: &'a Camera,
     distance: SignedDistance,
     /// Nothing of it is cut off by the picture's border, not even what is unknown.
@@ -114,7 +114,7 @@ struct Seen<'a> {
     spread: f64,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> CarvingView<'a> {
     fn new(camera: &'a Camera, silhouette: &Mask) -> Option<Self> {
         let found = silhouette.bounds()?;
         let fits = (silhouette.width(), silhouette.height()) == (camera.width(), camera.height());
@@ -168,7 +168,7 @@ enum Says {
 }
 
 /// A cube that holds the subject: its middle, nearest to all middle rays, and half its side.
-fn region(seen: &[Seen<'_>]) -> Option<(DVec3, f64)> {
+fn region(seen: &[CarvingView<'_>]) -> Option<(DVec3, f64)> {
     let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for view in seen {
         let ray = view.ray;
@@ -207,7 +207,7 @@ impl Grid {
     }
 
     /// Which cubes every camera leaves; `reach` is in sides of a cube.
-    fn carve(&self, seen: &[Seen<'_>], reach: f64, cancel: &CancelToken) -> Option<Vec<bool>> {
+    fn carve(&self, seen: &[CarvingView<'_>], reach: f64, cancel: &CancelToken) -> Option<Vec<bool>> {
         // Among many cameras one witness alone lets the hull grow along its rays over all that is dark.
         let enough = if seen.len() > 2 { 2 } else { 1 };
         let mut held = vec![false; self.counts.iter().product()];

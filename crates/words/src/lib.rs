@@ -1,4 +1,4 @@
-//! Numbers and names as Backlit writes them, on the screen and on the command line: [`format`], the form of every
+//! Numbers and names as Backlit writes them, on the screen and on the command line: [`mod@format`], the form of every
 //! number; [`joint`], what people call a joint.
 
 pub mod format;

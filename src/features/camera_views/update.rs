@@ -172,7 +172,7 @@ impl CameraViews {
             TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.frame(pane, framing, before),
             TileEvent::ToggleExpanded => {
-                requests.request(ShellRequest::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone))
+                requests.request(ShellRequest::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone));
             }
             TileEvent::Switch(Pane::Camera(other)) => {
                 requests.request(ShellRequest::SwitchCamera { from: camera, to: other });

@@ -22,11 +22,11 @@ pub(super) struct Suggestion {
     pub(super) text: &'static str,
     /// One sentence without its full stop.
     pub(super) tooltip: &'static str,
-    action: Action,
+    action: SuggestedAction,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Action {
+enum SuggestedAction {
     /// Done one after the other.
     Commands(&'static [Command]),
     /// The laboratory fits these side by side.
@@ -37,7 +37,7 @@ enum Action {
     Track(CueChoice, f64),
 }
 
-const fn suggest(text: &'static str, tooltip: &'static str, action: Action) -> Suggestion {
+const fn suggest(text: &'static str, tooltip: &'static str, action: SuggestedAction) -> Suggestion {
     Suggestion { text, tooltip, action }
 }
 
@@ -50,89 +50,91 @@ const ROBUST: Command = Command::Fit(FitCommand::Preset(Preset::Robust));
 const RENDERERS: Suggestion = suggest(
     "Compare renderers",
     "Cylinder, capsule and sphere tree from the same start",
-    Action::Compare(Variants::Renderers),
+    SuggestedAction::Compare(Variants::Renderers),
 );
 const RAMPS: Suggestion = suggest(
     "Compare ramps",
     "From the same start, a fit for each way to draw how far a pixel is from the body",
-    Action::Compare(Variants::Ramps),
+    SuggestedAction::Compare(Variants::Ramps),
 );
 const PRESETS: Suggestion = suggest(
     "Compare presets",
     "The report’s fit beside the robust one, from the same start",
-    Action::Compare(Variants::Presets),
+    SuggestedAction::Compare(Variants::Presets),
 );
 const WITH_CAMERA_2: Suggestion =
-    suggest("Fit with camera 2 too", "Let camera 2 count, and fit again", Action::UseCamera(1));
+    suggest("Fit with camera 2 too", "Let camera 2 count, and fit again", SuggestedAction::UseCamera(1));
 const TRACK_REPORT: Suggestion = suggest(
     "Track as in 2004",
     "All frames by the report’s preset, each from the last one’s pose, in the Pose layout",
-    Action::Commands(&[POSE, REPORT, FIRST, TRACK]),
+    SuggestedAction::Commands(&[POSE, REPORT, FIRST, TRACK]),
 );
 const TRACK_ROBUST: Suggestion = suggest(
     "Track with Robust",
     "All frames with all that is better, in the Pose layout",
-    Action::Commands(&[POSE, ROBUST, FIRST, TRACK]),
+    SuggestedAction::Commands(&[POSE, ROBUST, FIRST, TRACK]),
 );
 const WAYS: Suggestion = suggest(
     "Try all again",
     "All ways from the pose of this frame, one after the other",
-    Action::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
+    SuggestedAction::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
 );
 const ACQUIRE: Suggestion = suggest(
     "Acquire a body",
     "Neither pose nor size is known: a body is found, and grown limb by limb",
-    Action::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
+    SuggestedAction::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
 );
 const WORST: Suggestion = suggest(
     "Worst frame",
     "The tracked frame that fits worst",
-    Action::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
+    SuggestedAction::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
 );
 const SPHERES: Suggestion = suggest(
     "As spheres",
     "Draw and fit the body by the spheres of its trees",
-    Action::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None }))]),
+    SuggestedAction::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree {
+        spheres: None,
+    }))]),
 );
 const CAPSULES: Suggestion = suggest(
     "As capsules",
     "Draw and fit the body as capsules: look at the overlap",
-    Action::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
+    SuggestedAction::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
 );
 const SCENE: Suggestion = suggest(
     "Spheres in 3-D",
     "The body of spheres in the scene, from its front",
-    Action::Commands(&[Command::Scene(SceneCommand::Front)]),
+    SuggestedAction::Commands(&[Command::Scene(SceneCommand::Front)]),
 );
 const SILHOUETTES: Suggestion = suggest(
     "Silhouettes alone",
     "Track all frames again without any cue",
-    Action::Track(CueChoice::None, 0.0),
+    SuggestedAction::Track(CueChoice::None, 0.0),
 );
 const LIKELY: Suggestion = suggest(
     "With likely poses",
     "Track all frames again without cues, but prefer poses that recorded people took",
-    Action::Track(CueChoice::None, 3.0),
+    SuggestedAction::Track(CueChoice::None, 3.0),
 );
 const KEYPOINTS: Suggestion = suggest(
     "With keypoints",
     "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
-    Action::Track(CueChoice::Keypoints, 0.0),
+    SuggestedAction::Track(CueChoice::Keypoints, 0.0),
 );
 const PICTURES: Suggestion = suggest(
     "With the pictures",
     "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
-    Action::Track(CueChoice::Pictures, 0.0),
+    SuggestedAction::Track(CueChoice::Pictures, 0.0),
 );
 const ALL_CUES: Suggestion = suggest(
     "With all of them",
     "Track all frames again with keypoints, optic flow and stereo points",
-    Action::Track(CueChoice::All, 0.0),
+    SuggestedAction::Track(CueChoice::All, 0.0),
 );
 const PLAY: Suggestion = suggest(
     "Play",
     "Plays all frames with their names, from the first on",
-    Action::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
+    SuggestedAction::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
 );
 
 /// What there is to try.
@@ -159,15 +161,15 @@ impl Suggestion {
             requests.request(FeatureRequest::RunLaboratory { over, camera: None });
         };
         match self.action {
-            Action::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
-            Action::Compare(over) => compare(over),
-            Action::UseCamera(camera) => {
+            SuggestedAction::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
+            SuggestedAction::Compare(over) => compare(over),
+            SuggestedAction::UseCamera(camera) => {
                 if let Opening::Laboratory(over, _) = super::opening(which) {
                     compare(over);
                 }
                 requests.edit(Edit::UseCamera { camera, used: true });
             }
-            Action::Track(cues, likely) => {
+            SuggestedAction::Track(cues, likely) => {
                 let document = context.document();
                 requests.edit(Edit::SetTracking(TrackingChoices { cues, ..document.tracking }));
                 let mut options = (*document.fit).clone();

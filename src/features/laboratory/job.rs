@@ -53,7 +53,7 @@ pub(super) struct Lacking {
 
 /// How far the check of a fit's gradient has come.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct CheckedFit {
     /// The fit.
     pub(super) index: usize,
     /// What was found so far.
@@ -270,14 +270,14 @@ impl CheckJob {
     }
 }
 
-impl Job<Found> for CheckJob {
-    fn step(&mut self, out: &Outbox<Found>) -> Turn {
+impl Job<CheckedFit> for CheckJob {
+    fn step(&mut self, out: &Outbox<CheckedFit>) -> Turn {
         let going = self.fits.iter_mut().filter(|fit| !fit.progress.is_whole());
         let next = going.min_by_key(|fit| (fit.progress.done, fit.index));
         let Some(fit) = next else { return Turn::Done };
         let Some(pose) = fit.go_on() else { return Turn::Done };
         let checked = Checked { pose, progress: fit.progress.clone() };
-        out.send(Found { index: fit.index, checked });
+        out.send(CheckedFit { index: fit.index, checked });
         Turn::Again
     }
 }

@@ -44,7 +44,7 @@ impl PartialEq for Inputs {
 
 /// A take's motions by name.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct RecognisedMotions {
     /// What was learnt.
     pub(super) recognizer: Recognizer,
     /// How frames were named.
@@ -70,7 +70,7 @@ pub(super) enum Missing {
     Other(String),
 }
 
-impl Found {
+impl RecognisedMotions {
     /// A class in plain words.
     pub(super) fn name(&self, class: Option<usize>) -> &str {
         class.and_then(|class| self.names.get(class)).map_or(words::UNKNOWN, |name| name)
@@ -101,7 +101,7 @@ impl Found {
 
 impl Inputs {
     /// Names all frames that a pose was found for, where somebody was in the picture.
-    pub(super) fn recognise(&self, cancel: &CancelToken) -> Result<Arc<Found>, Missing> {
+    pub(super) fn recognise(&self, cancel: &CancelToken) -> Result<Arc<RecognisedMotions>, Missing> {
         let recognizer =
             read_recognizer(self.model.as_deref()).map_err(|error| Missing::Model(format!("{error:#}")))?;
         let seen = self.estimates.iter().filter(|(_, estimate)| estimate.cost.is_some());
@@ -131,7 +131,7 @@ impl Inputs {
             return Err(problem);
         }
         let names = recognizer.classes.iter().map(|class| words::class(class)).collect();
-        Ok(Arc::new(Found { recognizer, method, names, runs }))
+        Ok(Arc::new(RecognisedMotions { recognizer, method, names, runs }))
     }
 }
 

@@ -9,7 +9,7 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{choice, segmented};
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
-use super::job::{Found, Missing};
+use super::job::{Missing, RecognisedMotions};
 use super::preferences::Plane;
 use super::{Motions, words};
 use crate::context::command::{Command, TrackingCommand};
@@ -26,7 +26,7 @@ const METHODS: f32 = 110.0;
 const LEAST_PLANE: f32 = 110.0;
 
 /// What is asked for in the pane, done when it is drawn.
-enum Wish {
+enum MotionsAction {
     Plane(Plane),
     Method(Method),
     BuiltIn,
@@ -42,26 +42,32 @@ impl Motions {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let mut wishes = Vec::new();
+        let mut actions = Vec::new();
         pane_title::ground(ui, |ui| {
-            self.head(ui, siblings, requests, &mut wishes);
+            self.head(ui, siblings, requests, &mut actions);
             match &self.found {
                 Some(found) => self.shown(ui, found, context, requests),
-                None => self.nothing(ui, context, requests, &mut wishes),
+                None => self.nothing(ui, context, requests, &mut actions),
             }
         });
-        for wish in wishes {
+        for wish in actions {
             match wish {
-                Wish::Plane(plane) => self.preferences.plane = plane,
-                Wish::Method(method) => self.preferences.method = method,
-                Wish::BuiltIn => self.model = None,
-                Wish::ModelFile => self.ask_for_model(context, requests),
+                MotionsAction::Plane(plane) => self.preferences.plane = plane,
+                MotionsAction::Method(method) => self.preferences.method = method,
+                MotionsAction::BuiltIn => self.model = None,
+                MotionsAction::ModelFile => self.ask_for_model(context, requests),
             }
         }
     }
 
     /// The name and what can be chosen: in one row, or in two where the pane is a narrow column.
-    fn head(&self, ui: &mut Ui, siblings: &[Pane], requests: &mut Requests, wishes: &mut Vec<Wish>) {
+    fn head(
+        &self,
+        ui: &mut Ui,
+        siblings: &[Pane],
+        requests: &mut Requests,
+        actions: &mut Vec<MotionsAction>,
+    ) {
         let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
             let size = vec2(ui.available_width(), size::TILE_HEADER);
             ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
@@ -74,22 +80,22 @@ impl Motions {
             pane_title::show(ui, Pane::Motions, siblings, requests);
             ui.add_space(space::ROW);
             if !is_narrow {
-                self.choices(ui, wishes);
+                self.choices(ui, actions);
             }
-            self.models(ui, wishes);
+            self.models(ui, actions);
             ui.add_space(HEADER_BUTTONS);
         });
         if is_narrow {
-            ui.horizontal_wrapped(|ui| self.choices(ui, wishes));
+            ui.horizontal_wrapped(|ui| self.choices(ui, actions));
         }
     }
 
-    fn choices(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    fn choices(&self, ui: &mut Ui, actions: &mut Vec<MotionsAction>) {
         let mut shown = self.preferences.plane;
         let planes = [Plane::Apart, Plane::Principal].map(|plane| (plane, words::plane(plane).0));
         let tooltip = words::plane(shown).1;
         if segmented(ui, &mut shown, &planes).on_hover_text(tooltip).changed() {
-            wishes.push(Wish::Plane(shown));
+            actions.push(MotionsAction::Plane(shown));
         }
         let is_there = |method: &Method| match &self.found {
             Some(found) => found.recognizer.methods().any(|other| other == *method),
@@ -105,19 +111,19 @@ impl Motions {
             .collect();
         let chosen = self.found.as_ref().map_or(self.preferences.method, |found| found.method);
         if let Some(method) = choice(ui, "Method", METHODS, words::method(chosen).0, &rows) {
-            wishes.push(Wish::Method(method));
+            actions.push(MotionsAction::Method(method));
         }
     }
 
-    fn models(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    fn models(&self, ui: &mut Ui, actions: &mut Vec<MotionsAction>) {
         let name = self.model.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy());
         let menu = ui.menu_button("Model", |ui| {
             if ui.add_enabled(self.model.is_some(), Button::new("Built-in model")).clicked() {
-                wishes.push(Wish::BuiltIn);
+                actions.push(MotionsAction::BuiltIn);
                 ui.close();
             }
             if ui.add(Button::new("Open model…")).clicked() {
-                wishes.push(Wish::ModelFile);
+                actions.push(MotionsAction::ModelFile);
                 ui.close();
             }
         });
@@ -129,7 +135,7 @@ impl Motions {
     }
 
     /// The plane, and below it the probabilities.
-    fn shown(&self, ui: &mut Ui, found: &Found, context: &Context<'_>, requests: &mut Requests) {
+    fn shown(&self, ui: &mut Ui, found: &RecognisedMotions, context: &Context<'_>, requests: &mut Requests) {
         let area = ui.available_rect_before_wrap().shrink2(vec2(0.0, space::ROW));
         let wanted = shares::height(found, area.width());
         let room = if area.height() >= LEAST_PLANE + wanted { wanted } else { shares::TITLE };
@@ -147,7 +153,13 @@ impl Motions {
     }
 
     /// What is missing, and a button for it.
-    fn nothing(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, wishes: &mut Vec<Wish>) {
+    fn nothing(
+        &self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        actions: &mut Vec<MotionsAction>,
+    ) {
         let palette = theme::palette(ui);
         let area = ui.available_rect_before_wrap();
         let size = vec2(area.width().min(380.0), 150.0_f32.min(area.height()));
@@ -173,7 +185,7 @@ impl Motions {
                     command::button(ui, context, requests, Command::Tracking(TrackingCommand::Forward));
                 }
                 Some(Missing::Model(_)) if ui.add(Button::new("Built-in model")).clicked() => {
-                    wishes.push(Wish::BuiltIn);
+                    actions.push(MotionsAction::BuiltIn);
                 }
                 _ => {}
             }

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::context::clock::Clock;
 use crate::session::prediction::Predicted;
 
-/// UnsavedWork that a window has left.
+/// Unsaved work that a window has left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Left {
     /// The copy.

@@ -1,4 +1,4 @@
-//! UnsavedWork that an earlier start of the program left unsaved: a card for each copy, the newest first.
+//! Unsaved work that an earlier start of the program left unsaved: a card for each copy, the newest first.
 
 use backlit_ui::style::format;
 use backlit_ui::style::theme;

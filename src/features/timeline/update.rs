@@ -72,7 +72,7 @@ impl Feature for Timeline {
             }
             TimelineCommand::Play => requests.request(SessionRequest::Playback(PlaybackChange::PlayOrPause)),
             TimelineCommand::ToggleLoop => {
-                requests.request(SessionRequest::Playback(PlaybackChange::ToggleLoop))
+                requests.request(SessionRequest::Playback(PlaybackChange::ToggleLoop));
             }
             TimelineCommand::Slower | TimelineCommand::Faster => {
                 let speed = context.playback.next_speed(command == TimelineCommand::Faster);

@@ -26,17 +26,17 @@ pub(crate) struct OutputArguments {
     pub(crate) theme: ThemeWord,
 }
 
-/// The random starts of an experiment. Defaults are the experiment's own.
+/// The random starts of an experiment, which gives them defaults of its own by `mut_arg`.
 #[derive(Debug, Clone, Copy, Args, Serialize)]
 pub(crate) struct Starts {
     /// Number of starts
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", required = false)]
     pub(crate) starts: usize,
     /// Seed of the random starts
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
     /// How far every joint of a start is turned and its root moved
-    #[arg(long, value_name = "ANGLE,DISTANCE")]
+    #[arg(long, value_name = "ANGLE,DISTANCE", required = false)]
     #[serde(flatten)]
     pub(crate) start_noise: StartNoise,
 }

@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
 
 /// What was done, for the file with the numbers.
 #[derive(Debug, Serialize)]
-struct Conditions<'a> {
+struct BasinConditions<'a> {
     cameras: &'a [usize],
     preset: Preset,
     renderer: RendererKind,
@@ -116,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let (starts, draw) = starts(arguments)?;
     let report = Report { basins: basins(&arguments.cameras, &starts, &choice)? };
-    let conditions = Conditions {
+    let conditions = BasinConditions {
         cameras: &arguments.cameras,
         preset: arguments.preset,
         renderer: arguments.renderer,

@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
 
 /// What was done, for the file with the numbers.
 #[derive(Debug, Serialize)]
-struct Conditions<'a> {
+struct BeginConditions<'a> {
     #[serde(flatten)]
     options: &'a Options,
     starts: Option<&'a str>,
@@ -85,14 +85,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(take) = &arguments.take {
         let frames = frames(arguments)?;
         let report = on_footage(take, &options, &frames, &cancel, listener)?;
-        let conditions = Conditions { options: &options, starts: None, draw: None, frames: Some(&frames) };
+        let conditions =
+            BeginConditions { options: &options, starts: None, draw: None, frames: Some(&frames) };
         return finish(arguments, &conditions, &report);
     }
     let scenes = (arguments.cameras.as_slice(), arguments.size.0, arguments.seed);
     let (starts, draw) = basin::starts_of(&arguments.starts, &arguments.angles, scenes)?;
     let report = begin::run(&options, &starts, &cancel, listener)?;
-    let conditions =
-        Conditions { options: &options, starts: Some(&arguments.starts), draw: draw.as_ref(), frames: None };
+    let conditions = BeginConditions {
+        options: &options,
+        starts: Some(&arguments.starts),
+        draw: draw.as_ref(),
+        frames: None,
+    };
     finish(arguments, &conditions, &report)
 }
 
@@ -126,7 +131,7 @@ fn frames(arguments: &Arguments) -> anyhow::Result<footage::Frames> {
     Ok(footage::Frames { frames: arguments.frames.clone(), levels, within_mm, seed })
 }
 
-fn finish(arguments: &Arguments, conditions: &Conditions<'_>, report: &Report) -> anyhow::Result<()> {
+fn finish(arguments: &Arguments, conditions: &BeginConditions<'_>, report: &Report) -> anyhow::Result<()> {
     let figures = [("begin".to_owned(), figure(report))];
     files::finish(&arguments.output, "begin", conditions, report, &figures, &table(report))
 }

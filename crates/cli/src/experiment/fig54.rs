@@ -46,11 +46,11 @@ pub(crate) struct OneFrame {
 
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
-    ways: Vec<ByMethod>,
+    ways: Vec<Fig54Method>,
 }
 
 #[derive(Debug, Serialize)]
-struct ByMethod {
+struct Fig54Method {
     name: String,
     shown: Vec<ShownIteration>,
 }
@@ -97,7 +97,7 @@ impl Experiment for OneFrame {
                     pictures,
                 }
             };
-            ways.push(ByMethod {
+            ways.push(Fig54Method {
                 name: method.name.clone(),
                 shown: self.iterations.iter().map(show).collect(),
             });
@@ -106,7 +106,7 @@ impl Experiment for OneFrame {
     }
 
     fn table(&self, report: &Report) -> String {
-        let shown = |method: &'_ ByMethod| {
+        let shown = |method: &'_ Fig54Method| {
             let row = |shown: &ShownIteration| {
                 (method.name.clone(), shown.iteration, shown.rms, shown.joint_error_mm)
             };
@@ -124,7 +124,7 @@ impl Experiment for OneFrame {
     }
 
     fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
-        let sheet = |(method, found): (&SequenceMethod, &ByMethod)| {
+        let sheet = |(method, found): (&SequenceMethod, &Fig54Method)| {
             let column = |shown: &ShownIteration| {
                 let error = shown.joint_error_mm.map_or_else(String::new, |mm| format!(", {mm:.0} mm"));
                 (format!("iteration {}{error}", shown.iteration), shown.pictures.clone())

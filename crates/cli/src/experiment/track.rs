@@ -122,11 +122,11 @@ fn methods() -> Vec<MotionMethod> {
 
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
-    ways: Vec<ByMethod>,
+    ways: Vec<TrackedMethod>,
 }
 
 #[derive(Debug, Serialize)]
-struct ByMethod {
+struct TrackedMethod {
     name: String,
     speeds: Vec<AtSpeed>,
 }
@@ -165,7 +165,7 @@ impl Experiment for Speeds {
                 let (statistics, frames) = (ErrorStatistics::of(&errors).unwrap_or_default(), errors.len());
                 found.push(AtSpeed { speed, errors: statistics, frames });
             }
-            ways.push(ByMethod { name: method.name.clone(), speeds: found });
+            ways.push(TrackedMethod { name: method.name.clone(), speeds: found });
         }
         Ok(Report { ways })
     }
@@ -185,7 +185,7 @@ impl Experiment for Speeds {
     }
 
     fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
-        let line = |(style, method): (_, &ByMethod)| {
+        let line = |(style, method): (_, &TrackedMethod)| {
             let points = method.speeds.iter().map(|found| [found.speed as f64, found.errors.max_mm]);
             Line::of_points(&method.name, style, points.collect())
         };

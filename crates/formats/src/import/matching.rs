@@ -94,7 +94,7 @@ const PARENTS: usize = 4;
 pub(super) struct FootageCandidate {
     pub(super) footage: FootageFiles,
     pub(super) names: Vec<String>,
-    /// FootageFiles of one recording lies together.
+    /// The files of one recording lie together.
     group: PathBuf,
 }
 

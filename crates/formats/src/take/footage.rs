@@ -42,7 +42,7 @@ pub enum BackgroundSource {
     Plate(PathBuf),
     /// Several pictures, whose mean and deviation are the background.
     Frames(Vec<PathBuf>),
-    /// FrameSource of a video, which are taken as several pictures are.
+    /// Frames of a video, which are taken as several pictures are.
     Video { video: Video, frames: Vec<usize> },
 }
 

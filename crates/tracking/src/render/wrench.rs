@@ -11,7 +11,7 @@
 //! The distance of a ray to a capsule, a cylinder or a row of equal spheres depends on the limb's two joints
 //! and on nothing else: ∂λ = g₀·∂p0 + g₁·∂p1. With f = g₀ + g₁ that is f·∂p0 + g₁·∂a, a = p1 − p0, and since a
 //! turns with the limb, ∂a = ω × a + σ a. Six numbers a pixel, [f, g₁], against the seven of a
-//! [`Wrench`](super::wrench::Wrench), which serves points anywhere in the limb.
+//! [`Wrench`], which serves points anywhere in the limb.
 
 use std::ops::AddAssign;
 

@@ -33,7 +33,7 @@ pub(super) fn fill_holes(image: &mut BitImage, max_px: usize) {
 
 /// A run of equal pixels.
 #[derive(Clone, Debug)]
-struct Run {
+struct PixelRun {
     y: usize,
     columns: Range<usize>,
 }
@@ -41,7 +41,7 @@ struct Run {
 /// The runs of one value, joined. Entries of `sizes` and `at_border` count only at roots.
 #[derive(Default)]
 struct Components {
-    runs: Vec<Run>,
+    runs: Vec<PixelRun>,
     parents: Vec<usize>,
     sizes: Vec<usize>,
     at_border: Vec<bool>,
@@ -57,8 +57,10 @@ impl Components {
             let mut candidate = above.start;
             for columns in image.runs(y, value) {
                 let is_at_side = columns.start == 0 || columns.end == image.width;
-                found
-                    .push(Run { y, columns: columns.clone() }, is_at_side || y == 0 || y + 1 == image.height);
+                found.push(
+                    PixelRun { y, columns: columns.clone() },
+                    is_at_side || y == 0 || y + 1 == image.height,
+                );
                 // The runs above that reach this one; the last of them may reach the next one too.
                 while candidate < above.end && found.runs[candidate].columns.end + reach <= columns.start {
                     candidate += 1;
@@ -78,7 +80,7 @@ impl Components {
         found
     }
 
-    fn push(&mut self, run: Run, at_border: bool) {
+    fn push(&mut self, run: PixelRun, at_border: bool) {
         self.parents.push(self.runs.len());
         self.sizes.push(run.columns.len());
         self.at_border.push(at_border);

@@ -7,13 +7,13 @@ use crate::search::Hypothesis;
 use crate::silhouette::Overlap;
 
 /// A frame's fit that has run.
-pub(super) struct Found {
+pub(super) struct FittedPose {
     pub(super) fit: Fit,
     pub(super) summary: SolverSummary,
     pub(super) hypotheses: Vec<Hypothesis>,
 }
 
-impl Found {
+impl FittedPose {
     pub(super) fn run(mut fit: Fit, hypotheses: Vec<Hypothesis>, cancel: &CancelToken) -> Self {
         let summary = fit.run(cancel, |_| {});
         Self { fit, summary, hypotheses }
@@ -22,7 +22,7 @@ impl Found {
 
 /// The same, and how it is judged.
 pub(super) struct Attempt {
-    pub(super) found: Found,
+    pub(super) found: FittedPose,
     pub(super) overlap: Vec<Option<Overlap>>,
     pub(super) lost: Option<Lost>,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::attempt::{Attempt, Found, rms};
+use super::attempt::{Attempt, FittedPose, rms};
 use super::cued::Cued;
 use super::estimate::{FrameEstimate, iou};
 use super::frame_masks::FrameMasks;
@@ -236,7 +236,7 @@ impl Tracker {
         Ok(self.keep(frame, attempt, predicted, &masks, cancel))
     }
 
-    fn attempt(&self, found: Found, masks: &FrameMasks) -> Attempt {
+    fn attempt(&self, found: FittedPose, masks: &FrameMasks) -> Attempt {
         let overlap = masks.overlap(&self.model, &found.summary.pose, self.options.renderer);
         let lost = self.usual.judge(rms(&found.summary), iou(&overlap));
         Attempt { found, overlap, lost }
@@ -253,7 +253,7 @@ impl Tracker {
         cancel: &CancelToken,
     ) -> FrameEstimate {
         let goes_on = predicted != Err(Begins::FoundElsewhere);
-        let Attempt { found: Found { mut fit, mut summary, hypotheses }, mut overlap, lost } = attempt;
+        let Attempt { found: FittedPose { mut fit, mut summary, hypotheses }, mut overlap, lost } = attempt;
         self.usual.remember(summary.final_rms, lost);
         let fitted = summary.pose.clone();
         if lost.is_none()
@@ -325,11 +325,11 @@ impl Tracker {
     }
 
     /// Fits a frame near the one before, without the widest stages.
-    fn follow(&self, views: Vec<FitView>, start: Pose, cancel: &CancelToken) -> Result<Found, FitError> {
+    fn follow(&self, views: Vec<FitView>, start: Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, &views, &start);
         let fit = self.pulled(Fit::new(model, views, start, options)?)?;
-        Ok(Found::run(fit, Vec::new(), cancel))
+        Ok(FittedPose::run(fit, Vec::new(), cancel))
     }
 
     /// Looks for the body in the visual hull, and fits it there. Where silhouettes do not tell front from back it looks as
@@ -339,13 +339,13 @@ impl Tracker {
         views: Vec<FitView>,
         before: Option<&Pose>,
         cancel: &CancelToken,
-    ) -> Result<Found, WithoutStartError> {
+    ) -> Result<FittedPose, WithoutStartError> {
         let sides = before.and_then(|pose| Sides::of(&self.model, &Kinematics::new(&self.model, pose)));
         let faces = sides.map(|sides| sides.ahead);
         let choices = WithoutStartOptions { faces, ..WithoutStartOptions::for_fit(&self.options) };
         let found = search::without_start(&self.model, &views, &choices, cancel)?;
         let fitted = self.follow(views, found.pose().clone(), cancel)?;
-        Ok(Found { hypotheses: found.hypotheses, ..fitted })
+        Ok(FittedPose { hypotheses: found.hypotheses, ..fitted })
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.
@@ -355,14 +355,14 @@ impl Tracker {
         start: &Pose,
         masks: &FrameMasks,
         cancel: &CancelToken,
-    ) -> Result<Found, FitError> {
+    ) -> Result<FittedPose, FitError> {
         let (model, options) = (&self.model, self.options.clone());
         if self.search == WhenToSearch::Always {
             return self.search(views, start, options, cancel);
         }
         let again = (self.search == WhenToSearch::WhenPoor).then(|| views.clone());
         let fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
-        let found = Found::run(self.pulled(fit)?, Vec::new(), cancel);
+        let found = FittedPose::run(self.pulled(fit)?, Vec::new(), cancel);
         let overlap = || iou(&masks.overlap(model, &found.summary.pose, options.renderer));
         let is_poor = || {
             overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
@@ -380,11 +380,11 @@ impl Tracker {
         start: &Pose,
         options: FitOptions,
         cancel: &CancelToken,
-    ) -> Result<Found, FitError> {
+    ) -> Result<FittedPose, FitError> {
         // A track knows which way its body faces; a first frame's start may not.
         let effort = SearchOptions { turned: self.last.is_none(), ..SearchOptions::default() };
         let (fit, found) = search::fit_best(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
-        Ok(Found::run(self.pulled(fit)?, found, cancel))
+        Ok(FittedPose::run(self.pulled(fit)?, found, cancel))
     }
 
     /// A fit of the frame at hand with its cues, if there are any.

@@ -135,7 +135,7 @@ fn modules_use_only_what_they_may() {
         let depth = parts.len();
         let lines = code_lines(&fs::read_to_string(path).unwrap());
         // Joined, so that a group over several lines is one. What is shown under another name is not used.
-        let code = lines.iter().filter(|(_, line)| !line.starts_with("pub use crate::"));
+        let code = lines.iter().filter(|(_, line)| !line.trim_start().starts_with("pub use crate::"));
         let code: String = code.map(|(_, line)| format!("{line}\n")).collect();
         for target in arrows(&code, depth) {
             count += 1;

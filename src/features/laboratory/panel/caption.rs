@@ -203,7 +203,7 @@ mod tests {
         let (picture, prediction) = (Derivative { values: Vec::new(), scale: 1.0 }, Prediction::default());
         let pushed = Pushed { picture, prediction, pushing: 26, in_ramp: 1614 };
         found.contestants[0].pushed = Some((KEY, Arc::new(pushed)));
-        found.contestants[1].steps[2].joint_error_mm = Some(3.14);
+        found.contestants[1].steps[2].joint_error_mm = Some(3.12);
         let all = found.contestants.iter().map(|fit| figures(fit, KEY));
         let missing = format::MISSING;
         let expected = [

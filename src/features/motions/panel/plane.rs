@@ -11,7 +11,7 @@ use egui::{
 
 use crate::context::Context;
 use crate::context::marks::whole_percent;
-use crate::features::motions::job::Found;
+use crate::features::motions::job::RecognisedMotions;
 use crate::features::motions::preferences::Plane;
 use crate::features::motions::words;
 
@@ -45,7 +45,7 @@ pub(in crate::features::motions) struct Place {
 }
 
 /// The frames' places on a plane, thinned where they are many.
-pub(in crate::features::motions) fn places(found: &Found, plane: Plane) -> Vec<Place> {
+pub(in crate::features::motions) fn places(found: &RecognisedMotions, plane: Plane) -> Vec<Place> {
     let total: usize = found.runs.iter().map(|run| run.frames.len()).sum();
     let every = total.div_ceil(MOST_PLACES).max(1);
     let of_run = |(run, names): (usize, &backlit_recognition::Recognition)| -> Vec<Place> {
@@ -119,7 +119,7 @@ fn edge(cloud: &PlaneCloud) -> Vec<[f64; 2]> {
 pub(super) fn ui(
     ui: &Ui,
     area: Rect,
-    found: &Found,
+    found: &RecognisedMotions,
     plane: Plane,
     context: &Context<'_>,
     is_stale: bool,
@@ -170,7 +170,7 @@ fn regions(ui: &Ui, sheet: &Sheet, clouds: &[PlaneCloud]) {
 fn names(
     ui: &Ui,
     sheet: &Sheet,
-    found: &Found,
+    found: &RecognisedMotions,
     clouds: &[PlaneCloud],
     now: Option<Rect>,
 ) -> (Vec<Rect>, Vec<Shape>) {
@@ -225,7 +225,7 @@ fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, streng
 fn dots(
     ui: &Ui,
     sheet: &Sheet,
-    found: &Found,
+    found: &RecognisedMotions,
     places: &[Place],
     context: &Context<'_>,
     mut taken: Vec<Rect>,
@@ -268,7 +268,7 @@ fn dots(
     }
 }
 
-fn axes(ui: &Ui, area: Rect, found: &Found, plane: Plane) {
+fn axes(ui: &Ui, area: Rect, found: &RecognisedMotions, plane: Plane) {
     let palette = theme::palette(ui);
     let [across, up] = words::axes(&found.recognizer, plane);
     let font = tick().resolve(ui.style());
@@ -285,7 +285,7 @@ fn axes(ui: &Ui, area: Rect, found: &Found, plane: Plane) {
 }
 
 /// The frame on the screen.
-fn current(ui: &Ui, sheet: &Sheet, found: &Found, plane: Plane, frame: usize) {
+fn current(ui: &Ui, sheet: &Sheet, found: &RecognisedMotions, plane: Plane, frame: usize) {
     let Some(named) = found.frame(frame) else { return };
     let at = sheet.place(if plane == Plane::Apart { named.apart } else { named.place });
     let colours = motion_colours(named.class);
@@ -293,7 +293,7 @@ fn current(ui: &Ui, sheet: &Sheet, found: &Found, plane: Plane, frame: usize) {
     ui.painter().circle_stroke(at, 6.5, Stroke::new(2.0, data_colours::SELECTED));
 }
 
-fn card(ui: &Ui, found: &Found, frame: usize, at: Pos2) {
+fn card(ui: &Ui, found: &RecognisedMotions, frame: usize, at: Pos2) {
     let Some(named) = found.frame(frame) else { return };
     let id = ui.scope_id().with("place of a motion");
     let anchor = PopupAnchor::Position(at);

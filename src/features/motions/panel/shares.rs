@@ -6,7 +6,7 @@ use backlit_ui::style::theme::{motion_colours, space};
 use egui::{Align2, Id, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::marks::whole_percent;
-use crate::features::motions::job::Found;
+use crate::features::motions::job::RecognisedMotions;
 
 /// Height of the line that says what the frame is.
 pub(super) const TITLE: f32 = 20.0;
@@ -25,12 +25,12 @@ fn columns(width: f32) -> usize {
 }
 
 /// The room that all rows want.
-pub(super) fn height(found: &Found, width: f32) -> f32 {
+pub(super) fn height(found: &RecognisedMotions, width: f32) -> f32 {
     TITLE + ROW * found.names.len().div_ceil(columns(width)) as f32
 }
 
 /// What the frame is, and as many rows as there is room for.
-pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
+pub(super) fn ui(ui: &Ui, area: Rect, found: &RecognisedMotions, frame: usize) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(area);
     let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
