@@ -41,7 +41,7 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
         "nodes": nodes,
         "meshes": [mesh],
         "materials": [{"name": "body", "pbrMetallicRoughness": material}],
-        "skins": [{"joints": joints, "bones": 0, "inverseBindMatrices": inverse_bind}],
+        "skins": [{"joints": joints, "skeleton": 0, "inverseBindMatrices": inverse_bind}],
         "animations": [animation],
     }))
 }

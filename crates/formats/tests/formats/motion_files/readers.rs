@@ -239,6 +239,7 @@ pub(super) fn glb(bytes: &[u8]) -> (Points, Vec<f64>, Vec<Vec<DVec3>>) {
         keys.insert((index(&channel["target"]["node"]), path), read(&sampler["output"]));
     }
     let skin = &document["skins"][0];
+    assert_eq!(skin["skeleton"], 0, "glTF names the root of the skin so");
     let joints: Vec<usize> = skin["joints"].as_array().unwrap().iter().map(index).collect();
     let inverse_bind = read(&skin["inverseBindMatrices"]);
     let primitive = &document["meshes"][0]["primitives"][0];
