@@ -12,7 +12,7 @@ pub(crate) mod fit;
 pub mod laboratory;
 pub(crate) mod motions;
 pub(crate) mod new_take;
-pub(crate) mod observability;
+pub mod observability;
 pub(crate) mod offsets;
 pub(crate) mod pose;
 pub mod recovery;

@@ -1,5 +1,5 @@
-//! The house's rules for `src/`: which room may use which, as the table of ARCHITECTURE.md says; features do not know each
-//! other; files stay small. And the picture of the house in ARCHITECTURE.md is the code's.
+//! The house's rules, which the tables of ARCHITECTURE.md say: which crate, which module of the core and which room of `src/` may
+//! use which; features do not know each other; files stay small. And the picture of the house in ARCHITECTURE.md is the code's.
 
 #![expect(clippy::unwrap_used, reason = "a panic is a test's answer")]
 
@@ -19,6 +19,9 @@ const ROOMS: [&str; 6] = ["cli", "app", "shell", "features", "context", "session
 /// Crates that only some of the rooms may use.
 const CRATES: [&str; 6] = ["cli", "runs", "document", "take", "jobs", "ui"];
 
+/// Modules that every module of the core may use; `fixtures` is compiled for tests only.
+const EVERYWHERE: [&str; 3] = ["numbers", "statistics", "fixtures"];
+
 /// The lines about the picture in ARCHITECTURE.md.
 const PICTURE: [&str; 2] = ["<!-- the house: made from the code -->", "<!-- the end of the house -->"];
 
@@ -26,7 +29,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A file of `src/`: its module path, and its code without comments and tests.
+/// A file: its module path, and its code without comments and tests.
 struct Source {
     path: String,
     module: Vec<String>,
@@ -132,72 +135,154 @@ fn without_tests(text: &str) -> String {
     code
 }
 
-fn sources() -> Vec<Source> {
-    let src = root().join("src");
+/// The files below `folder` of the project, without tests.
+fn sources_of(folder: &str) -> Vec<Source> {
+    let below = root().join(folder);
     let mut files = Vec::new();
-    rust_files(&src, &mut files);
-    assert!(files.len() > 200, "the sources were not found");
+    rust_files(&below, &mut files);
+    assert!(files.len() > 150, "the sources were not found");
     let source = |path: &PathBuf| {
-        let inside = path.strip_prefix(&src).unwrap();
+        let inside = path.strip_prefix(&below).unwrap();
         let text = fs::read_to_string(path).unwrap();
         let module: Vec<String> =
             inside.with_extension("").iter().map(|part| part.to_str().unwrap().to_owned()).collect();
         Source {
-            path: format!("src/{}", inside.display()),
+            path: format!("{folder}/{}", inside.display()),
             module,
             code: without_tests(&text),
             lines: text.lines().count(),
         }
     };
-    let is_test =
-        |source: &Source| source.module.last().is_some_and(|name| name == "tests" || name == "testing");
-    files
-        .iter()
-        .map(source)
-        .filter(|source| !is_test(source) && !["lib", "main"].contains(&source.room()))
-        .collect()
+    let is_code = |source: &Source| {
+        let is_test = source.module.last().is_some_and(|name| name == "tests" || name == "testing");
+        !is_test && !["lib", "main", "prelude"].contains(&source.room())
+    };
+    files.iter().map(source).filter(is_code).collect()
 }
 
-/// What each room may use: the table of ARCHITECTURE.md.
-fn allowed() -> BTreeMap<String, BTreeSet<String>> {
+fn sources() -> Vec<Source> {
+    sources_of("src")
+}
+
+/// A table of ARCHITECTURE.md that begins with this cell: what each of its first column may use, the last column. "`fit` and
+/// what it may use" is `fit` and what its own row says.
+fn allowed(head: &str) -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
-    let table = text.split("| room of `src/` |").nth(1).expect("the table of rooms");
+    let table = text.split(&format!("| {head} |")).nth(1).expect("the table is there");
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
     let names = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
-    let mut table = BTreeMap::new();
+    let mut table: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for row in rows {
         let cells: Vec<&str> = row.split('|').collect();
-        for room in names(cells[1]) {
-            table.insert(room, names(cells[cells.len() - 2]).into_iter().collect());
+        let last = cells[cells.len() - 2];
+        let mut may: BTreeSet<String> = names(last).into_iter().collect();
+        if let Some((of, _)) = last.split_once(" and what it may use") {
+            may.extend(table[names(of).last().unwrap()].clone());
         }
+        table.extend(names(cells[1]).into_iter().map(|name| (name, may.clone())));
     }
-    assert!(table.len() == ROOMS.len(), "the table of rooms was not understood");
     table
 }
 
-#[test]
-fn rooms_use_only_what_they_may() {
-    let allowed = allowed();
+/// Arrows from one row of a table to another that the table does not allow.
+fn forbidden(sources: &[Source], allowed: &BTreeMap<String, BTreeSet<String>>, free: &[&str]) -> Vec<String> {
     let mut wrong = Vec::new();
-    for source in sources() {
+    for source in sources {
         let Some(may) = allowed.get(source.room()) else {
-            wrong.push(format!("{}: the room has no row in ARCHITECTURE.md", source.path));
+            wrong.push(format!("{}: `{}` has no row", source.path, source.room()));
             continue;
         };
         for path in source.uses() {
             let Some(target) = path.first() else { continue };
             let is_held = allowed.contains_key(target) || CRATES.contains(&target.as_str());
-            if target != source.room() && is_held && !may.contains(target) {
+            let is_free = target == source.room() || free.contains(&target.as_str());
+            if is_held && !is_free && !may.contains(target) {
                 wrong.push(format!("{} uses {}", source.path, path.join("::")));
             }
         }
     }
-    assert!(
-        wrong.is_empty(),
-        "{} arrows that ARCHITECTURE.md does not allow:\n{}",
-        wrong.len(),
-        wrong.join("\n")
-    );
+    wrong
+}
+
+#[test]
+fn rooms_use_only_what_they_may() {
+    let allowed = allowed("room of `src/`");
+    assert_eq!(allowed.len(), ROOMS.len(), "the table of rooms was not understood");
+    let wrong = forbidden(&sources(), &allowed, &[]);
+    assert!(wrong.is_empty(), "ARCHITECTURE.md does not allow:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn modules_of_the_core_use_only_what_they_may() {
+    let allowed = allowed("module");
+    assert!(allowed.len() > 25 && allowed["search"].contains("render"), "the table was not understood");
+    let mut sources = sources_of("crates/tracking/src");
+    for source in &mut sources {
+        // What is shown under another name is not used.
+        let is_used = |line: &&str| !line.starts_with("pub use crate::");
+        source.code = source.code.lines().filter(is_used).flat_map(|line| [line, "\n"]).collect();
+    }
+    let wrong = forbidden(&sources, &allowed, &EVERYWHERE);
+    assert!(wrong.is_empty(), "ARCHITECTURE.md does not allow:\n{}", wrong.join("\n"));
+    let arrows: usize = sources.iter().map(|source| source.uses().len()).sum();
+    assert!(arrows > 300, "only {arrows} arrows were found");
+}
+
+/// The first word of a crate's row is its folder or, of a library of its own, its name.
+#[test]
+fn crates_use_only_what_they_may() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let table = text.split("| crate |").nth(1).unwrap();
+    let mut count = 0;
+    for row in table.lines().skip(2).take_while(|line| line.starts_with("| `crates/")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let folder = cells[1].split('`').nth(1).unwrap();
+        let may: BTreeSet<&str> = cells[cells.len() - 2].split(", ").collect();
+        let manifest: toml::Table =
+            fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap().parse().unwrap();
+        let inside = |name: &String| {
+            name.strip_prefix("backlit-")
+                .or((name == "egui-painter").then_some("egui-painter"))
+                .map(str::to_owned)
+        };
+        let used = manifest["dependencies"].as_table().unwrap().keys().filter_map(inside);
+        let wrong: Vec<String> = used.filter(|name| !may.contains(name.as_str())).collect();
+        assert!(wrong.is_empty(), "{folder} uses {wrong:?}; ARCHITECTURE.md allows {may:?}");
+        count += 1;
+    }
+    let folders = fs::read_dir(root().join("crates")).unwrap().count();
+    assert_eq!(count, folders, "every crate has a row");
+}
+
+#[test]
+fn the_core_knows_no_window() {
+    for file in ["crates/document/Cargo.toml", "crates/tracking/Cargo.toml", "crates/cli/Cargo.toml"] {
+        let text = fs::read_to_string(root().join(file)).unwrap();
+        let words = text.split(|c: char| !c.is_alphanumeric());
+        let window: Vec<&str> = words.filter(|word| ["egui", "eframe", "rfd"].contains(word)).collect();
+        assert!(window.is_empty(), "{file} mentions {window:?}");
+    }
+}
+
+#[test]
+fn arrows_are_found_in_every_spelling() {
+    let code = "use crate::body::Pose;\nuse crate::{camera::{Camera, Rig}, render::View};\n\
+                let x: super::super::track::Fit = crate::filter::belief();\nuse super::limb::Limb;";
+    let module = ["search", "limbs"].map(str::to_owned).to_vec();
+    let source = |code: &str| Source {
+        path: String::new(),
+        module: module.clone(),
+        code: without_tests(code),
+        lines: 0,
+    };
+    let first = |code: &str| -> BTreeSet<String> {
+        source(code).uses().into_iter().filter_map(|path| path.first().cloned()).collect()
+    };
+    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>();
+    assert_eq!(first(code), names(&["body", "camera", "filter", "render", "search", "track"]));
+    let text =
+        "use crate::a::b;\n#[cfg(test)]\nmod tests {\n    use crate::c;\n}\nuse crate::d::e; // crate::f\n";
+    assert_eq!(first(text), names(&["a", "d"]));
 }
 
 #[test]

@@ -2,17 +2,16 @@
 
 use std::path::Path;
 
-use backlit::app::{App, AppOptions, Opening};
 use backlit_document::project::read_project;
-use backlit_take::source::TakeSource;
 use backlit_tracking::silhouette::Label;
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::{Rgba, RgbaImage};
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle, type_into_palette};
 use crate::support::take;
+use crate::support::window::{
+    Window, WindowState, at, built_in, click, command, press, settle, type_into_palette, undo,
+};
 
 /// Frames of the take: enough for the forearm to leave every pixel.
 const FRAMES: usize = 24;
@@ -30,13 +29,8 @@ fn write_take(folder: &Path) {
     cut.save(&path).unwrap();
 }
 
-fn open(source: TakeSource) -> Harness<'static, App> {
-    let opening = Some(Opening::Take(source));
-    open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
-}
-
 /// How many pixels of the front camera's silhouette are unknown.
-fn unknown(harness: &Harness<'_, App>) -> usize {
+fn unknown(harness: &Window) -> usize {
     let session = harness.session();
     let frame = session.frames.get(harness.selection().frame).unwrap();
     let mask = frame.cameras[0].mask.as_ref().unwrap();
@@ -44,7 +38,7 @@ fn unknown(harness: &Harness<'_, App>) -> usize {
 }
 
 /// What the palette says beside the command, which it does not do.
-fn why_not(harness: &mut Harness<'_, App>) -> String {
+fn why_not(harness: &mut Window) -> String {
     type_into_palette(harness, NAME);
     let why = {
         let row = harness.get_by_label_contains(NAME);
@@ -60,7 +54,7 @@ fn why_not(harness: &mut Harness<'_, App>) -> String {
 fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     let folder = tempfile::tempdir().unwrap();
     write_take(folder.path());
-    let mut harness = open(TakeSource::Path(folder.path().to_owned()));
+    let mut harness = at(folder.path()).open();
     let before = unknown(&harness);
     assert!(before > 300, "the hole is unknown: {before} pixels");
     let why = why_not(&mut harness);
@@ -70,8 +64,7 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     let tracked = harness.document().estimates.len();
     assert_eq!(tracked, FRAMES);
     press(&mut harness, Modifiers::NONE, Key::Home);
-    type_into_palette(&mut harness, NAME);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    command(&mut harness, NAME);
 
     harness.get_by_label_contains("Learnt the background of 2 cameras without the body.");
     let plates = harness.document().plates.clone();
@@ -88,21 +81,20 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     harness.state_mut().save_to(&project);
     settle(&mut harness);
     assert_eq!(read_project(&project).unwrap().document.plates, plates);
-    type_into_palette(&mut harness, NAME);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    command(&mut harness, NAME);
     let again = harness.document().plates.clone();
     assert_eq!(again[&0], folder.path().join("background without body 2/front.png"));
 
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(harness.document().plates, plates);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert!(harness.document().plates.is_empty());
     assert_eq!(unknown(&harness), before, "undone, the silhouettes are as they were");
 }
 
 #[test]
 fn a_take_without_a_folder_says_why_its_background_cannot_be_learnt() {
-    let mut harness = open(TakeSource::BuiltIn);
+    let mut harness = built_in().open();
     let why = why_not(&mut harness);
     assert!(why.contains("this take has none: it comes with Backlit"), "{why}");
 }
@@ -111,13 +103,12 @@ fn a_take_without_a_folder_says_why_its_background_cannot_be_learnt() {
 fn where_a_camera_cannot_be_learnt_nothing_changes() {
     let folder = tempfile::tempdir().unwrap();
     write_take(folder.path());
-    let mut harness = open(TakeSource::Path(folder.path().to_owned()));
+    let mut harness = at(folder.path()).open();
     click(&mut harness, "Track forward");
     // The footage is gone.
     std::fs::rename(folder.path().join("above"), folder.path().join("elsewhere")).unwrap();
     let document = harness.document().clone();
-    type_into_palette(&mut harness, NAME);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    command(&mut harness, NAME);
     harness.get_by_label_contains("The background cannot be learnt: ");
     assert_eq!(*harness.document(), document);
 }

@@ -18,13 +18,14 @@ use backlit_ui::drawing::{
 };
 use backlit_ui::style::theme::Theme;
 use backlit_ui::widgets::Framing;
-use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
+use egui::{Color32, Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{DQuat, DVec2, DVec3};
 use image::{Rgb, RgbImage};
 
 use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::wheel;
 
 const SIZE: [usize; 2] = [136, 240];
 
@@ -234,11 +235,18 @@ fn sight_ray_target(scene: &Scene) -> (DVec2, f64) {
 
 type Events = Vec<TileEvent>;
 
-fn harness<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
+fn driven<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
     support::harness_builder(size, theme).build_ui_state(
         move |ui, events: &mut Events| events.extend(camera_tile::camera_tile(ui, &input).events),
         Events::new(),
     )
+}
+
+/// A tile at rest.
+fn shown<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
+    let mut harness = driven(input, size, theme);
+    harness.run();
+    harness
 }
 
 const WIDE: [f32; 2] = [376.0, 276.0];
@@ -249,8 +257,7 @@ fn view_modes_in_a_narrow_tile() {
     let scene = Scene::new();
     let mut snapshots = Snapshots::default();
     for (mode, theme) in ViewMode::ALL.into_iter().flat_map(|mode| Theme::ALL.map(|theme| (mode, theme))) {
-        let mut harness = harness(scene.input(mode), NARROW, theme);
-        harness.run();
+        let mut harness = shown(scene.input(mode), NARROW, theme);
         let name = serde_json::to_string(&mode).unwrap();
         let name = name.trim_matches('"').replace('-', "_");
         snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_{name}_{}", theme_name(theme)));
@@ -265,8 +272,7 @@ fn calibration_size_handles_and_large_pixels() {
     let raw = Camera::new("camera", size, intrinsics, raw_lens, *scene.camera.camera_from_world()).unwrap();
     let mut snapshots = Snapshots::default();
     let mut shot = |input: CameraTileInput<'_>, name: &str| {
-        let mut harness = harness(input, NARROW, Theme::Dark);
-        harness.run();
+        let mut harness = shown(input, NARROW, Theme::Dark);
         snapshots.picture(&harness.render().unwrap(), name);
     };
     let marks = ViewSettings { calibration_marks: true, ..ViewSettings::default() };
@@ -294,18 +300,12 @@ fn sizes_are_dragged_by_their_handles() {
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
     let tile = TileView { framing, ..scene.posing().tile };
     let input = CameraTileInput { settings, tile, sized: Some(forearm), ..scene.posing() };
-    let mut harness = harness(input, WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(input, WIDE, Theme::Dark);
     for (label, is_length) in
         [("left forearm length, Camera 1", true), ("left forearm radius, Camera 1", false)]
     {
         let handle = centre(&harness, label);
-        harness.hover_at(handle);
-        harness.run();
-        harness.drag_at(handle);
-        harness.run();
-        harness.hover_at(handle + vec2(9.0, 0.0));
-        harness.run();
+        grab(&mut harness, handle, vec2(9.0, 0.0));
         harness.get_by_label("Esc: put back");
         harness.drop_at(handle + vec2(9.0, 0.0));
         harness.run();
@@ -324,7 +324,7 @@ fn the_hover_card_is_held_by_a_key() {
     let scene = Scene::new();
     let tile = TileView { mode: ViewMode::Gradient, ..TileView::default() };
     let input = CameraTileInput { shows_hover_card: true, tile, ..scene.input(ViewMode::Gradient) };
-    let mut harness = harness(input, [416.0, 276.0], Theme::Dark);
+    let mut harness = driven(input, [416.0, 276.0], Theme::Dark);
     harness.hover_at(pos2(122.0, 186.0));
     harness.run();
     let title = |harness: &Harness<'_, Events>| {
@@ -350,8 +350,7 @@ fn posing_with_a_gutter_in_both_themes() {
     let scene = Scene::new();
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let mut harness = harness(scene.posing(), WIDE, theme);
-        harness.run();
+        let mut harness = shown(scene.posing(), WIDE, theme);
         snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_posing_{}", theme_name(theme)));
     }
 }
@@ -362,8 +361,7 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
     let ray = scene.ray();
     let mut snapshots = Snapshots::default();
     let mut shot = |input: CameraTileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
-        let mut harness = harness(input, size, theme);
-        harness.run();
+        let mut harness = shown(input, size, theme);
         if let Some(at) = hover {
             harness.hover_at(at);
             harness.run();
@@ -403,14 +401,14 @@ fn limits_ellipses_and_what_is_compared() {
         snapshots.picture(&harness.render().unwrap(), name);
     };
     let limits = [scene.limit_of_elbow()];
-    let mut stopped = harness(CameraTileInput { limits: &limits, ..scene.posing() }, WIDE, Theme::Dark);
+    let mut stopped = driven(CameraTileInput { limits: &limits, ..scene.posing() }, WIDE, Theme::Dark);
     shot(&mut stopped, "camera_tile_limit");
     stopped.get_by_label_contains("right elbow: limit, flexion ");
 
     let ellipses = scene.ellipses();
     let observed = ObservedMarks { ellipses: &ellipses, factor: 20, ..ObservedMarks::default() };
     let observed = CameraTileInput { observed, shows_hover_card: true, ..scene.posing() };
-    let mut known = harness(observed, WIDE, Theme::Dark);
+    let mut known = driven(observed, WIDE, Theme::Dark);
     shot(&mut known, "camera_tile_ellipses");
     known.get_by_label_contains("Uncertainty, 2σ, drawn ×20");
     known.hover_at(centre(&known, "left wrist, Camera 1"));
@@ -421,8 +419,7 @@ fn limits_ellipses_and_what_is_compared() {
 
     let tile =
         TileView { comparison: Some(ModeComparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
-    let mut blinking =
-        harness(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
+    let mut blinking = driven(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
     shot(&mut blinking, "camera_tile_blink");
     // Both are explained at once: nothing jumps.
     blinking.get_by_label_contains("Legend: Residual:, Missing −255 to 255 spurious, Data:, Subject 0");
@@ -433,6 +430,16 @@ fn taken(harness: &mut Harness<'_, Events>) -> Events {
     std::mem::take(harness.state_mut())
 }
 
+/// Presses on a place and moves; the button stays down.
+fn grab(harness: &mut Harness<'_, Events>, from: Pos2, by: Vec2) {
+    harness.hover_at(from);
+    harness.run();
+    harness.drag_at(from);
+    harness.run();
+    harness.hover_at(from + by);
+    harness.run();
+}
+
 fn centre(harness: &Harness<'_, Events>, label: &str) -> Pos2 {
     harness.get_by_label(label).rect().center()
 }
@@ -440,8 +447,7 @@ fn centre(harness: &Harness<'_, Events>, label: &str) -> Pos2 {
 #[test]
 fn a_joint_is_dragged_by_its_handle() {
     let scene = Scene::new();
-    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let wrist = centre(&harness, "right wrist, Camera 1");
     harness.hover_at(wrist);
     harness.run();
@@ -471,8 +477,7 @@ fn a_joint_is_dragged_by_its_handle() {
 #[test]
 fn escape_cancels_a_drag_and_shift_changes_the_depth() {
     let scene = Scene::new();
-    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let wrist = centre(&harness, "right wrist, Camera 1");
     harness.hover_at(wrist);
     harness.run();
@@ -494,21 +499,15 @@ fn escape_cancels_a_drag_and_shift_changes_the_depth() {
 fn a_limb_is_turned_by_its_body() {
     let scene = Scene::new();
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
-    let mut harness = harness(
+    let mut harness = shown(
         CameraTileInput { tile: TileView { framing, ..scene.posing().tile }, ..scene.posing() },
         WIDE,
         Theme::Dark,
     );
-    harness.run();
     let elbow = centre(&harness, "left elbow, Camera 1");
     let wrist = centre(&harness, "left wrist, Camera 1");
     let middle = elbow + (wrist - elbow) * 0.5;
-    harness.hover_at(middle);
-    harness.run();
-    harness.drag_at(middle);
-    harness.run();
-    harness.hover_at(middle + vec2(15.0, 0.0));
-    harness.run();
+    grab(&mut harness, middle, vec2(15.0, 0.0));
     let events = taken(&mut harness);
     let forearm = scene.body.limb_index("left forearm").unwrap();
     assert!(events.contains(&TileEvent::SelectLimb(forearm)), "{events:?}");
@@ -519,8 +518,7 @@ fn a_limb_is_turned_by_its_body() {
 #[test]
 fn the_view_mode_is_chosen_from_the_header() {
     let scene = Scene::new();
-    let mut harness = harness(scene.input(ViewMode::Tinted), [376.0, 456.0], Theme::Light);
-    harness.run();
+    let mut harness = shown(scene.input(ViewMode::Tinted), [376.0, 456.0], Theme::Light);
     harness.get_by_label("Camera 1, view mode: Tinted overlay on footage").click();
     harness.run();
     Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_mode_menu");
@@ -532,8 +530,7 @@ fn the_view_mode_is_chosen_from_the_header() {
 #[test]
 fn header_and_gutter_say_what_was_clicked() {
     let scene = Scene::new();
-    let mut harness = harness(scene.input(ViewMode::Tinted), WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(scene.input(ViewMode::Tinted), WIDE, Theme::Dark);
     for (label, expected) in [
         ("Unlink zoom of Camera 1", TileEvent::SetLinked(false)),
         ("Expand Camera 1", TileEvent::ToggleExpanded),
@@ -561,18 +558,11 @@ fn header_and_gutter_say_what_was_clicked() {
 #[test]
 fn the_wheel_zooms_and_the_right_button_pans() {
     let scene = Scene::new();
-    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let at = centre(&harness, "Camera 1 picture");
     harness.hover_at(at);
     harness.run();
-    harness.event(Event::MouseWheel {
-        unit: MouseWheelUnit::Point,
-        delta: vec2(0.0, 60.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: Modifiers::NONE,
-    });
+    harness.event(wheel(vec2(0.0, 60.0)));
     harness.run_steps(4);
     let zoomed =
         |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { zoom, .. }) if *zoom > 1.0);
@@ -606,14 +596,10 @@ fn a_missing_silhouette_is_told_and_the_wipe_moved() {
     let picture = PictureInput { mask: None, data: None, ..scene.input(ViewMode::Data).picture };
     let tile = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
     let input = CameraTileInput { picture, overlap: None, tile, ..scene.input(ViewMode::Footage) };
-    let mut harness = harness(input, WIDE, Theme::Dark);
-    harness.run();
+    let mut harness = shown(input, WIDE, Theme::Dark);
     harness.get_by_label_contains("Drop a mask of this frame");
     let handle = centre(&harness, "Wipe to prediction");
-    harness.drag_at(handle);
-    harness.run();
-    harness.hover_at(handle + vec2(30.0, 0.0));
-    harness.run();
+    grab(&mut harness, handle, vec2(30.0, 0.0));
     let events = taken(&mut harness);
     let moved = |event: &TileEvent| matches!(event, TileEvent::SetWipe(at) if *at > 0.6);
     assert!(events.iter().any(moved), "{events:?}");

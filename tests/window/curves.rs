@@ -1,35 +1,31 @@
 //! The convergence panel through the real window: runs named, hidden, removed, brought back, read out, exported.
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle, write_curves};
-use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::take;
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit::features::convergence::CurvesFile;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, Rect, Vec2, pos2, vec2};
-use egui_kittest::Harness;
+use egui::{Event, Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
 
-fn open(theme: Theme, size: Vec2) -> Harness<'static, App> {
-    let look = Settings { theme, layout: Layout::Debug, ..Settings::default() };
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, size)
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{
+    Window, WindowState, arm, choose, click, command, freeze, press, settle, type_over, undo, write_curves,
+};
+
+fn open(theme: Theme, width: f32, height: f32) -> Window {
+    arm().layout(Layout::Debug).theme(theme).sized(width, height).open()
 }
 
-fn open_dark() -> Harness<'static, App> {
-    open(Theme::Dark, vec2(1400.0, 900.0))
+fn open_dark() -> Window {
+    open(Theme::Dark, 1400.0, 900.0)
 }
 
-fn names(harness: &Harness<'_, App>) -> Vec<String> {
+fn names(harness: &Window) -> Vec<String> {
     harness.runs().iter().map(|run| run.name.clone()).collect()
 }
 
 /// Runs the fit from the take's start with each renderer.
-fn three_renderers(harness: &mut Harness<'_, App>) {
+fn three_renderers(harness: &mut Window) {
     for key in [Key::C, Key::Y, Key::S] {
         press(harness, Modifiers::SHIFT, Key::Backspace);
         press(harness, Modifiers::NONE, key);
@@ -55,12 +51,7 @@ fn runs_are_named_by_what_differs_between_those_that_are_shown() {
 
     // A name of one's own stays; an empty one says again what differs.
     click(&mut harness, "Rename run 3");
-    let field = harness.get_by_role_and_label(Role::TextInput, "Name of run 3");
-    field.focus();
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.step();
-    harness.get_by_role_and_label(Role::TextInput, "Name of run 3").type_text("Flat ends");
-    harness.step();
+    type_over(&mut harness, "Name of run 3", "Flat ends");
     press(&mut harness, Modifiers::NONE, Key::Enter);
     assert_eq!(names(&harness)[1], "Flat ends");
 }
@@ -79,17 +70,14 @@ fn removed_runs_come_back_with_one_undo() {
     let document = harness.document().clone();
     click(&mut harness, "Remove run 2");
     assert_eq!(names(&harness), ["Capsule", "Sphere tree"]);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(names(&harness), before);
     assert_eq!(*harness.document(), document, "the document is not what is undone");
 
     // Runs that were made since stay, and colours are not used twice.
     click(&mut harness, "Clear runs");
     click(&mut harness, "Run");
-    press(&mut harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text("undo remove");
-    harness.run_steps(2);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    command(&mut harness, "undo remove");
     let runs = harness.runs();
     assert_eq!(runs.iter().map(|run| run.number).collect::<Vec<_>>(), [1, 2, 3, 4]);
 }
@@ -114,8 +102,7 @@ fn the_slider_takes_arrow_keys_once_it_has_the_focus() {
     let mut harness = open_dark();
     click(&mut harness, "Run");
     let frame = harness.selection().frame;
-    harness.get_by_role_and_label(Role::Slider, "Step").click();
-    settle(&mut harness);
+    choose(&mut harness, Role::Slider, "Step");
     let at = harness.selection().step.unwrap().step;
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(harness.selection().step.unwrap().step, at - 1);
@@ -143,9 +130,9 @@ fn the_plot_stands_where_the_views_do() {
     assert_eq!(harness.selection().step, None);
     harness.get_by_label(&format!("Step {step} of {last}"));
     // Undone is the branch, then the fit.
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     harness.get_by_label(&format!("Step {last} of {last}"));
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     harness.get_by_label(&format!("Step 0 of {last}"));
 }
 
@@ -188,26 +175,20 @@ fn curves_are_written_as_they_are_shown() {
 }
 
 /// The panel alone, without times.
-fn panel(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, name: &str) {
-    for _ in 0..3 {
-        harness.state_mut().inspector.freeze_times();
-        harness.step();
-    }
+fn panel(snapshots: &mut Snapshots, harness: &mut Window, name: &str) {
+    freeze(harness);
     let plot = harness.get_by_label("Convergence plot").rect();
     let slider = harness.get_by_role_and_label(Role::Slider, "Step").rect();
     let rect =
         Rect::from_min_max(plot.min - vec2(64.0, 34.0), pos2(plot.right() + 350.0, slider.bottom() + 4.0));
-    let window = harness.render().unwrap();
-    let (min, size) = (rect.min.round(), rect.size().round());
-    let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-    snapshots.picture(&cut.to_image(), name);
+    snapshots.part(harness, rect, name);
 }
 
 #[test]
 fn the_panel_with_three_runs() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let mut harness = open(theme, vec2(1240.0, 760.0));
+        let mut harness = open(theme, 1240.0, 760.0);
         three_renderers(&mut harness);
         harness.state_mut().inspector.state.notices.close_all();
         panel(&mut snapshots, &mut harness, &format!("curves_three_runs_{}", theme_name(theme)));

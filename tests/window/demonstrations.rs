@@ -2,28 +2,22 @@
 
 use std::sync::Arc;
 
-use backlit::app::{App, AppOptions, Opening};
 use backlit::features::laboratory::Contestant;
 use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::{single_limb, upper_body};
-use backlit_take::source::TakeSource;
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{click, open_sized, press, settle};
-
-fn open() -> Harness<'static, App> {
-    open_sized(AppOptions::default(), vec2(1500.0, 900.0))
-}
+use crate::support::window::{Window, WindowState, at, click, demonstration, empty, press, settle};
 
 /// Two clicks: the menu, and the demonstration in it.
-fn show(harness: &mut Harness<'_, App>, label: &str) {
+fn show(harness: &mut Window, label: &str) {
     harness.get_by_role_and_label(Role::Button, "Demonstrate").click();
     harness.run_steps(2);
     let row = harness.get_all_by_label_contains(label).next().unwrap();
@@ -41,14 +35,14 @@ fn error_mm(found: &Pose) -> f64 {
 }
 
 /// The laboratory's fits, each with the last mismatch in percent of the first.
-fn fits(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
+fn fits(harness: &Window) -> Vec<(&'static str, f64)> {
     let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     let percent = |fit: &Contestant| (fit.entrant.name, fit.percent(fit.last()).unwrap());
     comparison.contestants.iter().map(percent).collect()
 }
 
 /// How far each of the laboratory's fits ended from the truth, millimetres.
-fn errors_mm(harness: &Harness<'_, App>) -> Vec<(&'static str, f64)> {
+fn errors_mm(harness: &Window) -> Vec<(&'static str, f64)> {
     let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     let error = |fit: &Contestant| (fit.entrant.name, error_mm(&fit.steps.last().unwrap().iteration.point));
     comparison.contestants.iter().map(error).collect()
@@ -69,7 +63,7 @@ fn measured_percent(renderer: RendererKind) -> f64 {
 
 #[test]
 fn two_clicks_show_the_single_limb_with_all_three_renderers() {
-    let mut harness = open();
+    let mut harness = empty().open();
     show(&mut harness, "Fig. 5.1");
     // The same fits as the command's, but for the rounding of the pictures to whole grey levels.
     for ((name, percent), renderer) in fits(&harness).into_iter().zip(single_limb::RENDERERS) {
@@ -78,25 +72,25 @@ fn two_clicks_show_the_single_limb_with_all_three_renderers() {
     }
     assert!(fits(&harness)[0].1 > 99.0);
     harness.get_by_label("At their ends");
-    assert!(!harness.state().inspector.document().has_pose(1));
-    assert!(harness.state().inspector.runs().is_empty(), "the laboratory leaves the other layouts alone");
+    assert!(!harness.document().has_pose(1));
+    assert!(harness.runs().is_empty(), "the laboratory leaves the other layouts alone");
     let comparison = harness.state().inspector.features.laboratory.comparison.as_ref().unwrap();
     assert_eq!((comparison.last(), comparison.cursor), (25, 25));
 }
 
 #[test]
 fn one_camera_is_fooled_and_two_are_not() {
-    let mut harness = open();
+    let mut harness = empty().open();
     show(&mut harness, "Fig. 5.2");
     assert!(fits(&harness)[1..].iter().all(|(_, percent)| *percent < 2.0), "{:?}", fits(&harness));
     let fooled = errors_mm(&harness);
     assert!(fooled.iter().all(|(_, error)| *error > 25.0), "{fooled:?} mm");
     harness.get_by_label("Joints, mm");
-    assert_eq!(harness.state().inspector.document().used_cameras().count(), 1);
+    assert_eq!(harness.document().used_cameras().count(), 1);
     assert_eq!(harness.state().inspector.features.laboratory.camera, 1, "the camera that shows it");
 
     click(&mut harness, "Fit with camera 2 too");
-    assert_eq!(harness.state().inspector.document().used_cameras().count(), 2);
+    assert_eq!(harness.document().used_cameras().count(), 2);
     let found = errors_mm(&harness);
     assert!(found.iter().zip(&fooled).all(|(two, one)| two.1 < 0.5 * one.1), "{found:?} of {fooled:?} mm");
 
@@ -109,7 +103,7 @@ fn one_camera_is_fooled_and_two_are_not() {
 
 #[test]
 fn the_thesis_ramp_leaves_the_truth() {
-    let mut harness = open();
+    let mut harness = empty().open();
     show(&mut harness, "Bias of a ramp");
     let found = errors_mm(&harness);
     let of = |name: &str| found.iter().find(|(ramp, _)| ramp.starts_with(name)).unwrap().1;
@@ -118,12 +112,12 @@ fn the_thesis_ramp_leaves_the_truth() {
 
 #[test]
 fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
-    let mut harness = open();
+    let mut harness = empty().open();
     show(&mut harness, "Fig. 5.6");
-    assert_eq!(harness.state().inspector.state.session.frame_count(), 50);
-    assert!(harness.state().inspector.runs().is_empty());
+    assert_eq!(harness.session().frame_count(), 50);
+    assert!(harness.runs().is_empty());
     click(&mut harness, "Track with Robust");
-    let document = harness.state().inspector.document();
+    let document = harness.document();
     assert_eq!(document.estimates.len(), 50);
     assert!(document.estimates.values().all(|found| !found.lost));
 
@@ -131,23 +125,13 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
     let path = folder.path().join("tiny.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    let saved = harness.state().inspector.document().clone();
-    let again = open_sized(
-        AppOptions { opening: Some(Opening::of(&path)), ..AppOptions::default() },
-        vec2(1500.0, 900.0),
-    );
-    assert_eq!(
-        *again.state().inspector.document(),
-        saved,
-        "a project keeps its poses: nothing runs by itself"
-    );
+    let saved = harness.document().clone();
+    assert_eq!(*at(&path).open().document(), saved, "a project keeps its poses: nothing runs by itself");
 }
 
 #[test]
 fn a_demonstration_is_no_unsaved_work_and_its_sentences_go() {
-    let demonstration = backlit_take::demonstration::Demonstration::SingleLimb;
-    let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
-    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0));
+    let mut harness = demonstration(Demonstration::SingleLimb).open();
     assert!(harness.query_by_label_contains("Fig. 5.1: one limb •").is_none(), "nothing is unsaved");
     harness.get_by_label("Fig. 5.1: one limb");
     press(&mut harness, Modifiers::NONE, Key::Y);

@@ -1,46 +1,37 @@
 //! Tiles of the centre in the real window: splits, headers, closing, one alone, layouts; and the scene's tile.
 
-use crate::support::app_window::{WindowState, click, command, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::take;
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::pane::Pane;
 use backlit::context::preferences::Layout;
 use backlit::features::scene::{ScenePreferences, ShownHull, Viewpoint};
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use crate::support::window::{
+    Window, WindowState, arm, button, click, command, freeze, press, settle, wheel,
+};
 
 const DEBUG_PANES: [&str; 4] = ["Camera 1", "Camera 2", "Scene", "Convergence"];
 /// Between tiles.
 const GAP: f32 = 2.0;
 
-fn open(look: Settings) -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
+fn debug() -> Window {
+    arm().layout(Layout::Debug).open()
 }
 
-fn debug() -> Harness<'static, App> {
-    open(Settings { layout: Layout::Debug, ..Settings::default() })
-}
-
-fn header(harness: &Harness<'_, App>, pane: &str) -> Rect {
+fn header(harness: &Window, pane: &str) -> Rect {
     harness.get_by_role_and_label(Role::TitleBar, &format!("{pane} header")).rect()
 }
 
-fn has(harness: &Harness<'_, App>, pane: &str) -> bool {
+fn has(harness: &Window, pane: &str) -> bool {
     harness.query_by_role_and_label(Role::TitleBar, &format!("{pane} header")).is_some()
 }
 
-fn button(pos: Pos2, button: PointerButton, pressed: bool) -> Event {
-    Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE }
-}
-
-fn drag_by(harness: &mut Harness<'_, App>, with: PointerButton, from: Pos2, by: Vec2) {
+fn drag_by(harness: &mut Window, with: PointerButton, from: Pos2, by: Vec2) {
     harness.event(Event::PointerMoved(from));
     harness.step();
     harness.event(button(from, with, true));
@@ -55,11 +46,11 @@ fn drag_by(harness: &mut Harness<'_, App>, with: PointerButton, from: Pos2, by: 
     settle(harness);
 }
 
-fn drag(harness: &mut Harness<'_, App>, from: Pos2, by: Vec2) {
+fn drag(harness: &mut Window, from: Pos2, by: Vec2) {
     drag_by(harness, PointerButton::Primary, from, by);
 }
 
-fn double_click(harness: &mut Harness<'_, App>, at: Pos2) {
+fn double_click(harness: &mut Window, at: Pos2) {
     for _ in 0..2 {
         // Both in one frame: frames are far apart in time here.
         let events = [Event::PointerMoved(at), button(at, PointerButton::Primary, true)];
@@ -71,12 +62,12 @@ fn double_click(harness: &mut Harness<'_, App>, at: Pos2) {
 }
 
 /// On the split at the right of a pane, well below its header.
-fn split_right_of(harness: &Harness<'_, App>, pane: &str) -> Pos2 {
+fn split_right_of(harness: &Window, pane: &str) -> Pos2 {
     header(harness, pane).right_top() + vec2(0.5 * GAP, 120.0)
 }
 
 /// The button of the newest notice; the toolbar has one of the same name.
-fn undo_in_notice(harness: &mut Harness<'_, App>) {
+fn undo_in_notice(harness: &mut Window) {
     let undo: Vec<_> = harness.get_all_by_role_and_label(Role::Button, "Undo").collect();
     undo.iter().max_by(|a, b| a.rect().top().total_cmp(&b.rect().top())).unwrap().click();
     drop(undo);
@@ -84,7 +75,7 @@ fn undo_in_notice(harness: &mut Harness<'_, App>) {
 }
 
 /// Tiles stand beside each other with one gap, from the left edge to the right panel.
-fn assert_fills(harness: &Harness<'_, App>) {
+fn assert_fills(harness: &Window) {
     let mut row: Vec<Rect> = ["Camera 1", "Camera 2", "Scene"].map(|pane| header(harness, pane)).to_vec();
     row.sort_by(|a, b| a.left().total_cmp(&b.left()));
     for pair in row.windows(2) {
@@ -143,11 +134,10 @@ fn the_arrangement_is_there_at_the_next_start() {
     drag(&mut harness, split, vec2(-60.0, 0.0));
     let widths = DEBUG_PANES.map(|pane| header(&harness, pane).width());
     let text = serde_json::to_string(&harness.settings()).unwrap();
-    let again = open(serde_json::from_str(&text).unwrap());
+    let again = arm().settings(serde_json::from_str(&text).unwrap()).open();
     assert_eq!(DEBUG_PANES.map(|pane| header(&again, pane).width()), widths);
     // The other layout has its own.
-    let look: Settings = serde_json::from_str(&text).unwrap();
-    let pose = open(Settings { layout: Layout::Pose, ..look });
+    let pose = arm().settings(serde_json::from_str(&text).unwrap()).layout(Layout::Pose).open();
     assert!(has(&pose, "Camera 2") && !has(&pose, "Scene"));
 }
 
@@ -199,7 +189,7 @@ fn any_tile_fills_the_window_and_esc_brings_the_others_back() {
 #[test]
 fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     let mut harness = debug();
-    let orbit = |harness: &Harness<'_, App>| match harness.settings().scene.viewpoint {
+    let orbit = |harness: &Window| match harness.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
@@ -211,13 +201,7 @@ fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     let panned = orbit(&harness);
     assert!(panned.target != turned.target && panned.azimuth == turned.azimuth);
     harness.event(Event::PointerMoved(at));
-    harness.event(Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: vec2(0.0, 80.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Unknown,
-        modifiers: Modifiers::NONE,
-    });
+    harness.event(wheel(vec2(0.0, 80.0)));
     harness.run_steps(20);
     assert!(orbit(&harness).distance < panned.distance);
     double_click(&mut harness, at);
@@ -253,7 +237,8 @@ fn the_hull_is_carved_for_the_scene() {
     assert!(hull.size().max_element() < 0.95, "{}", hull.size());
     harness.get_by_label_contains("Visual hull ");
     let hidden = ScenePreferences { hull: ShownHull::Hidden, ..ScenePreferences::default() };
-    let harness = open(Settings { layout: Layout::Debug, scene: hidden, ..Settings::default() });
+    let settings = Settings { scene: hidden, ..Settings::default() };
+    let harness = arm().settings(settings).layout(Layout::Debug).open();
     let session = harness.session();
     let hulls = &harness.state().inspector.features.scene.hulls;
     assert!(hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
@@ -264,17 +249,12 @@ fn the_scene_in_both_themes() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let scene = ScenePreferences { hull: ShownHull::Shell, ..ScenePreferences::default() };
-        let mut harness = open(Settings { theme, layout: Layout::Debug, scene, ..Settings::default() });
-        for _ in 0..3 {
-            harness.state_mut().inspector.freeze_times();
-            harness.step();
-        }
+        let settings = Settings { scene, ..Settings::default() };
+        let mut harness = arm().settings(settings).layout(Layout::Debug).theme(theme).open();
+        freeze(&mut harness);
         let (top, below) = (header(&harness, "Scene"), header(&harness, "Convergence"));
         let tile = Rect::from_min_max(top.min, pos2(top.right(), below.top() - GAP));
         assert!(tile.height() > 5.0 * size::TILE_HEADER);
-        let window = harness.render().unwrap();
-        let (min, size) = (tile.min.round(), tile.size().round());
-        let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-        snapshots.picture(&cut.to_image(), &format!("scene_{}", theme_name(theme)));
+        snapshots.part(&mut harness, tile, &format!("scene_{}", theme_name(theme)));
     }
 }

@@ -1,40 +1,32 @@
 //! Files dropped on the window, and the cards around it: recent takes, the palette, About.
 
-use backlit_document::project::read_project;
-
-use crate::support::take;
 use std::path::{Path, PathBuf};
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
+use backlit_document::project::read_project;
 use backlit_formats::pose_file;
 use backlit_tracking::silhouette::Label;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{DroppedFile, DroppedFileHandle, HoveredFile, Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{DroppedFile, DroppedFileHandle, HoveredFile, Key, Modifiers, Rect, Vec2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
 use image::{GrayImage, Luma};
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use crate::support::window::{
+    Window, WindowState, arm, around, at, choose, click, command, empty, press, settle, undo,
+};
 
 /// A take in a folder.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for (path, bytes) in take::files() {
-        let path = folder.path().join(path);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
+    take::write_to(folder.path());
     folder
 }
 
-fn open(folder: &Path) -> Harness<'static, App> {
-    open_sized(
-        AppOptions { opening: Some(Opening::of(folder)), ..AppOptions::default() },
-        vec2(1300.0, 860.0),
-    )
+fn open(path: &Path) -> Window {
+    at(path).sized(1300.0, 860.0).open()
 }
 
 #[derive(Debug)]
@@ -50,7 +42,7 @@ impl DroppedFile for File {
     }
 }
 
-fn drop_on(harness: &mut Harness<'_, App>, paths: &[PathBuf]) {
+fn drop_on(harness: &mut Window, paths: &[PathBuf]) {
     let file = |path: &PathBuf| -> DroppedFileHandle { std::sync::Arc::new(File(path.clone())) };
     harness.input_mut().dropped_files = paths.iter().map(file).collect();
     harness.step();
@@ -58,17 +50,13 @@ fn drop_on(harness: &mut Harness<'_, App>, paths: &[PathBuf]) {
     settle(harness);
 }
 
-fn hover(harness: &mut Harness<'_, App>, path: &Path) {
+fn hover(harness: &mut Window, path: &Path) {
     let file = HoveredFile { path: Some(path.to_owned()), ..HoveredFile::default() };
     harness.input_mut().hovered_files = vec![file];
     harness.run_steps(3);
 }
 
-fn said<'a>(harness: &'a Harness<'_, App>) -> &'a str {
-    harness.state().inspector.state.notices.all().last().map_or("", |notice| notice.text.as_str())
-}
-
-fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
+fn subject_pixels(harness: &Window, camera: usize) -> usize {
     let frame = harness.session().frames.get(0).unwrap();
     frame.cameras[camera].mask.as_ref().unwrap().count(Label::Subject)
 }
@@ -77,7 +65,7 @@ fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
 fn a_calibration_replaces_the_cameras_and_is_undone() {
     let folder = folder();
     let mut harness = open(folder.path());
-    let centre = |harness: &Harness<'_, App>| harness.session().take.as_ref().unwrap().cameras[0].centre();
+    let centre = |harness: &Window| harness.session().take.as_ref().unwrap().cameras[0].centre();
     let before = centre(&harness);
     let iou = harness.session().iou().unwrap();
     let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
@@ -86,7 +74,7 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     let path = folder.path().join("swapped.json");
     std::fs::write(&path, swapped).unwrap();
     drop_on(&mut harness, std::slice::from_ref(&path));
-    assert_eq!(said(&harness), "The 2 cameras now come from swapped.json.");
+    assert_eq!(harness.last_said(), "The 2 cameras now come from swapped.json.");
     assert!(centre(&harness).distance(before) > 0.5);
     assert!(harness.session().iou().unwrap() < iou, "the body is not where these cameras see it");
 
@@ -98,7 +86,7 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     let again = open(&project);
     assert!(centre(&again).distance(before) > 0.5, "a project brings its cameras");
 
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert!(centre(&harness).distance(before) < 1e-9);
     assert!((harness.session().iou().unwrap() - iou).abs() < 1e-12);
 }
@@ -113,7 +101,9 @@ fn a_calibration_of_another_rig_is_an_error_that_says_what_differs() {
     let first = text.find("{\"name\": \"above\"").unwrap();
     std::fs::write(&path, format!("{}]}}", text[..first].trim_end().trim_end_matches(','))).unwrap();
     drop_on(&mut harness, &[path]);
-    assert!(said(&harness).contains("one.json: has 1 camera (front); the take has 2 cameras (front, above)"));
+    assert!(
+        harness.last_said().contains("one.json: has 1 camera (front); the take has 2 cameras (front, above)")
+    );
     assert_eq!(*harness.document(), before);
 }
 
@@ -126,19 +116,23 @@ fn silhouettes_replace_those_of_the_frame_and_are_undone() {
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     GrayImage::from_fn(64, 48, |x, _| Luma([if x < 32 { 255 } else { 0 }])).save(&path).unwrap();
     drop_on(&mut harness, &[folder.path().join("masks")]);
-    assert_eq!(said(&harness), "Replaced the silhouettes of frame 0 in camera 1.");
+    assert_eq!(harness.last_said(), "Replaced the silhouettes of frame 0 in camera 1.");
     assert_eq!(subject_pixels(&harness, 0), 32 * 48);
     let project = folder.path().join("a.backlit");
     harness.state_mut().save_to(&project);
     settle(&mut harness);
     assert_eq!(subject_pixels(&open(&project), 0), 32 * 48, "a project brings its silhouettes");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(subject_pixels(&harness, 0), before);
 
     let stranger = folder.path().join("somebody.png");
     GrayImage::new(64, 48).save(&stranger).unwrap();
     drop_on(&mut harness, &[stranger]);
-    assert!(said(&harness).contains("somebody.png: no camera is called that"), "{}", said(&harness));
+    assert!(
+        harness.last_said().contains("somebody.png: no camera is called that"),
+        "{}",
+        harness.last_said()
+    );
 }
 
 #[test]
@@ -150,9 +144,9 @@ fn poses_bodies_projects_and_takes_are_taken_in() {
     let path = folder.path().join("truth.json");
     pose_file::write(&path, &model, &pose).unwrap();
     drop_on(&mut harness, &[path]);
-    assert_eq!(said(&harness), "Frame 0 now has the pose of truth.json.");
+    assert_eq!(harness.last_said(), "Frame 0 now has the pose of truth.json.");
     assert!(harness.document().pose_at(0).root.distance(pose.root) < 1e-12);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert!(harness.document().keys.is_empty());
 
     let body = folder.path().join("long.toml");
@@ -162,14 +156,14 @@ fn poses_bodies_projects_and_takes_are_taken_in() {
     assert_eq!(harness.document().model.limbs()[0].length, 0.4);
     std::fs::write(&body, text.replace("right forearm", "tail")).unwrap();
     drop_on(&mut harness, &[body]);
-    assert!(said(&harness).contains("other limbs"), "{}", said(&harness));
+    assert!(harness.last_said().contains("other limbs"), "{}", harness.last_said());
 
     drop_on(&mut harness, &[other.path().to_owned()]);
     assert_eq!(harness.document().model.limbs()[0].length, 0.3, "another take is open");
     let strange = folder.path().join("notes.txt");
     std::fs::write(&strange, "hello").unwrap();
     drop_on(&mut harness, &[strange]);
-    assert!(said(&harness).contains("notes.txt: expected a take"), "{}", said(&harness));
+    assert!(harness.last_said().contains("notes.txt: expected a take"), "{}", harness.last_said());
 }
 
 #[test]
@@ -181,7 +175,7 @@ fn what_will_happen_is_said_before_the_file_is_let_go() {
     harness.input_mut().hovered_files.clear();
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("Drop:").is_none());
-    let mut empty = open_sized(AppOptions::default(), vec2(1100.0, 700.0));
+    let mut empty = empty().sized(1100.0, 700.0).open();
     hover(&mut empty, &folder.path().join("cameras.json"));
     empty.get_by_label("Drop: Open a take first");
     hover(&mut empty, folder.path());
@@ -193,13 +187,12 @@ fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
     let (here, gone) = (folder(), PathBuf::from("/no/such/take"));
     let recent = vec![here.path().to_owned(), gone.clone()];
     let look = Settings { recent, ..Settings::default() };
-    let mut harness = open_sized(AppOptions { settings: look, ..AppOptions::default() }, vec2(1100.0, 700.0));
+    let mut harness = empty().settings(look).sized(1100.0, 700.0).open();
     harness.get_by_label("missing");
     click(&mut harness, "Remove take from the recent takes");
     assert!(harness.query_by_label("missing").is_none());
     let name = here.path().file_name().unwrap().to_string_lossy().into_owned();
-    harness.get_by_role_and_label(Role::Link, &name).click();
-    settle(&mut harness);
+    choose(&mut harness, Role::Link, &name);
     assert!(harness.session().take.is_some());
 }
 
@@ -207,12 +200,9 @@ fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
 fn the_palette_offers_first_what_was_used_last() {
     let folder = folder();
     let mut harness = open(folder.path());
+    command(&mut harness, "mirr");
     press(&mut harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text("mirr");
-    harness.run_steps(2);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
-    press(&mut harness, Modifiers::COMMAND, Key::K);
-    let top = |harness: &Harness<'_, App>, text: &str| harness.get_by_label_contains(text).rect().top();
+    let top = |harness: &Window, text: &str| harness.get_by_label_contains(text).rect().top();
     assert!(top(&harness, "Edit: Mirror X") < top(&harness, "File: Open take…"));
     // Why something cannot be done stands beside it.
     harness.get_by_role(Role::TextInput).type_text("redo");
@@ -223,7 +213,7 @@ fn the_palette_offers_first_what_was_used_last() {
 
 #[test]
 fn the_palette_takes_what_is_typed_before_it_is_drawn() {
-    let mut harness = open_sized(AppOptions::default(), vec2(1300.0, 860.0));
+    let mut harness = empty().sized(1300.0, 860.0).open();
     settle(&mut harness);
     // A slow frame has the keys that open it, the text and Enter almost at once.
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
@@ -238,18 +228,14 @@ fn the_palette_takes_what_is_typed_before_it_is_drawn() {
 
 #[test]
 fn about_copies_the_citation() {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
+    let mut harness = arm().sized(1300.0, 860.0).open();
     for (button, what) in
         [("Copy BibTeX", "Copied the BibTeX entry."), ("Copy citation", "Copied the citation.")]
     {
-        press(&mut harness, Modifiers::COMMAND, Key::K);
-        harness.get_by_role(Role::TextInput).type_text("about");
-        harness.run_steps(2);
-        press(&mut harness, Modifiers::NONE, Key::Enter);
+        command(&mut harness, "about");
         harness.get_by_label_contains("Markerless Motion Capture");
         click(&mut harness, button);
-        assert_eq!(said(&harness), what);
+        assert_eq!(harness.last_said(), what);
         press(&mut harness, Modifiers::NONE, Key::Escape);
     }
 }
@@ -259,34 +245,16 @@ fn the_cards_look_as_they_should() {
     let mut snapshots = Snapshots::default();
     let folder = folder();
     for theme in Theme::ALL {
-        let look = Settings { theme, ..Settings::default() };
-        let opening = Some(Opening::of(folder.path()));
-        let mut harness =
-            open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
+        let mut harness = at(folder.path()).theme(theme).sized(1300.0, 860.0).open();
         harness.set_render_cursor(false);
         hover(&mut harness, &folder.path().join("cameras.json"));
-        part(
-            &mut snapshots,
-            &mut harness,
-            "Drop: Replace the take’s cameras with these",
-            &format!("panel_drop_{}", theme_name(theme)),
-        );
+        harness.state_mut().inspector.freeze_times();
+        harness.step();
+        let card = around(&harness, "Drop: Replace the take’s cameras with these", Vec2::splat(16.0));
+        snapshots.part(&mut harness, card, &format!("panel_drop_{}", theme_name(theme)));
         harness.input_mut().hovered_files.clear();
-        press(&mut harness, Modifiers::COMMAND, Key::K);
-        harness.get_by_role(Role::TextInput).type_text("about");
-        harness.run_steps(2);
-        press(&mut harness, Modifiers::NONE, Key::Enter);
-        let window = harness.render().unwrap();
-        let cut = crop_imm(&window, 390, 230, 520, 400).to_image();
-        snapshots.picture(&cut, &format!("panel_about_{}", theme_name(theme)));
+        command(&mut harness, "about");
+        let card = Rect::from_min_size(pos2(390.0, 230.0), vec2(520.0, 400.0));
+        snapshots.part(&mut harness, card, &format!("panel_about_{}", theme_name(theme)));
     }
-}
-
-fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
-    harness.state_mut().inspector.freeze_times();
-    harness.step();
-    let window = harness.render().unwrap();
-    let rect = harness.get_by_label(label).rect().expand(16.0).round();
-    let [x, y] = [rect.left().max(0.0) as u32, rect.top().max(0.0) as u32];
-    snapshots.picture(&crop_imm(&window, x, y, rect.width() as u32, rect.height() as u32).to_image(), name);
 }

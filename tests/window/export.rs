@@ -1,49 +1,24 @@
 //! Exports through the real window: the dialog, the files, progress and stopping.
 
-use crate::support::take;
 use std::path::Path;
 
-use crate::support::app_window::{click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::features::export::{ExportChoices, SeriesFormat};
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
 
-fn open(look: Settings) -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1200.0, 800.0))
-}
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{Window, WindowState, arm, choose, click, command, press, type_over};
 
-/// Opens the palette, types, and presses Enter.
-pub(crate) fn command(harness: &mut Harness<'_, App>, text: &str) {
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    harness.run_steps(2);
-    harness.get_by_role(Role::TextInput).type_text(text);
-    harness.run_steps(2);
-    harness.key_press(Key::Enter);
-    settle(harness);
+fn open(settings: Settings) -> Window {
+    arm().settings(settings).sized(1200.0, 800.0).open()
 }
 
 /// Gives the dialog a path and presses Export.
-pub(crate) fn export_to(harness: &mut Harness<'_, App>, field: &str, path: &Path) {
-    let named = |harness: &Harness<'_, App>| harness.get_by_role_and_label(Role::TextInput, field).rect();
-    let at = named(harness).center();
-    harness.event(egui::Event::PointerMoved(at));
-    for pressed in [true, false] {
-        let button = egui::PointerButton::Primary;
-        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
-    }
-    harness.run_steps(2);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(1);
-    harness.event(egui::Event::Text(path.display().to_string()));
-    harness.run_steps(2);
+pub(crate) fn export_to(harness: &mut Window, field: &str, path: &Path) {
+    type_over(harness, field, &path.display().to_string());
     click(harness, "Export");
 }
 
@@ -77,8 +52,7 @@ fn the_window_is_exported_as_it_is() {
     let exported = image::open(&path).unwrap().to_rgb8();
     assert_eq!(exported.dimensions(), (1200, 800));
     // The notice that says so is not in it, nor the margin that a harness leaves around the window.
-    harness.get_by_role_and_label(Role::Button, "Close notice").click();
-    settle(&mut harness);
+    choose(&mut harness, Role::Button, "Close notice");
     harness.state_mut().inspector.freeze_times();
     harness.step();
     let shown = image::DynamicImage::ImageRgba8(harness.render().unwrap()).to_rgb8();
@@ -143,18 +117,11 @@ fn frames_are_exported_and_an_export_can_be_stopped() {
 
     command(&mut harness, "export frames");
     let other = folder.path().join("other.png");
-    let field = harness.get_by_role_and_label(Role::TextInput, "File");
-    field.focus();
-    harness.run_steps(2);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(1);
-    harness.event(egui::Event::Text(other.display().to_string()));
-    harness.run_steps(2);
+    type_over(&mut harness, "File", &other.display().to_string());
     harness.get_by_role_and_label(Role::Button, "Export").click();
     harness.run_steps(2);
-    harness.get_by_role_and_label(Role::Button, "Stop export").click();
-    settle(&mut harness);
-    let said = &harness.state().inspector.state.notices.all().last().unwrap().text;
+    choose(&mut harness, Role::Button, "Stop export");
+    let said = harness.last_said();
     assert!(said.starts_with("Stopped the export") || said.starts_with("Exported 3"), "{said}");
     assert_eq!(other.exists(), said.starts_with("Exported"), "{said}");
 }
@@ -163,15 +130,9 @@ fn frames_are_exported_and_an_export_can_be_stopped() {
 fn a_folder_that_is_not_there_is_said_before_anything_is_done() {
     let mut harness = open(Settings::default());
     command(&mut harness, "export view");
-    harness.get_by_role_and_label(Role::TextInput, "File").focus();
-    harness.run_steps(2);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(1);
-    harness.event(egui::Event::Text("/no/such/folder/a.png".to_owned()));
-    harness.run_steps(2);
+    type_over(&mut harness, "File", "/no/such/folder/a.png");
     harness.get_by_label_contains("There is no folder /no/such/folder");
-    harness.get_by_role_and_label(Role::Button, "Cancel").click();
-    settle(&mut harness);
+    choose(&mut harness, Role::Button, "Cancel");
     assert!(harness.query_by_role(Role::TextInput).is_none());
 }
 
@@ -188,9 +149,8 @@ fn the_dialog_looks_as_it_should() {
             command(&mut harness, what);
             harness.state_mut().inspector.freeze_times();
             harness.step();
-            let window = harness.render().unwrap();
-            let cut = crop_imm(&window, 350, 220, 500, 360).to_image();
-            snapshots.picture(&cut, &format!("panel_export_{name}_{}", theme_name(theme)));
+            let card = Rect::from_min_size(pos2(350.0, 220.0), vec2(500.0, 360.0));
+            snapshots.part(&mut harness, card, &format!("panel_export_{name}_{}", theme_name(theme)));
             press(&mut harness, Modifiers::NONE, Key::Escape);
         }
     }

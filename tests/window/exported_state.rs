@@ -1,23 +1,20 @@
 //! The state that the window writes to a file, for tests that drive it from outside.
 
-use crate::support::take;
 use std::path::Path;
 
-use crate::support::app_window::{click, open_sized, press, settle};
-use backlit::app::{App, AppOptions, Opening};
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use serde_json::{Value, json};
+
+use crate::support::take;
+use crate::support::window::{Window, arm, click, press, settle};
 
 fn read(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
-fn open(path: &Path) -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let options = AppOptions { opening, state_file: Some(path.to_owned()), ..AppOptions::default() };
-    open_sized(options, vec2(1500.0, 900.0))
+fn open(path: &Path) -> Window {
+    arm().with(|options| options.state_file = Some(path.to_owned())).open()
 }
 
 #[test]
@@ -67,7 +64,7 @@ fn nothing_new_is_nothing_written() {
     let mut harness = open(&path);
     harness.state_mut().inspector.freeze_times();
     settle(&mut harness);
-    let step = |harness: &mut Harness<'_, App>| {
+    let step = |harness: &mut Window| {
         harness.state_mut().inspector.freeze_times();
         harness.step();
     };

@@ -1,10 +1,5 @@
 //! Disks that refuse: it is said which file, why and what can be done; old files are untouched, and the window goes on.
 
-use backlit_document::Document;
-use backlit_document::project::{read_project, write_project};
-use backlit_take::source::TakeSource;
-
-use crate::support::take;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Write;
@@ -12,18 +7,22 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::export::{command, export_to};
-use crate::support::app_window::{
-    PATIENCE, WindowState, click, drag, open_sized, press, settle, write_curves,
-};
-use crate::support::storage::NoStorage;
-use backlit::app::{App, AppOptions, Opening};
+use backlit::app::Opening;
 use backlit::features::convergence::CurvesFile;
+use backlit_document::Document;
+use backlit_document::project::{read_project, write_project};
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::builtin;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Vec2, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
+
+use crate::export::export_to;
+use crate::support::storage::NoStorage;
+use crate::support::take;
+use crate::support::window::{
+    PATIENCE, Window, WindowState, at, click, command, drag, press, settle, wait_until, write_curves,
+};
 
 /// Names the folder in which the process on a bad disk works.
 const FOLDER: &str = "BACKLIT_TEST_BAD_DISK";
@@ -35,24 +34,15 @@ const FULL: &str = "the disk is full";
 const FAILED: &str = "The copy of unsaved work was not written";
 const WORKS: &str = "The copy of unsaved work is written again";
 
-const SIZE: Vec2 = vec2(1200.0, 800.0);
-
-fn open(folder: &Path) -> Harness<'static, App> {
+fn open(folder: &Path) -> Window {
     take::write_to(&folder.join("arm"));
-    let opening = Some(Opening::of(&folder.join("arm")));
-    let data_folder = Some(folder.join("data"));
-    open_sized(AppOptions { opening, data_folder, ..AppOptions::default() }, SIZE)
-}
-
-/// All that was said so far.
-fn said(harness: &Harness<'_, App>) -> Vec<String> {
-    harness.state().inspector.state.notices.all().iter().map(|notice| notice.text.clone()).collect()
+    at(&folder.join("arm")).sized(1200.0, 800.0).data_in(&folder.join("data")).open()
 }
 
 /// Frames until something is said that begins so.
-fn wait_for(harness: &mut Harness<'_, App>, beginning: &str) {
+fn wait_for(harness: &mut Window, beginning: &str) {
     let start = Instant::now();
-    while !said(harness).iter().any(|text| text.starts_with(beginning)) {
+    while !harness.said().iter().any(|text| text.starts_with(beginning)) {
         assert!(start.elapsed() < PATIENCE, "never said: {beginning}");
         std::thread::sleep(Duration::from_millis(10));
         harness.step();
@@ -110,7 +100,7 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
     for (place, reason) in bad_places(folder.path()) {
         harness.state_mut().save_to(&place);
         settle(&mut harness);
-        let said = said(&harness).pop().unwrap();
+        let said = harness.last_said();
         assert!(said.starts_with("Not saved: ") && names(&said, &place), "{said}");
         assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
         assert!(harness.state().inspector.state.history.is_dirty(), "{said}");
@@ -134,7 +124,7 @@ fn tables_and_plots_that_cannot_be_written_are_said() {
         for file in [CurvesFile::Table, CurvesFile::Plot] {
             write_curves(harness.state_mut(), file, &place);
             settle(&mut harness);
-            let said = said(&harness).pop().unwrap();
+            let said = harness.last_said();
             assert!(said.starts_with("Not written: ") && names(&said, &place), "{said}");
             assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
         }
@@ -154,7 +144,7 @@ fn pictures_that_cannot_be_written_are_said() {
     for (place, reason) in bad_places(folder.path()).into_iter().filter(|(place, _)| let_through(place)) {
         command(&mut harness, "export view");
         export_to(&mut harness, "File", &place);
-        let said = said(&harness).pop().unwrap();
+        let said = harness.last_said();
         assert!(said.starts_with("Not exported: ") && names(&said, &place), "{said}");
         assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
         harness.state_mut().inspector.state.notices.close_all();
@@ -169,11 +159,7 @@ fn a_copy_that_cannot_be_written_is_said_once_and_again_when_it_works() {
     let mut harness = open(folder.path());
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     let copy = data.join("unsaved.backlit");
-    let start = Instant::now();
-    while !copy.exists() {
-        assert!(start.elapsed() < PATIENCE, "no copy is written");
-        harness.step();
-    }
+    wait_until(&mut harness, "a copy is written", |_| copy.exists());
     settle(&mut harness);
     // The folder goes, and a file takes its place.
     std::fs::remove_dir_all(&data).unwrap();
@@ -186,7 +172,7 @@ fn a_copy_that_cannot_be_written_is_said_once_and_again_when_it_works() {
         std::thread::sleep(Duration::from_millis(20));
         harness.step();
     }
-    let failures: Vec<String> = said(&harness).into_iter().filter(|text| text.starts_with(FAILED)).collect();
+    let failures: Vec<String> = harness.said().into_iter().filter(|text| text.starts_with(FAILED)).collect();
     assert_eq!(failures.len(), 1, "{failures:#?}");
     assert!(failures[0].contains(&data.display().to_string()), "{}", failures[0]);
     harness.get_by_role_and_label(Role::Button, "Save as…");
@@ -215,7 +201,7 @@ fn work_that_can_be_kept_nowhere_is_not_left_at_the_first_try() {
     assert_ne!(*harness.document(), work);
 
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
-    let close = |harness: &mut Harness<'_, App>| {
+    let close = |harness: &mut Window| {
         let viewport = harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
         viewport.events.push(egui::ViewportEvent::Close);
         harness.step();
@@ -234,9 +220,7 @@ fn work_on_a_bad_disk() {
     let reason = std::env::var(REASON).unwrap();
     let good = folder.join("good.backlit");
     let saved = std::fs::read(&good).unwrap();
-    let opening = Some(Opening::of(&folder.join("arm")));
-    let data_folder = Some(folder.join("data"));
-    let mut harness = open_sized(AppOptions { opening, data_folder, ..AppOptions::default() }, SIZE);
+    let mut harness = at(&folder.join("arm")).sized(1200.0, 800.0).data_in(&folder.join("data")).open();
     let filler = folder.join("filler");
     if reason == FULL {
         let mut file = File::create(&filler).unwrap();
@@ -244,7 +228,7 @@ fn work_on_a_bad_disk() {
     }
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     wait_for(&mut harness, FAILED);
-    let failure = said(&harness).into_iter().find(|text| text.starts_with(FAILED)).unwrap();
+    let failure = harness.said().into_iter().find(|text| text.starts_with(FAILED)).unwrap();
     assert!(failure.contains(&reason) && failure.contains("unsaved.backlit"), "{failure}");
     click(&mut harness, "Step");
     harness.state_mut().save_to(&good);
@@ -255,7 +239,7 @@ fn work_on_a_bad_disk() {
     let settings = (reason == FULL).then_some("The window’s settings were not saved");
     for beginning in ["Not saved: ", "Not written: "].into_iter().chain(settings) {
         wait_for(&mut harness, beginning);
-        let text = said(&harness).into_iter().find(|text| text.starts_with(beginning)).unwrap();
+        let text = harness.said().into_iter().find(|text| text.starts_with(beginning)).unwrap();
         assert!(text.contains(&reason), "{text}");
     }
     assert_eq!(std::fs::read(&good).unwrap(), saved, "the old file is whole");

@@ -1,36 +1,28 @@
 //! What first users met, so that it stays mended: keys that do nothing say why, one measure for what is compared, menus that
 //! stay in the window.
 
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_take::demonstration::Demonstration;
-use backlit_take::source::TakeSource;
 use backlit_tracking::body::Kinematics;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Order, Vec2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::app_window::{WindowState, click, command, drag, open_sized, press};
-use crate::support::take;
+use crate::support::window::{
+    Window, WindowState, arm, built_in, click, command, demonstration, drag, empty, press, undo,
+};
 
 /// The smallest window, and the commonest laptop's.
 const SMALL: [Vec2; 2] = [vec2(1024.0, 640.0), vec2(1366.0, 768.0)];
 const MENUS: [&str; 6] = ["File", "Edit", "View", "Fit", "Demonstrate", "Help"];
 
-fn open(opening: Option<Opening>, layout: Layout, size: Vec2) -> Harness<'static, App> {
-    let settings = Settings { layout, ..Settings::default() };
-    open_sized(AppOptions { settings, opening, ..AppOptions::default() }, size)
-}
-
-fn open_arm() -> Harness<'static, App> {
-    open(Some(Opening::Ready(Box::new(take::take()))), Layout::Debug, vec2(1500.0, 900.0))
+fn debug() -> Window {
+    arm().layout(Layout::Debug).open()
 }
 
 #[test]
 fn a_key_that_cannot_act_says_why() {
-    let mut window = open(None, Layout::Pose, vec2(1500.0, 900.0));
+    let mut window = empty().open();
     press(&mut window, Modifiers::NONE, Key::Space);
     window.get_by_label("Step cannot be used now. Open a take first.");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
@@ -42,9 +34,9 @@ fn a_key_that_cannot_act_says_why() {
 
 #[test]
 fn a_tracked_frame_a_refit_and_a_search_have_one_measure() {
-    let mut window = open_arm();
+    let mut window = debug();
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    let rms = |window: &Harness<'_, App>| {
+    let rms = |window: &Window| {
         let state = window.state();
         state.inspector.document().estimates[&state.inspector.state.selection.frame].rms.unwrap()
     };
@@ -64,7 +56,7 @@ fn a_tracked_frame_a_refit_and_a_search_have_one_measure() {
 
 #[test]
 fn runs_from_one_start_are_measured_alike() {
-    let mut window = open_arm();
+    let mut window = debug();
     press(&mut window, Modifiers::NONE, Key::Enter);
     for over in ["ramp", "preset", "renderer"] {
         command(&mut window, &format!("Run again with each {over}"));
@@ -84,7 +76,7 @@ fn runs_from_one_start_are_measured_alike() {
 }
 
 /// Opens a menu; a narrow window has one button for all of them.
-fn open_menu(window: &mut Harness<'_, App>, menu: &str) {
+fn open_menu(window: &mut Window, menu: &str) {
     if window.query_by_role_and_label(Role::Button, menu).is_none() {
         window.get_by_role_and_label(Role::Button, "Menu").click();
         window.run_steps(3);
@@ -97,8 +89,7 @@ fn open_menu(window: &mut Harness<'_, App>, menu: &str) {
 fn menus_stay_within_the_window() {
     for size in SMALL {
         for menu in MENUS {
-            let opening = Some(Opening::Ready(Box::new(take::take())));
-            let mut window = open(opening, Layout::Pose, size);
+            let mut window = arm().sized(size.x, size.y).open();
             open_menu(&mut window, menu);
             let inside = window.ctx.content_rect();
             let areas: Vec<egui::Rect> = window.ctx.memory(|memory| {
@@ -114,8 +105,8 @@ fn menus_stay_within_the_window() {
 
 #[test]
 fn letters_grow_and_shrink_by_keys() {
-    let mut window = open_arm();
-    let zoom = |window: &Harness<'_, App>| window.ctx.zoom_factor();
+    let mut window = debug();
+    let zoom = |window: &Window| window.ctx.zoom_factor();
     press(&mut window, Modifiers::COMMAND, Key::Plus);
     assert!((zoom(&window) - 1.1).abs() < 1e-3, "{}", zoom(&window));
     press(&mut window, Modifiers::COMMAND, Key::Minus);
@@ -127,9 +118,9 @@ fn letters_grow_and_shrink_by_keys() {
 
 #[test]
 fn what_undo_said_goes_with_the_next_act() {
-    let mut window = open_arm();
+    let mut window = debug();
     drag(&mut window, "right wrist, Camera 1", vec2(0.0, 30.0));
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert!(window.query_by_label_contains("Undone: ").is_some());
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert!(window.query_by_label_contains("Undone: ").is_none());
@@ -137,9 +128,8 @@ fn what_undo_said_goes_with_the_next_act() {
 
 #[test]
 fn a_dragged_wrist_leaves_the_other_arm_alone() {
-    let opening = Some(Opening::Take(TakeSource::BuiltIn));
-    let mut window = open(opening, Layout::Pose, vec2(1600.0, 1000.0));
-    let places = |window: &Harness<'_, App>| {
+    let mut window = built_in().sized(1600.0, 1000.0).open();
+    let places = |window: &Window| {
         let document = window.document();
         let kinematics = Kinematics::new(&document.model, document.pose_at(0));
         ["right hand", "left hand", "left foot"].map(|name| {
@@ -156,7 +146,7 @@ fn a_dragged_wrist_leaves_the_other_arm_alone() {
 
 #[test]
 fn stages_are_edited_and_the_next_run_obeys() {
-    let mut window = open_arm();
+    let mut window = debug();
     let stages = window.document().fit.stages.len();
     click(&mut window, "Edit stages");
     for stage in 1..=stages {
@@ -180,12 +170,11 @@ fn stages_are_edited_and_the_next_run_obeys() {
 
 #[test]
 fn demonstrations_of_the_report_open_ready_to_compare() {
-    for demonstration in Demonstration::ALL[..7].iter().filter(|which| which.is_available()) {
-        let opening = Opening::Take(TakeSource::Demonstration(*demonstration));
-        let window = open(Some(opening), Layout::Pose, vec2(1366.0, 768.0));
-        assert_eq!(window.settings().layout, Layout::Demonstrate, "{demonstration:?}");
+    for which in Demonstration::ALL[..7].iter().filter(|which| which.is_available()) {
+        let window = demonstration(*which).sized(1366.0, 768.0).open();
+        assert_eq!(window.settings().layout, Layout::Demonstrate, "{which:?}");
         let tries = ["Compare", "Fit with camera", "Track"];
         let offers = tries.iter().any(|text| window.query_all_by_label_contains(text).next().is_some());
-        assert!(offers, "{demonstration:?} offers nothing to try");
+        assert!(offers, "{which:?} offers nothing to try");
     }
 }

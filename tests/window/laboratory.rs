@@ -1,55 +1,48 @@
 //! The laboratory through the real window: keys, buttons, boxes, plot, marks, and what it leaves alone.
 
-use backlit_take::demonstration::Demonstration;
-use backlit_take::source::TakeSource;
-
-use crate::support::app_window::{click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::take;
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
-use backlit::features::laboratory::{Comparison, Lineup};
+use backlit::features::laboratory::{Comparison, Laboratory, Lineup};
+use backlit_take::demonstration::Demonstration;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{
+    Setup, Window, WindowState, arm, choose, click, demonstration, point, press, settle, undo,
+};
 
 const NONE: Modifiers = Modifiers::NONE;
 
-fn open(opening: Opening, theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
-    let look = Settings { theme, layout: Layout::Demonstrate, ..Settings::default() };
-    let options = AppOptions { settings: look, opening: Some(opening), ..AppOptions::default() };
-    let mut harness = open_sized(options, size);
+fn open(setup: Setup) -> Window {
+    let mut harness = setup.layout(Layout::Demonstrate).open();
     if harness.query_by_label("Close explanation").is_some() {
         click(&mut harness, "Close explanation");
     }
     harness
 }
 
-fn open_limb() -> Harness<'static, App> {
-    let opening = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
-    open(opening, Theme::Dark, vec2(1500.0, 900.0))
+fn limb() -> Setup {
+    demonstration(Demonstration::SingleLimb)
 }
 
-fn open_arm() -> Harness<'static, App> {
-    open(Opening::Ready(Box::new(take::take())), Theme::Dark, vec2(1500.0, 900.0))
+fn laboratory(harness: &Window) -> &Laboratory {
+    &harness.state().inspector.features.laboratory
 }
 
-fn comparison<'a>(harness: &'a Harness<'_, App>) -> &'a Comparison {
-    harness.state().inspector.features.laboratory.comparison.as_ref().unwrap()
+fn comparison<'a>(harness: &'a Window) -> &'a Comparison {
+    laboratory(harness).comparison.as_ref().unwrap()
 }
 
 /// The step that is looked at, and the last one.
-fn steps(harness: &Harness<'_, App>) -> (usize, usize) {
+fn steps(harness: &Window) -> (usize, usize) {
     let comparison = comparison(harness);
     (comparison.cursor, comparison.last())
 }
 
 /// Chooses an entry of a box.
-fn choose(harness: &mut Harness<'_, App>, name: &str, entry: &str) {
+fn choose_entry(harness: &mut Window, name: &str, entry: &str) {
     harness.get_by_role_and_label(Role::ComboBox, name).click();
     harness.run_steps(2);
     harness.get_all_by_label(entry).last().unwrap().click();
@@ -57,7 +50,7 @@ fn choose(harness: &mut Harness<'_, App>, name: &str, entry: &str) {
 }
 
 /// Every picture is of the step that is looked at, and every gradient was checked there.
-fn assert_whole(harness: &Harness<'_, App>) {
+fn assert_whole(harness: &Window) {
     let comparison = comparison(harness);
     assert_eq!(comparison.stale().count(), 0);
     for fit in &comparison.contestants {
@@ -73,7 +66,7 @@ fn assert_whole(harness: &Harness<'_, App>) {
 }
 
 /// The caption says what its figures are of, and has a row a fit.
-fn caption(harness: &Harness<'_, App>, title: &str) {
+fn caption(harness: &Window, title: &str) {
     harness.get_by_label(title);
     let counts = comparison(harness).contestants.iter().map(|fit| {
         let (_, pushed) = fit.pushed.as_ref().unwrap();
@@ -86,11 +79,11 @@ fn caption(harness: &Harness<'_, App>, title: &str) {
 
 #[test]
 fn keys_go_through_the_steps_and_leave_the_take_alone() {
-    let mut harness = open_limb();
-    let before = harness.state().inspector.document().clone();
+    let mut harness = open(limb());
+    let before = harness.document().clone();
     assert_eq!(steps(&harness), (25, 25));
     assert_whole(&harness);
-    let there = |harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key| {
+    let there = |harness: &mut Window, modifiers: Modifiers, key: Key| {
         press(harness, modifiers, key);
         assert_eq!(comparison(harness).stale().count(), 0);
         steps(harness).0
@@ -119,34 +112,34 @@ fn keys_go_through_the_steps_and_leave_the_take_alone() {
     let again: Vec<Vec<f64>> = comparison(&harness).contestants.iter().map(|fit| fit.percents()).collect();
     assert_eq!(curves, again, "the same steps, bit by bit");
 
-    assert_eq!(*harness.state().inspector.document(), before);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(*harness.state().inspector.document(), before, "there is nothing to undo");
-    assert!(harness.state().inspector.runs().is_empty());
-    assert_eq!(harness.state().inspector.state.selection.frame, 0);
+    assert_eq!(*harness.document(), before);
+    undo(&mut harness);
+    assert_eq!(*harness.document(), before, "there is nothing to undo");
+    assert!(harness.runs().is_empty());
+    assert_eq!(harness.selection().frame, 0);
 }
 
 #[test]
 fn own_takes_with_several_cameras_and_every_lineup() {
-    let mut harness = open_arm();
+    let mut harness = open(arm());
     assert_eq!(steps(&harness), (0, 0), "an own take waits");
     assert_whole(&harness);
     press(&mut harness, NONE, Key::Num2);
-    assert_eq!(harness.state().inspector.features.laboratory.camera, 1);
+    assert_eq!(laboratory(&harness).camera, 1);
     assert_whole(&harness);
-    choose(&mut harness, "Camera", "Camera 1");
-    assert_eq!(harness.state().inspector.features.laboratory.camera, 0);
-    choose(&mut harness, "Limb", "Right forearm");
-    choose(&mut harness, "Motion", "twists");
+    choose_entry(&mut harness, "Camera", "Camera 1");
+    assert_eq!(laboratory(&harness).camera, 0);
+    choose_entry(&mut harness, "Limb", "Right forearm");
+    choose_entry(&mut harness, "Motion", "twists");
     for fit in &comparison(&harness).contestants {
         let (_, pushed) = fit.pushed.as_ref().unwrap();
         assert_eq!(pushed.pushing, 0, "no silhouette tells a twist");
     }
     caption(&harness, "Before the first step");
-    choose(&mut harness, "Motion", "slides along its axis");
+    choose_entry(&mut harness, "Motion", "slides along its axis");
     for (lineup, name) in Lineup::ALL.into_iter().rev() {
-        choose(&mut harness, "Compare", name);
-        assert_eq!(harness.state().inspector.features.laboratory.lineup, lineup);
+        choose_entry(&mut harness, "Compare", name);
+        assert_eq!(laboratory(&harness).lineup, lineup);
         harness.get_by_label(lineup.title());
         caption(&harness, "Before the first step");
         click(&mut harness, &format!("Run {}", lineup.all_text()));
@@ -157,32 +150,22 @@ fn own_takes_with_several_cameras_and_every_lineup() {
         assert_whole(&harness);
         caption(&harness, "At their ends");
     }
-    choose(&mut harness, "Start", "Start 10° off");
+    choose_entry(&mut harness, "Start", "Start 10° off");
     assert_eq!(steps(&harness), (0, 0), "another start begins again");
     caption(&harness, "Before the first step");
 
     let begun = comparison(&harness).id;
     press(&mut harness, NONE, Key::F1);
     press(&mut harness, NONE, Key::ArrowRight);
-    assert_eq!((harness.state().inspector.state.selection.frame, comparison(&harness).id), (1, begun));
+    assert_eq!((harness.selection().frame, comparison(&harness).id), (1, begun));
     press(&mut harness, NONE, Key::F3);
     assert!(comparison(&harness).id > begun, "another frame begins again");
-    assert!(!harness.state().inspector.document().has_pose(1));
-}
-
-fn point(harness: &mut Harness<'_, App>, at: Pos2) {
-    let button =
-        |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: NONE };
-    harness.event(Event::PointerMoved(at));
-    harness.event(button(true));
-    harness.step();
-    harness.event(button(false));
-    settle(harness);
+    assert!(!harness.document().has_pose(1));
 }
 
 #[test]
 fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
-    let mut harness = open_limb();
+    let mut harness = open(limb());
     let plot = harness.get_by_label("Laboratory plot").rect();
     point(&mut harness, plot.left_top() + vec2(0.35 * plot.width(), 0.5 * plot.height()));
     let (cursor, last) = steps(&harness);
@@ -199,32 +182,31 @@ fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
     settle(&mut harness);
     assert!(image::open(&path).unwrap().width() > 400);
 
-    let label = |harness: &Harness<'_, App>| {
+    let label = |harness: &Window| {
         let button = harness.get_all_by_label_contains("Gradient check of Capsule").next().unwrap();
         button.rect().center()
     };
     let at = label(&harness);
     point(&mut harness, at);
-    assert_eq!(harness.state().inspector.features.laboratory.marked, Some(1));
+    assert_eq!(laboratory(&harness).marked, Some(1));
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let [x, y] = worst.pixel;
     let words = format!("Camera 1, pixel ({x}, {y}), column {}", worst.column);
     assert!(harness.get_all_by_label_contains(&words).next().is_some());
     point(&mut harness, at);
-    assert_eq!(harness.state().inspector.features.laboratory.marked, None);
-    harness.get_by_role_and_label(Role::RadioButton, "Log").click();
-    settle(&mut harness);
-    assert!(harness.state().inspector.features.laboratory.is_log);
+    assert_eq!(laboratory(&harness).marked, None);
+    choose(&mut harness, Role::RadioButton, "Log");
+    assert!(laboratory(&harness).is_log);
 }
 
 /// The worst pixel over all cameras: named with its camera, which a click shows.
 #[test]
 fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
-    let mut harness = open_arm();
+    let mut harness = open(arm());
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let other = 1 - worst.camera;
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
-    assert_eq!(harness.state().inspector.features.laboratory.camera, other);
+    assert_eq!(laboratory(&harness).camera, other);
     let button = harness.get_all_by_label_contains("Gradient check of Capsule").next().unwrap();
     let at = button.rect().center();
     harness
@@ -232,29 +214,22 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
         .next()
         .unwrap();
     point(&mut harness, at);
-    let laboratory = &harness.state().inspector.features.laboratory;
-    assert_eq!((laboratory.marked, laboratory.camera), (Some(1), worst.camera));
+    assert_eq!((laboratory(&harness).marked, laboratory(&harness).camera), (Some(1), worst.camera));
     assert_whole(&harness);
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
     point(&mut harness, at);
-    assert_eq!(
-        harness.state().inspector.features.laboratory.camera,
-        worst.camera,
-        "back to it, still marked"
-    );
+    assert_eq!(laboratory(&harness).camera, worst.camera, "back to it, still marked");
     point(&mut harness, at);
-    assert_eq!(harness.state().inspector.features.laboratory.marked, None);
+    assert_eq!(laboratory(&harness).marked, None);
 }
 
 /// At the least size of the window nothing of the caption has to be scrolled to, whatever is compared.
 #[test]
 fn caption_and_legend_have_room_in_the_least_window() {
-    let single = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
-    let arm = Opening::Ready(Box::new(take::take()));
-    for opening in [single, arm] {
-        let mut harness = open(opening, Theme::Dark, vec2(1100.0, 700.0));
+    for setup in [limb(), arm()] {
+        let mut harness = open(setup.sized(1100.0, 700.0));
         for (lineup, name) in Lineup::ALL {
-            choose(&mut harness, "Compare", name);
+            choose_entry(&mut harness, "Compare", name);
             for run in [false, true] {
                 if run {
                     press(&mut harness, NONE, Key::Enter);
@@ -270,8 +245,7 @@ fn caption_and_legend_have_room_in_the_least_window() {
 #[test]
 fn other_demonstrations_have_captions_too() {
     for which in [Demonstration::OneCamera, Demonstration::Bias] {
-        let opening = Opening::Take(TakeSource::Demonstration(which));
-        let mut harness = open(opening, Theme::Light, vec2(1100.0, 700.0));
+        let mut harness = open(demonstration(which).theme(Theme::Light).sized(1100.0, 700.0));
         press(&mut harness, NONE, Key::F3);
         press(&mut harness, NONE, Key::Enter);
         assert!(comparison(&harness).is_over());
@@ -283,8 +257,7 @@ fn other_demonstrations_have_captions_too() {
 fn column_and_plot_look_as_they_did() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let opening = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
-        let mut harness = open(opening, theme, vec2(1100.0, 700.0));
+        let mut harness = open(limb().theme(theme).sized(1100.0, 700.0));
         press(&mut harness, NONE, Key::Home);
         press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
         let head = harness.get_by_label_contains("Capsule at ").rect();
@@ -296,10 +269,7 @@ fn column_and_plot_look_as_they_did() {
         for (rect, name) in [(column, "column"), (plot, "plot")] {
             harness.state_mut().inspector.freeze_times();
             harness.step();
-            let window = harness.render().unwrap();
-            let (min, size) = (rect.min.round(), rect.size().round());
-            let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-            snapshots.picture(&cut.to_image(), &format!("laboratory_{name}_{}", theme_name(theme)));
+            snapshots.part(&mut harness, rect, &format!("laboratory_{name}_{}", theme_name(theme)));
         }
     }
 }

@@ -1,25 +1,19 @@
 //! Everything that can be clicked, dragged or typed into has a name that a screen reader can say.
 
-use crate::support::app_window::{click, open_sized, press, settle};
-use crate::support::take;
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use egui::accesskit::{Action, Role};
-use egui::{Key, Modifiers, vec2};
+use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable, by};
+
+use crate::support::window::{Window, arm, click, command, empty, press, settle};
 
 /// Width of the gap between tiles that can be grabbed.
 const GAP: f64 = 10.0;
 
-fn open(layout: Layout) -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let look = Settings { layout, ..Settings::default() };
-    open_sized(
-        AppOptions { settings: look, opening, offers_tour: true, ..AppOptions::default() },
-        vec2(1600.0, 1000.0),
-    )
+fn open(layout: Layout) -> Window {
+    let setup = arm().layout(layout).sized(1600.0, 1000.0);
+    setup.with(|options| options.offers_tour = true).open()
 }
 
 /// Why the name of an input, a picture or a plot is none. A hint in an empty field is not a name: it is gone once
@@ -58,7 +52,7 @@ fn misnamed(node: &egui_kittest::kittest::AccessKitNode<'_>) -> Option<String> {
 }
 
 /// Adds the nodes without a name to the list: those with a role that asks for one, and those that can be clicked.
-fn look_around(harness: &Harness<'_, App>, place: &str, unnamed: &mut Vec<String>) {
+fn look_around(harness: &Window, place: &str, unnamed: &mut Vec<String>) {
     let mut add = |text: String| {
         let text = format!("{place}: {text}");
         if !unnamed.contains(&text) {
@@ -86,7 +80,7 @@ fn look_around(harness: &Harness<'_, App>, place: &str, unnamed: &mut Vec<String
 }
 
 /// Opens everything that is shut.
-fn open_sections(harness: &mut Harness<'_, App>) {
+fn open_sections(harness: &mut Window) {
     for title in
         ["Refit", "Size", "Measurement", "Renderer", "Solver", "Observability", "Camera subsets", "Basin"]
     {
@@ -111,7 +105,7 @@ fn panels_of_every_layout_have_names() {
             look_around(&harness, &format!("{name}, tracked"), &mut unnamed);
         }
     }
-    let empty = open_sized(AppOptions::default(), vec2(1100.0, 700.0));
+    let empty = empty().sized(1100.0, 700.0).open();
     look_around(&empty, "empty", &mut unnamed);
     assert!(unnamed.is_empty(), "{unnamed:#?}");
 }
@@ -128,12 +122,9 @@ fn cards_and_menus_have_names() {
     press(&mut harness, Modifiers::NONE, Key::Questionmark);
     look_around(&harness, "keys", &mut unnamed);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    for command in ["about backlit", "messages", "export steps"] {
-        press(&mut harness, Modifiers::COMMAND, Key::K);
-        harness.get_by_role(Role::TextInput).type_text(command);
-        harness.run_steps(2);
-        press(&mut harness, Modifiers::NONE, Key::Enter);
-        look_around(&harness, command, &mut unnamed);
+    for name in ["about backlit", "messages", "export steps"] {
+        command(&mut harness, name);
+        look_around(&harness, name, &mut unnamed);
         press(&mut harness, Modifiers::NONE, Key::Escape);
     }
     for menu in ["File", "Edit", "View", "Fit", "Track", "Demonstrate", "Help"] {

@@ -2,17 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::footage::footage;
-use crate::support::app_window::{WindowState, click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions};
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
+
+use crate::footage::footage;
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{Window, WindowState, click, empty, press, settle, type_over};
 
 /// Frames that are copied.
 const FRAMES: usize = 24;
@@ -36,12 +33,7 @@ fn recording(folder: &Path) -> PathBuf {
     to
 }
 
-fn open(theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
-    let settings = Settings { theme, ..Settings::default() };
-    open_sized(AppOptions { settings, ..AppOptions::default() }, size)
-}
-
-fn look_at(harness: &mut Harness<'_, App>, paths: Vec<PathBuf>) {
+fn look_at(harness: &mut Window, paths: Vec<PathBuf>) {
     harness.state_mut().inspector.new_take(paths);
     settle(harness);
 }
@@ -50,7 +42,7 @@ fn look_at(harness: &mut Harness<'_, App>, paths: Vec<PathBuf>) {
 fn footage_becomes_a_take_without_a_file_by_hand() {
     let folder = tempfile::tempdir().unwrap();
     let recorded = recording(folder.path());
-    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    let mut harness = empty().sized(1280.0, 800.0).open();
     press(&mut harness, Modifiers::COMMAND, Key::N);
     harness.get_by_label_contains("Nothing is copied");
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -59,10 +51,7 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     harness.get_by_label("First picture of cam3");
     // Pictures do not say how many there are a second.
     harness.get_by_label("the footage does not say it");
-    let field = harness.get_by_role_and_label(Role::TextInput, "Frames a second");
-    field.focus();
-    harness.run_steps(2);
-    harness.event(egui::Event::Text("30".to_owned()));
+    type_over(&mut harness, "Frames a second", "30");
     harness.key_press(Key::Enter);
     settle(&mut harness);
     click(&mut harness, "Create take");
@@ -80,15 +69,9 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
     let project = footage().map(|footage| footage.with_file_name("formats/project_pose2sim_single"));
     let Some(project) = project.filter(|project| project.is_dir()) else { return };
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    let mut harness = empty().sized(1280.0, 800.0).open();
     look_at(&mut harness, vec![project]);
-    let field = harness.get_by_role_and_label(Role::TextInput, "Take goes to");
-    field.focus();
-    harness.run_steps(2);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.run_steps(2);
-    harness.event(egui::Event::Text(folder.path().join("take").display().to_string()));
-    harness.run_steps(2);
+    type_over(&mut harness, "Take goes to", &folder.path().join("take").display().to_string());
     click(&mut harness, "Create take");
     let frames = harness.session().frame_count();
     assert_eq!(frames, 70);
@@ -111,9 +94,9 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
 fn nothing_on_the_card_moves_once_it_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let recorded = recording(folder.path());
-    let mut harness = open(Theme::Dark, vec2(1600.0, 1000.0));
+    let mut harness = empty().sized(1600.0, 1000.0).open();
     look_at(&mut harness, vec![recorded]);
-    let place = |harness: &Harness<'_, App>| harness.get_by_label("Create take").rect();
+    let place = |harness: &Window| harness.get_by_label("Create take").rect();
     let before = place(&harness);
     // As when the pointer moves.
     harness.run_steps(3);
@@ -123,7 +106,7 @@ fn nothing_on_the_card_moves_once_it_is_shown() {
 #[test]
 fn what_cannot_be_used_is_said_on_the_card() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    let mut harness = empty().sized(1280.0, 800.0).open();
     look_at(&mut harness, vec![folder.path().to_owned()]);
     harness.get_by_label_contains("no video and no numbered pictures are there");
 }
@@ -134,13 +117,12 @@ fn the_card_in_both_themes() {
     let recorded = recording(folder.path());
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let mut harness = open(theme, vec2(1024.0, 640.0));
+        let mut harness = empty().theme(theme).sized(1024.0, 640.0).open();
         harness.set_render_cursor(false);
         look_at(&mut harness, vec![recorded.clone()]);
         // The folder is another one each time.
         harness.get_by_role_and_label(Role::TextInput, "Take goes to");
-        let window = harness.render().unwrap();
-        let cut = crop_imm(&window, 200, 130, 624, 320).to_image();
-        snapshots.picture(&cut, &format!("panel_new_take_{}", theme_name(theme)));
+        let card = Rect::from_min_size(pos2(200.0, 130.0), vec2(624.0, 320.0));
+        snapshots.part(&mut harness, card, &format!("panel_new_take_{}", theme_name(theme)));
     }
 }

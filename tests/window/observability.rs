@@ -1,54 +1,52 @@
 //! What the cameras see, through the real window on a tiny take: picking, swaying, ellipses, sets of cameras.
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::take;
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
+use backlit::features::observability::Observability;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Rect, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, Rect};
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{Window, WindowState, arm, choose, click, freeze, press, undo};
 
 const WIDTH: f32 = 1400.0;
 const HEIGHT: f32 = 1500.0;
 /// The harness leaves so much free around the window.
 const MARGIN: f32 = 8.0;
 
-fn open(theme: Theme) -> Harness<'static, App> {
-    let look = Settings { theme, layout: Layout::Debug, ..Settings::default() };
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness =
-        open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(WIDTH, HEIGHT));
+fn open(theme: Theme) -> Window {
+    let mut harness = arm().layout(Layout::Debug).theme(theme).sized(WIDTH, HEIGHT).open();
     click(&mut harness, "Run");
     harness
 }
 
-fn chart<'a>(harness: &'a Harness<'_, App>) -> egui_kittest::Node<'a> {
+fn observability(harness: &Window) -> &Observability {
+    &harness.state().inspector.features.observability
+}
+
+fn chart<'a>(harness: &'a Window) -> egui_kittest::Node<'a> {
     harness.get_by_label_contains("Singular values, direction")
 }
 
 #[test]
 fn a_picked_direction_sways_until_the_pose_is_edited() {
     let mut harness = open(Theme::Dark);
-    let found = harness.state().inspector.features.observability.found().unwrap();
+    let found = observability(&harness).found().unwrap();
     assert_eq!(found.shown.directions.len(), 9);
     assert_eq!(found.shown.null_count(), 2, "the twists of both limbs");
-    assert!(harness.state().inspector.features.observability.swaying().is_none(), "still until asked");
+    assert!(observability(&harness).swaying().is_none(), "still until asked");
     let document = harness.document().clone();
 
     // The middle of the chart is a direction that is seen.
     chart(&harness).click();
     harness.run_steps(3);
-    let (_, direction) = harness.state().inspector.features.observability.direction().unwrap();
-    assert!(!direction.is_null && harness.state().inspector.features.observability.is_playing());
+    let (_, direction) = observability(&harness).direction().unwrap();
+    assert!(!direction.is_null && observability(&harness).is_playing());
     harness.run_steps(12);
-    let swayed = harness.state().inspector.features.observability.swayed_pose().unwrap();
+    let swayed = observability(&harness).swayed_pose().unwrap();
     assert_ne!(swayed, *document.pose_at(0), "it has moved");
-    let shown = &harness.state().inspector.features.observability.found().unwrap().shown;
+    let shown = &observability(&harness).found().unwrap().shown;
     let kinematics = |pose| backlit_tracking::body::Kinematics::new(&shown.model, pose);
     let (here, there) = (kinematics(&shown.pose), kinematics(&swayed));
     let farthest = here.ends().iter().zip(there.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
@@ -56,95 +54,86 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     assert_eq!(*harness.document(), document, "the document is not touched");
 
     click(&mut harness, "Hold");
-    let held = harness.state().inspector.features.observability.swayed_pose().unwrap();
+    let held = observability(&harness).swayed_pose().unwrap();
     harness.run_steps(6);
-    assert_eq!(harness.state().inspector.features.observability.swayed_pose().unwrap(), held);
+    assert_eq!(observability(&harness).swayed_pose().unwrap(), held);
     click(&mut harness, "Put back");
-    assert!(!harness.state().inspector.features.observability.is_swaying());
+    assert!(!observability(&harness).is_swaying());
 
     click(&mut harness, "Sway");
     harness.run_steps(3);
-    assert!(harness.state().inspector.features.observability.is_playing());
+    assert!(observability(&harness).is_playing());
     press(&mut harness, Modifiers::NONE, Key::X);
     press(&mut harness, Modifiers::SHIFT, Key::Backspace);
     assert_ne!(harness.document(), &document);
-    assert!(!harness.state().inspector.features.observability.is_swaying(), "an edited pose stops it");
-    assert!(!harness.state().inspector.features.observability.is_stale(), "and is looked at again");
+    assert!(!observability(&harness).is_swaying(), "an edited pose stops it");
+    assert!(!observability(&harness).is_stale(), "and is looked at again");
 }
 
 #[test]
 fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     let mut harness = open(Theme::Dark);
-    let weakest = harness.state().inspector.features.observability.picked().unwrap();
+    let weakest = observability(&harness).picked().unwrap();
     assert_eq!(weakest, 6, "at first the weakest that is seen");
     press(&mut harness, Modifiers::NONE, Key::PageDown);
     press(&mut harness, Modifiers::NONE, Key::PageDown);
-    assert_eq!(harness.state().inspector.features.observability.picked(), Some(8));
+    assert_eq!(observability(&harness).picked(), Some(8));
     harness.get_by_label_contains("Direction 9 of 9: right forearm twist");
     harness.get_by_label_contains("No camera sees this.");
     harness.get_by_label_contains("No joint moves");
     press(&mut harness, Modifiers::SHIFT, Key::U);
     harness.run_steps(3);
-    let swaying = harness.state().inspector.features.observability.swaying().unwrap();
+    let swaying = observability(&harness).swaying().unwrap();
     assert_eq!(swaying.twisted, [1], "seams show what no outline does");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().inspector.features.observability.is_swaying());
+    assert!(!observability(&harness).is_swaying());
 
     chart(&harness).focus();
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert_eq!(harness.state().inspector.features.observability.picked(), Some(7));
+    assert_eq!(observability(&harness).picked(), Some(7));
     assert_eq!(harness.selection().frame, 0, "the arrow is the chart's");
     let steps = harness.runs()[0].steps.len();
     press(&mut harness, Modifiers::NONE, Key::Space);
-    assert!(harness.state().inspector.features.observability.is_playing());
+    assert!(observability(&harness).is_playing());
     assert_eq!(harness.runs()[0].steps.len(), steps, "and so is Space");
 }
 
 #[test]
 fn ellipses_and_sets_of_cameras() {
     let mut harness = open(Theme::Dark);
-    harness.get_by_role_and_label(Role::CheckBox, "Uncertainty in the views").click();
-    settle(&mut harness);
-    let (joints, others) = harness.state().inspector.features.observability.ellipses().unwrap();
+    choose(&mut harness, Role::CheckBox, "Uncertainty in the views");
+    let (joints, others) = observability(&harness).ellipses().unwrap();
     assert_eq!((joints.len(), others), (3, None));
     let two = joints[2].worst_deviation_m();
     assert!(two > 0.0 && two.is_finite());
     // What is drawn says by how much it is larger than life, and the user may choose.
-    let drawn = harness.state().inspector.features.observability.ellipse_factor();
-    harness.get_by_role_and_label(Role::ComboBox, &format!("Ellipses drawn Automatic, ×{drawn}")).click();
-    settle(&mut harness);
-    harness.get_by_role_and_label(Role::Button, "×5").click();
-    settle(&mut harness);
+    let drawn = observability(&harness).ellipse_factor();
+    choose(&mut harness, Role::ComboBox, &format!("Ellipses drawn Automatic, ×{drawn}"));
+    choose(&mut harness, Role::Button, "×5");
     assert!(harness.query_all_by_label_contains("σ, drawn ×5").next().is_some());
-    assert_eq!(harness.state().inspector.features.observability.ellipse_factor(), 5);
+    assert_eq!(observability(&harness).ellipse_factor(), 5);
 
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
     harness.run_steps(3);
-    let (joints, others) = harness.state().inspector.features.observability.ellipses().unwrap();
+    let (joints, others) = observability(&harness).ellipses().unwrap();
     assert_eq!(others, Some(&[1][..]));
     assert!(joints[2].worst_deviation_m() > two, "one camera knows less");
 
     let before = harness.document().clone();
-    harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
-    settle(&mut harness);
+    choose(&mut harness, Role::ListItem, "Cameras 2");
     assert_eq!(harness.document().used_cameras().collect::<Vec<_>>(), [1]);
-    assert_eq!(
-        harness.state().inspector.features.observability.found().unwrap().shown.cameras,
-        [1],
-        "looked at again"
-    );
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(observability(&harness).found().unwrap().shown.cameras, [1], "looked at again");
+    undo(&mut harness);
     assert_eq!(*harness.document(), before, "undone as one");
 }
 
 #[test]
 fn figures_are_not_made_where_nobody_looks() {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(WIDTH, 900.0));
-    assert!(harness.state().inspector.features.observability.found().is_none());
+    let mut harness = arm().sized(WIDTH, 900.0).open();
+    assert!(observability(&harness).found().is_none());
     press(&mut harness, Modifiers::NONE, Key::U);
-    assert!(harness.state().inspector.features.observability.ellipses().is_some());
+    assert!(observability(&harness).ellipses().is_some());
 }
 
 #[test]
@@ -154,14 +143,9 @@ fn both_sections() {
         let mut harness = open(theme);
         press(&mut harness, Modifiers::NONE, Key::PageDown);
         harness.set_render_cursor(false);
-        let top = |harness: &Harness<'_, App>, title: &str| {
-            harness.get_by_role_and_label(Role::Button, title).rect().top()
-        };
-        for _ in 0..3 {
-            harness.state_mut().inspector.freeze_times();
-            harness.step();
-        }
-        let window = harness.render().unwrap();
+        let top =
+            |harness: &Window, title: &str| harness.get_by_role_and_label(Role::Button, title).rect().top();
+        freeze(&mut harness);
         let right = WIDTH - MARGIN;
         let left = right - size::RIGHT_PANEL_DEBUG;
         let (first, second) = (top(&harness, "Observability"), top(&harness, "Camera subsets"));
@@ -170,9 +154,7 @@ fn both_sections() {
         let end = basin.map_or(status_bar, |head| head.rect().top()).min(status_bar);
         for (name, from, to) in [("observability", first, second), ("camera_subsets", second, end)] {
             let rect = Rect::from_x_y_ranges(left..=right, from..=to);
-            let (min, size) = (rect.min.round(), rect.size().round());
-            let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-            snapshots.picture(&cut.to_image(), &format!("panel_{name}_{}", theme_name(theme)));
+            snapshots.part(&mut harness, rect, &format!("panel_{name}_{}", theme_name(theme)));
         }
     }
 }

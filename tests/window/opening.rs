@@ -1,21 +1,19 @@
 //! Projects whose take is not what it was: moved, with other cameras, with fewer frames.
 
+use std::path::Path;
+
 use backlit_document::Document;
 use backlit_document::project::{read_project, write_project};
 use backlit_take::source::TakeSource;
-
-use crate::support::take;
-use std::path::Path;
-
-use crate::support::app_window::{WindowState, click, drag, open_sized, press, settle};
-use backlit::app::{App, AppOptions, Opening};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-fn open(path: &Path) -> Harness<'static, App> {
-    open_sized(AppOptions { opening: Some(Opening::of(path)), ..AppOptions::default() }, vec2(1200.0, 800.0))
+use crate::support::take;
+use crate::support::window::{Window, WindowState, at, click, drag, press, settle};
+
+fn open(path: &Path) -> Window {
+    at(path).sized(1200.0, 800.0).open()
 }
 
 /// A folder with a take `arm` and a project `work.backlit` about it, with poses in the first and the last frame.
@@ -32,10 +30,6 @@ fn project() -> (tempfile::TempDir, Document) {
     (folder, document)
 }
 
-fn last_said(harness: &Harness<'_, App>) -> String {
-    harness.state().inspector.state.notices.all().last().map(|notice| notice.text.clone()).unwrap_or_default()
-}
-
 /// Changes a file of the take.
 fn change(path: &Path, from: &str, to: &str) {
     let text = std::fs::read_to_string(path).unwrap();
@@ -50,7 +44,7 @@ fn a_take_that_has_moved_is_found_again() {
     std::fs::rename(&old, &new).unwrap();
     let path = folder.path().join("work.backlit");
     let mut harness = open(&path);
-    let said = last_said(&harness);
+    let said = harness.last_said();
     assert!(said.contains("the project's take cannot be opened"), "{said}");
     assert!(said.contains(&old.display().to_string()) && said.contains("there is no such file"), "{said}");
     harness.get_by_role_and_label(Role::Button, "Find take…");
@@ -85,7 +79,7 @@ fn a_take_with_other_cameras_is_refused_by_name() {
         "[[camera]]\nname = \"above\"\nframes = \"above/%d.png\"\nbackground = \"above/empty.png\"\n";
     change(&take, camera, "");
     let harness = open(&folder.path().join("work.backlit"));
-    let said = last_said(&harness);
+    let said = harness.last_said();
     assert!(
         said.contains("work.backlit") && said.contains("the cameras front, above; the take has front"),
         "{said}"
@@ -116,7 +110,7 @@ fn a_take_with_fewer_frames_keeps_all_poses_and_says_so() {
         std::fs::remove_file(folder.path().join("arm").join(camera).join("2.png")).unwrap();
     }
     let mut harness = open(&folder.path().join("work.backlit"));
-    let said = last_said(&harness);
+    let said = harness.last_said();
     assert!(said.contains("only 2 frames") && said.contains("up to frame 2"), "{said}");
     assert_eq!(*harness.document(), saved);
     for key in [Key::End, Key::N, Key::CloseBracket, Key::CloseBracket] {
@@ -140,7 +134,7 @@ fn what_is_no_project_is_refused_in_words() {
     ] {
         std::fs::write(&path, content).unwrap();
         let harness = open(&path);
-        let said = last_said(&harness);
+        let said = harness.last_said();
         assert!(said.contains("work.backlit") && said.contains(expected), "{said}");
         assert!(harness.session().take.is_none());
     }
@@ -154,7 +148,7 @@ fn a_take_that_reads_outside_its_folder_says_so() {
     std::fs::rename(take.join("front"), folder.path().join("front")).unwrap();
     change(&take.join("take.toml"), "\"front/", "\"../front/");
     let harness = open(&take);
-    let said = last_said(&harness);
+    let said = harness.last_said();
     assert!(said.starts_with("The take reads outside its own folder: "), "{said}");
     assert!(said.ends_with("front/0.png, and 1 more path that it names."), "{said}");
 }

@@ -1,19 +1,16 @@
 //! One small picture a panel, cut from the real window on a tiny take.
 
-use crate::support::take;
 use std::path::PathBuf;
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use image::imageops::crop_imm;
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{Window, WindowState, arm, at, choose, click, freeze, press, settle};
 
 /// Wide enough for the unfolded toolbar.
 const WIDTH: f32 = 1496.0;
@@ -26,29 +23,21 @@ const MARGIN: f32 = 8.0;
 /// What the window fills.
 const WINDOW: Rect = Rect { min: pos2(MARGIN, MARGIN), max: pos2(WIDTH - MARGIN, HEIGHT - MARGIN) };
 
-fn open(theme: Theme, layout: Layout) -> Harness<'static, App> {
-    let look = Settings { theme, layout, ..Settings::default() };
-    let opening = Some(Opening::Ready(Box::new(take::take())));
+fn open(theme: Theme, layout: Layout) -> Window {
     let width = if layout == Layout::Debug { DEBUG_WIDTH } else { WIDTH };
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(width, HEIGHT))
+    arm().layout(layout).theme(theme).sized(width, HEIGHT).open()
 }
 
 /// Compares a part of the window. Carets do not blink and times are not shown.
-fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, rect: Rect, name: &str) {
+fn part(snapshots: &mut Snapshots, harness: &mut Window, rect: Rect, name: &str) {
     harness.set_render_cursor(false);
     harness.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
-    for _ in 0..3 {
-        harness.state_mut().inspector.freeze_times();
-        harness.step();
-    }
-    let window = harness.render().unwrap();
-    let (min, size) = (rect.min.round(), rect.size().round());
-    let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-    snapshots.picture(&cut.to_image(), name);
+    freeze(harness);
+    snapshots.part(harness, rect, name);
 }
 
 /// A part of the right panel, between the heads of two sections.
-fn sections(harness: &Harness<'_, App>, from: &str, to: Option<&str>, width: f32) -> Rect {
+fn sections(harness: &Window, from: &str, to: Option<&str>, width: f32) -> Rect {
     let top = |title: &str| harness.get_by_role_and_label(Role::Button, title).rect().top();
     let bottom = to.map_or(WINDOW.bottom() - size::STATUS_BAR, top);
     Rect::from_x_y_ranges(WINDOW.right() - width..=WINDOW.right(), top(from)..=bottom)
@@ -66,8 +55,7 @@ fn toolbar_pose_and_status_bar() {
     for theme in Theme::ALL {
         let mut harness = open(theme, Layout::Pose);
         let theme = theme_name(theme);
-        harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-        settle(&mut harness);
+        choose(&mut harness, Role::ListItem, "Right forearm");
         click(&mut harness, "Pin");
         let pose = sections(&harness, "Pose", Some("Size"), size::RIGHT_PANEL);
         part(&mut snapshots, &mut harness, pose, &format!("panel_pose_{theme}"));
@@ -140,11 +128,9 @@ fn empty_state_with_an_error() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let recent = vec![PathBuf::from("takes/balancing"), PathBuf::from("takes/walking")];
-        let look = Settings { theme, recent, ..Settings::default() };
-        let opening = Some(Opening::of("/no/such/take".as_ref()));
-        let window = vec2(900.0, 500.0);
-        let mut harness = open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, window);
-        let rect = Rect::from_min_max(pos2(200.0, 100.0), window.to_pos2() - vec2(MARGIN, MARGIN));
+        let settings = Settings { theme, recent, ..Settings::default() };
+        let mut harness = at("/no/such/take".as_ref()).settings(settings).sized(900.0, 500.0).open();
+        let rect = Rect::from_min_max(pos2(200.0, 100.0), pos2(900.0 - MARGIN, 500.0 - MARGIN));
         part(&mut snapshots, &mut harness, rect, &format!("panel_empty_{}", theme_name(theme)));
     }
 }
@@ -154,7 +140,7 @@ fn palette_and_shortcuts() {
     let mut snapshots = Snapshots::default();
     let mut harness = open(Theme::Dark, Layout::Pose);
     // Around the field: it stays where it is, however much is found.
-    let card = |harness: &Harness<'_, App>| {
+    let card = |harness: &Window| {
         let field = harness.get_by_role(Role::TextInput).rect();
         Rect::from_center_size(field.center() + vec2(0.0, 160.0), vec2(640.0, 460.0))
     };

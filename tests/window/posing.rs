@@ -1,66 +1,35 @@
 //! Looking and posing through the real window, by label and role, on a tiny take.
 
-use backlit_take::source::TakeSource;
-
-use crate::support::take;
 use std::collections::BTreeMap;
 
-use crate::support::app_window::{WindowState, click, open_sized, press, settle};
-use backlit::app::{App, AppOptions, Opening};
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_ui::drawing::JointId;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Vec2, vec2};
-use egui_kittest::Harness;
+use egui::{Event, Key, Modifiers, OutputCommand, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec2;
+
+use crate::support::window::{
+    Window, WindowState, arm, built_in, centre, choose, click, grab, pointer, press, release, settle, undo,
+    wheel,
+};
 
 const CAMERAS: [&str; 2] = ["Camera 1", "Camera 2"];
 const JOINTS: [&str; 3] = ["root", "right elbow", "right wrist"];
 
-fn open() -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
-}
-
-fn pose(harness: &Harness<'_, App>) -> Pose {
+fn pose(harness: &Window) -> Pose {
     harness.document().pose_at(0).clone()
 }
 
-fn pointer(at: Pos2, pressed: bool, modifiers: Modifiers) -> Event {
-    Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers }
-}
-
-fn centre(harness: &Harness<'_, App>, label: &str) -> Pos2 {
-    harness.get_by_label(label).rect().center()
-}
-
-/// Presses on something and moves by these points, one frame each; the button stays down.
-fn grab(harness: &mut Harness<'_, App>, from: Pos2, way: &[Vec2]) {
-    harness.event(Event::PointerMoved(from));
-    harness.step();
-    harness.event(pointer(from, true, Modifiers::NONE));
-    harness.step();
-    for by in way {
-        harness.event(Event::PointerMoved(from + *by));
-        harness.step();
-    }
-}
-
-fn release(harness: &mut Harness<'_, App>, at: Pos2) {
-    harness.event(pointer(at, false, Modifiers::NONE));
-    settle(harness);
-}
-
 /// Where all joints are on the screen, in all views.
-fn marks(harness: &Harness<'_, App>) -> BTreeMap<String, Rect> {
+fn marks(harness: &Window) -> BTreeMap<String, Rect> {
     let labels =
         CAMERAS.iter().flat_map(|camera| JOINTS.iter().map(move |joint| format!("{joint}, {camera}")));
     labels.map(|label| (label.clone(), harness.get_by_label(&label).rect())).collect()
 }
 
 /// The second joint of the forearm in the picture of the first camera.
-fn wrist_px(harness: &Harness<'_, App>) -> DVec2 {
+fn wrist_px(harness: &Window) -> DVec2 {
     let model = &harness.document().model;
     let wrist = Kinematics::new(model, &pose(harness)).ends()[1];
     harness.session().take.as_ref().unwrap().cameras[0].project(wrist).unwrap()
@@ -68,7 +37,7 @@ fn wrist_px(harness: &Harness<'_, App>) -> DVec2 {
 
 #[test]
 fn the_frame_after_a_pointer_move_shows_the_new_pose_in_all_views() {
-    let mut harness = open();
+    let mut harness = arm().open();
     let from = centre(&harness, "right wrist, Camera 1");
     grab(&mut harness, from, &[vec2(0.0, 10.0)]);
     for distance in [25.0, 40.0, 60.0, 45.0] {
@@ -95,7 +64,7 @@ fn the_frame_after_a_pointer_move_shows_the_new_pose_in_all_views() {
 
 #[test]
 fn a_modifier_on_the_way_is_the_same_act() {
-    let mut harness = open();
+    let mut harness = arm().open();
     let before = pose(&harness);
     let from = centre(&harness, "right wrist, Camera 1");
     grab(&mut harness, from, &[vec2(0.0, 20.0)]);
@@ -112,16 +81,15 @@ fn a_modifier_on_the_way_is_the_same_act() {
     harness.event(Event::PointerMoved(from + vec2(-900.0, -40.0)));
     harness.step();
     release(&mut harness, from);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(pose(&harness), before);
     assert!(harness.document().keys.is_empty());
 }
 
 #[test]
 fn limits_are_shown_in_the_views_as_they_are_reached() {
-    let opening = Some(Opening::Take(TakeSource::BuiltIn));
-    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0));
-    let stops = |harness: &Harness<'_, App>| {
+    let mut harness = built_in().open();
+    let stops = |harness: &Window| {
         let labels = harness.query_all_by_label_contains(": limit, ");
         labels.filter_map(|node| node.accesskit_node().value()).collect::<Vec<_>>()
     };
@@ -146,9 +114,8 @@ fn limits_are_shown_in_the_views_as_they_are_reached() {
 
 #[test]
 fn escape_puts_back_what_a_slider_has_changed() {
-    let mut harness = open();
-    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut harness);
+    let mut harness = arm().open();
+    choose(&mut harness, Role::ListItem, "Right forearm");
     let before = pose(&harness);
     let from = harness.get_by_role_and_label(Role::Slider, "Flexion").rect().center();
     grab(&mut harness, from, &[vec2(12.0, 0.0), vec2(24.0, 0.0)]);
@@ -162,7 +129,7 @@ fn escape_puts_back_what_a_slider_has_changed() {
 }
 
 /// What was copied as text since the last frame.
-fn copied(harness: &Harness<'_, App>) -> Option<String> {
+fn copied(harness: &Window) -> Option<String> {
     harness.output().platform_output.commands.iter().find_map(|command| match command {
         OutputCommand::CopyText(text) => Some(text.clone()),
         _ => None,
@@ -171,7 +138,7 @@ fn copied(harness: &Harness<'_, App>) -> Option<String> {
 
 #[test]
 fn a_pose_goes_through_a_text_editor_and_back() {
-    let mut harness = open();
+    let mut harness = arm().open();
     harness.event(Event::Copy);
     harness.step();
     let text = copied(&harness).unwrap();
@@ -182,12 +149,12 @@ fn a_pose_goes_through_a_text_editor_and_back() {
     harness.event(Event::Paste(edited.to_string()));
     settle(&mut harness);
     assert!((pose(&harness).root.x - before.root.x - 0.25).abs() < 1e-9, "{}", pose(&harness).root);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(pose(&harness), before);
     harness.event(Event::Paste("{\"format\": \"backlit-pose 1\",\n\"root\": [0, 0]}".to_owned()));
     settle(&mut harness);
     assert_eq!(pose(&harness), before);
-    let said = &harness.state().inspector.state.notices.all().last().unwrap().text;
+    let said = harness.last_said();
     assert!(said.contains("clipboard") && said.contains("The pose is as it was"), "{said}");
     // Without a system's clipboard, the button pastes what was copied here.
     click(&mut harness, "Reset");
@@ -200,11 +167,10 @@ fn a_pose_goes_through_a_text_editor_and_back() {
 
 #[test]
 fn arrows_nudge_the_joint_and_are_undone_together() {
-    let mut harness = open();
-    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut harness);
+    let mut harness = arm().open();
+    choose(&mut harness, Role::ListItem, "Right forearm");
     let (before, from) = (pose(&harness), wrist_px(&harness));
-    let nudge = |harness: &mut Harness<'_, App>, modifiers, key| {
+    let nudge = |harness: &mut Window, modifiers, key| {
         harness.key_press_modifiers(modifiers, key);
         harness.step();
     };
@@ -215,14 +181,14 @@ fn arrows_nudge_the_joint_and_are_undone_together() {
     settle(&mut harness);
     let moved = wrist_px(&harness);
     assert!(moved.distance(from + DVec2::new(-5.0, 2.0)) < 0.05, "{from} {moved}");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(pose(&harness), before);
 }
 
 #[test]
 fn tab_goes_through_the_tree_and_back() {
-    let mut harness = open();
-    let joint = |harness: &Harness<'_, App>| harness.selection().joint;
+    let mut harness = arm().open();
+    let joint = |harness: &Window| harness.selection().joint;
     let first = joint(&harness);
     press(&mut harness, Modifiers::NONE, Key::Tab);
     assert_eq!(joint(&harness), JointId::End(1));
@@ -234,10 +200,9 @@ fn tab_goes_through_the_tree_and_back() {
 
 #[test]
 fn a_refit_says_what_it_did_and_goes_on_saying_it() {
-    let mut harness = open();
+    let mut harness = arm().open();
     harness.get_by_label("No refit of this frame yet");
-    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut harness);
+    choose(&mut harness, Role::ListItem, "Right forearm");
     let upper = pose(&harness).rotations[0];
     click(&mut harness, "Refit limb");
     harness.get_by_label_contains("Refit right forearm: cost fell by ");
@@ -246,16 +211,15 @@ fn a_refit_says_what_it_did_and_goes_on_saying_it() {
     harness.get_by_label_contains("Refit right forearm: cost fell by ");
     click(&mut harness, "Refit chain");
     harness.get_by_label_contains("Refit chain of right forearm: cost ");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     harness.get_by_label_contains("Refit chain of right forearm: cost ");
 }
 
 #[test]
 fn sizes_are_dragged_in_the_view() {
-    let mut harness = open();
-    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut harness);
-    let size = |harness: &Harness<'_, App>| {
+    let mut harness = arm().open();
+    choose(&mut harness, Role::ListItem, "Right forearm");
+    let size = |harness: &Window| {
         let limb = &harness.document().model.limbs()[1];
         (limb.length, limb.radius)
     };
@@ -272,7 +236,7 @@ fn sizes_are_dragged_in_the_view() {
     assert!(moved.distance(handle + along * 30.0) < 3.0, "{handle} {moved}");
     release(&mut harness, handle + along * 30.0);
     assert!(size(&harness).0 > before.0 + 0.005 && size(&harness).1 == before.1, "{:?}", size(&harness));
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(size(&harness), before);
     let handle = centre(&harness, "right forearm radius, Camera 1");
     let other = centre(&harness, "right forearm radius, other side, Camera 1");
@@ -288,9 +252,8 @@ fn sizes_are_dragged_in_the_view() {
 
 #[test]
 fn the_body_is_scaled_as_a_whole_and_undone_at_once() {
-    let mut harness = open();
-    harness.get_by_role_and_label(Role::Button, "Size").click();
-    settle(&mut harness);
+    let mut harness = arm().open();
+    choose(&mut harness, Role::Button, "Size");
     let before = harness.document().model.clone();
     let from = harness.get_by_role_and_label(Role::Slider, "Body").rect().center();
     grab(&mut harness, from, &[vec2(6.0, 0.0), vec2(20.0, 0.0)]);
@@ -303,16 +266,15 @@ fn the_body_is_scaled_as_a_whole_and_undone_at_once() {
         .flat_map(|(after, before)| [after.length / before.length, after.radius / before.radius]);
     let ratios: Vec<f64> = ratios.collect();
     assert!(ratios.iter().all(|ratio| (ratio - ratios[0]).abs() < 1e-9 && *ratio > 1.05), "{ratios:?}");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(*harness.document().model, *before);
 }
 
 #[test]
 fn each_drag_of_a_weight_is_undone_by_itself() {
     // Wide enough for the gutter beside a picture in landscape format.
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(2400.0, 800.0));
-    let weight = |harness: &Harness<'_, App>| harness.document().cameras[1].weight;
+    let mut harness = arm().sized(2400.0, 800.0).open();
+    let weight = |harness: &Window| harness.document().cameras[1].weight;
     let mut weights = vec![weight(&harness)];
     for by in [10.0, -25.0] {
         let from = harness.get_by_role_and_label(Role::Slider, "Weight of Camera 2").rect().center();
@@ -321,19 +283,19 @@ fn each_drag_of_a_weight_is_undone_by_itself() {
         weights.push(weight(&harness));
     }
     assert!(weights[1] > 1.0 && weights[2] < 1.0, "{weights:?}");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(weight(&harness), weights[1]);
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(weight(&harness), weights[0]);
 }
 
-fn shown(harness: &Harness<'_, App>, text: &str) -> bool {
+fn shown(harness: &Window, text: &str) -> bool {
     harness.query_by_label(&format!("Camera 1, view mode: {text}")).is_some()
 }
 
 #[test]
 fn wipe_blink_and_the_jacobians_axis_have_keys() {
-    let mut harness = open();
+    let mut harness = arm().open();
     assert!(shown(&harness, "Tinted overlay on footage"));
     press(&mut harness, Modifiers::NONE, Key::W);
     assert!(shown(&harness, "Tinted overlay on footage | footage"));
@@ -345,8 +307,7 @@ fn wipe_blink_and_the_jacobians_axis_have_keys() {
     assert!(shown(&harness, "Tinted overlay on footage"));
     press(&mut harness, Modifiers::NONE, Key::J);
     assert!(shown(&harness, "Jacobian column, right upper arm about x"));
-    let column =
-        |harness: &Harness<'_, App>| harness.session().predicted.as_ref().unwrap().scene.derivatives.column;
+    let column = |harness: &Window| harness.session().predicted.as_ref().unwrap().scene.derivatives.column;
     let first = column(&harness).unwrap();
     press(&mut harness, Modifiers::NONE, Key::J);
     assert!(shown(&harness, "Jacobian column, right upper arm about y"));
@@ -355,10 +316,9 @@ fn wipe_blink_and_the_jacobians_axis_have_keys() {
 
 #[test]
 fn views_zoom_by_keys_and_are_moved_by_their_background() {
-    let mut harness = open();
-    let elbow = |harness: &Harness<'_, App>| centre(harness, "right elbow, Camera 1");
-    let length =
-        |harness: &Harness<'_, App>| elbow(harness).distance(centre(harness, "right wrist, Camera 1"));
+    let mut harness = arm().open();
+    let elbow = |harness: &Window| centre(harness, "right elbow, Camera 1");
+    let length = |harness: &Window| elbow(harness).distance(centre(harness, "right wrist, Camera 1"));
     let (before, at) = (length(&harness), elbow(&harness));
     press(&mut harness, Modifiers::NONE, Key::Plus);
     assert!((length(&harness) / before - 1.25).abs() < 0.02, "{before} {}", length(&harness));
@@ -375,8 +335,8 @@ fn views_zoom_by_keys_and_are_moved_by_their_background() {
     // Every event takes a frame here, and frames take long.
     harness.ctx.options_mut(|options| options.input_options.max_double_click_delay = 10.0);
     for _ in 0..2 {
-        harness.event(pointer(corner + way[2], true, Modifiers::NONE));
-        harness.event(pointer(corner + way[2], false, Modifiers::NONE));
+        harness.event(pointer(corner + way[2], true));
+        harness.event(pointer(corner + way[2], false));
         harness.step();
     }
     settle(&mut harness);
@@ -385,23 +345,17 @@ fn views_zoom_by_keys_and_are_moved_by_their_background() {
 
 #[test]
 fn linked_views_zoom_about_the_same_point_of_the_body() {
-    let mut harness = open();
+    let mut harness = arm().open();
     press(&mut harness, Modifiers::NONE, Key::Z);
     let at = centre(&harness, "right elbow, Camera 1");
     let other = centre(&harness, "right elbow, Camera 2");
-    let length = |harness: &Harness<'_, App>| {
+    let length = |harness: &Window| {
         centre(harness, "right elbow, Camera 2").distance(centre(harness, "right wrist, Camera 2"))
     };
     let before = length(&harness);
     harness.event(Event::PointerMoved(at));
     harness.step();
-    harness.event(Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: vec2(0.0, 60.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: Modifiers::NONE,
-    });
+    harness.event(wheel(vec2(0.0, 60.0)));
     harness.run_steps(30);
     assert!(length(&harness) > 1.15 * before, "{before} {}", length(&harness));
     let moved = centre(&harness, "right elbow, Camera 2").distance(other);

@@ -1,18 +1,13 @@
 //! Every word of the window can be read, in every layout, at the sizes that people have: nothing is cut off, shortened,
 //! or painted over.
 
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_take::demonstration::Demonstration;
-use backlit_take::source::TakeSource;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Vec2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{click, command, open_sized, press, settle};
-use crate::support::take;
+use crate::support::window::{Setup, Window, arm, click, command, demonstration, press, settle};
 use crate::support::words::unreadable;
 
 /// Panes that a layout does not have at first, as the palette finds them.
@@ -35,17 +30,15 @@ const MENUS: [&str; 6] = ["File", "Edit", "View", "Fit", "Demonstrate", "Help"];
 const SIZES: [Vec2; 4] =
     [vec2(1024.0, 640.0), vec2(1366.0, 768.0), vec2(1600.0, 1000.0), vec2(1600.0 / 1.5, 1000.0 / 1.5)];
 
-fn open(opening: Opening, layout: Layout, size: Vec2) -> Harness<'static, App> {
-    let settings = Settings { layout, ..Settings::default() };
-    let mut window =
-        open_sized(AppOptions { settings, opening: Some(opening), ..AppOptions::default() }, size);
+fn open(setup: Setup, layout: Layout, size: Vec2) -> Window {
+    let mut window = setup.layout(layout).sized(size.x, size.y).open();
     window.state_mut().inspector.state.notices.close_all();
     settle(&mut window);
     window
 }
 
 /// What cannot be read in the window as it is, with the place.
-fn look(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
+fn look(window: &Window, place: &str, wrong: &mut Vec<String>) {
     let rect = window.ctx.content_rect();
     // The panel on the right scrolls, and what is longer than a card in it.
     let scrolls = |clip: egui::Rect| clip.height() > 60.0 && clip.height() < rect.height() - 20.0;
@@ -55,7 +48,7 @@ fn look(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
 
 /// The same while a menu lies over the window, or the panel is scrolled: both may cover what is beneath or cut what has
 /// scrolled away.
-fn look_over(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
+fn look_over(window: &Window, place: &str, wrong: &mut Vec<String>) {
     let found = unreadable(&window.output().shapes, window.ctx.content_rect(), |_| true);
     let is_cut = |found: &String| !found.contains("is covered by");
     wrong.extend(found.into_iter().filter(is_cut).map(|found| format!("{place}: {found}")));
@@ -67,8 +60,7 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
     for size in SIZES {
         for layout in Layout::ALL.map(|(layout, _)| layout) {
             let place = format!("{layout:?} at {} × {}", size.x.round(), size.y.round());
-            let opening = Opening::Ready(Box::new(take::take()));
-            let mut window = open(opening, layout, size);
+            let mut window = open(arm(), layout, size);
             look(&window, &place, &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Enter);
             window.state_mut().inspector.state.notices.close_all();
@@ -84,14 +76,13 @@ fn every_word_of_every_pane_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
         for layout in [Layout::Pose, Layout::Debug] {
-            let opening = Opening::Ready(Box::new(take::take()));
-            let mut window = open(opening, layout, size);
+            let mut window = open(arm(), layout, size);
             press(&mut window, Modifiers::NONE, Key::Enter);
             command(&mut window, "Run again with each preset");
             window.state_mut().inspector.state.notices.close_all();
             for pane in PANES {
                 let place = format!("{pane} in {layout:?} at {} × {}", size.x.round(), size.y.round());
-                let is_open = |window: &Harness<'_, App>| {
+                let is_open = |window: &Window| {
                     let title = format!("{}{}", pane[..1].to_uppercase(), &pane[1..]);
                     window.query_all_by_label(&title).next().is_some()
                 };
@@ -113,8 +104,7 @@ fn every_word_of_every_pane_can_be_read() {
 fn every_word_of_every_section_and_menu_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
-        let opening = Opening::Ready(Box::new(take::take()));
-        let mut window = open(opening, Layout::Pose, size);
+        let mut window = open(arm(), Layout::Pose, size);
         let place = |what: &str| format!("{what} at {} × {}", size.x.round(), size.y.round());
         for menu in MENUS {
             if window.query_by_role_and_label(Role::Button, menu).is_none() {
@@ -144,10 +134,9 @@ fn every_word_of_every_section_and_menu_can_be_read() {
 
 fn demonstrations_can_be_read(size: Vec2) {
     let mut wrong = Vec::new();
-    for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
-        let opening = Opening::Take(TakeSource::Demonstration(demonstration));
-        let mut window = open(opening, Layout::Debug, size);
-        let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
+    for which in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
+        let mut window = open(demonstration(which), Layout::Debug, size);
+        let place = format!("{which:?} at {} × {}", size.x.round(), size.y.round());
         look(&window, &place, &mut wrong);
         press(&mut window, Modifiers::NONE, Key::Space);
         window.state_mut().inspector.state.notices.close_all();

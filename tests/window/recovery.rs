@@ -1,25 +1,22 @@
 //! Work that an earlier start left unsaved: what is offered, and what becomes of each decision.
 
-use backlit_document::Document;
-use backlit_take::demonstration::Demonstration;
-use backlit_take::source::TakeSource;
-
-use crate::support::take;
 use std::fs::File;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use crate::support::app_window::{WindowState, click, drag, open_sized, press};
-use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::clock::Clock;
+use backlit_document::Document;
+use backlit_take::demonstration::Demonstration;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use image::imageops::crop_imm;
+
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use crate::support::window::{
+    Setup, Window, WindowState, at, click, demonstration, drag, empty, press, settle,
+};
 
 /// 21 November 2026, 14:44 two hours east of Greenwich.
 const NOW: u64 = 1_795_265_040;
@@ -29,22 +26,25 @@ fn now() -> SystemTime {
     SystemTime::UNIX_EPOCH + Duration::from_secs(NOW)
 }
 
-fn options(folder: &Path) -> AppOptions {
-    AppOptions {
-        data_folder: Some(folder.join("data")),
-        clock: Clock::fixed(now(), TWO_HOURS).unwrap(),
-        ..AppOptions::default()
-    }
+/// A window whose unsaved work is kept in the folder.
+fn in_folder(setup: Setup, folder: &Path) -> Setup {
+    let clock = Clock::fixed(now(), TWO_HOURS).unwrap();
+    setup.data_in(&folder.join("data")).with(|options| options.clock = clock)
 }
 
-fn take_in(folder: &Path, options: AppOptions) -> AppOptions {
-    AppOptions { opening: Some(Opening::of(&folder.join("arm"))), ..options }
+/// A window without a take, which offers what was left.
+fn offering(folder: &Path) -> Setup {
+    in_folder(empty(), folder).sized(1100.0, 700.0)
+}
+
+/// A window on the take in the folder.
+fn on_take(folder: &Path) -> Setup {
+    in_folder(at(&folder.join("arm")), folder)
 }
 
 /// A window is closed with unsaved work, some seconds ago.
-fn leave(folder: &Path, seconds_ago: u64, work: impl Fn(&mut Harness<'_, App>)) -> Document {
-    let options = AppOptions { data_folder: Some(folder.join("new")), ..options(folder) };
-    let mut harness = open_sized(take_in(folder, options), vec2(1500.0, 900.0));
+fn leave(folder: &Path, seconds_ago: u64, work: impl Fn(&mut Window)) -> Document {
+    let mut harness = on_take(folder).data_in(&folder.join("new")).open();
     work(&mut harness);
     eframe::App::on_exit(harness.state_mut(), None);
     let document = harness.document().clone();
@@ -76,14 +76,14 @@ fn leave_two(folder: &Path) -> [Document; 2] {
         press(harness, Modifiers::NONE, Key::ArrowRight);
         press(harness, Modifiers::COMMAND, Key::Enter);
         harness.state_mut().save_to(&folder.join("wave.backlit"));
-        crate::support::app_window::settle(harness);
+        settle(harness);
         drag(harness, "right wrist, Camera 1", vec2(0.0, -30.0));
     });
     let newer = leave(folder, 720, |harness| drag(harness, "right wrist, Camera 1", vec2(0.0, 30.0)));
     [older, newer]
 }
 
-fn titles(harness: &Harness<'_, App>) -> Vec<String> {
+fn titles(harness: &Window) -> Vec<String> {
     let labels = harness.get_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
     labels.filter(|text| text.starts_with("Today") || text.starts_with("Yesterday")).collect()
 }
@@ -94,9 +94,7 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
     let folder = tempfile::tempdir().unwrap();
     leave_two(folder.path());
     for theme in Theme::ALL {
-        let look = Settings { theme, ..Settings::default() };
-        let options = AppOptions { settings: look, ..options(folder.path()) };
-        let mut harness = open_sized(options, vec2(1100.0, 700.0));
+        let mut harness = offering(folder.path()).theme(theme).open();
         assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
         harness.get_by_label("At frame 0 of 3: 1 pose set by hand");
         harness.get_by_label("At frame 2 of 3: 1 pose set by hand, 1 tracked");
@@ -105,10 +103,8 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
         harness.get_by_role_and_label(Role::Button, "Restore arm, today 14:32, 12 minutes ago");
         assert_eq!(harness.get_all_by_label("Silhouette and body, arm").count(), 2);
         harness.set_render_cursor(false);
-        let window = harness.render().unwrap();
-        let (left, top) = (250, size::TOOLBAR as u32);
-        let cut = crop_imm(&window, left, top, 1100 - 2 * left, 430);
-        snapshots.picture(&cut.to_image(), &format!("recovery_{}", theme_name(theme)));
+        let cards = Rect::from_min_size(pos2(250.0, size::TOOLBAR), vec2(600.0, 430.0));
+        snapshots.part(&mut harness, cards, &format!("recovery_{}", theme_name(theme)));
     }
 }
 
@@ -116,7 +112,7 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
 fn each_copy_is_restored_discarded_or_left_for_later() {
     let folder = tempfile::tempdir().unwrap();
     let [older, newer] = leave_two(folder.path());
-    let open = || open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    let open = || offering(folder.path()).open();
     let mut harness = open();
     click(&mut harness, "Decide later");
     assert!(titles(&harness).is_empty());
@@ -136,10 +132,7 @@ fn each_copy_is_restored_discarded_or_left_for_later() {
     assert_eq!(harness.selection().frame, 2);
     drop(harness);
     let aside = folder.path().join("data/left-1.backlit");
-    let harness = open_sized(
-        AppOptions { opening: Some(Opening::of(&aside)), ..AppOptions::default() },
-        vec2(1100.0, 700.0),
-    );
+    let harness = at(&aside).open();
     assert_eq!(*harness.document(), newer, "what was discarded is a project");
 }
 
@@ -147,7 +140,7 @@ fn each_copy_is_restored_discarded_or_left_for_later() {
 fn a_named_take_is_opened_at_once_and_a_notice_tells_of_what_was_left() {
     let folder = tempfile::tempdir().unwrap();
     let [_, newer] = leave_two(folder.path());
-    let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
+    let open = || on_take(folder.path()).sized(1100.0, 700.0).open();
     let mut harness = open();
     assert!(harness.session().take.is_some(), "nothing stands before the take");
     harness.get_by_label("Unsaved work of 2 windows is kept, the last arm, today 14:32, 12 minutes ago.");
@@ -171,13 +164,13 @@ fn a_named_take_is_opened_at_once_and_a_notice_tells_of_what_was_left() {
 fn opening_another_take_says_that_the_work_is_kept_and_offers_the_way_back() {
     let folder = tempfile::tempdir().unwrap();
     take::write_to(&folder.path().join("arm"));
-    let mut harness = open_sized(take_in(folder.path(), options(folder.path())), vec2(1500.0, 900.0));
+    let mut harness = on_take(folder.path()).open();
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     let work = harness.document().clone();
     harness.get_by_role_and_label(Role::Button, "File").click();
     harness.run_steps(2);
     harness.get_all_by_label_contains("Open built-in take").next().unwrap().click();
-    crate::support::app_window::settle(&mut harness);
+    settle(&mut harness);
     assert_ne!(harness.document().take, work.take);
     harness.get_by_label_contains("Unsaved work is kept: arm, ");
     click(&mut harness, "Unsaved work…");
@@ -188,14 +181,13 @@ fn opening_another_take_says_that_the_work_is_kept_and_offers_the_way_back() {
 #[test]
 fn of_a_demonstration_nothing_is_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let opening = Some(Opening::Take(TakeSource::Demonstration(Demonstration::OneCamera)));
-    let mut harness = open_sized(AppOptions { opening, ..options(folder.path()) }, vec2(1500.0, 900.0));
+    let mut harness = in_folder(demonstration(Demonstration::OneCamera), folder.path()).open();
     press(&mut harness, Modifiers::NONE, Key::F1);
     drag(&mut harness, "head, Camera 1", vec2(0.0, 30.0));
     assert!(harness.state().inspector.state.history.is_dirty());
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
-    let harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    let harness = offering(folder.path()).open();
     assert!(titles(&harness).is_empty());
     assert!(!folder.path().join("data/unsaved.backlit").exists());
 }
@@ -205,7 +197,7 @@ fn work_whose_take_is_gone_stays_on_offer() {
     let folder = tempfile::tempdir().unwrap();
     leave_two(folder.path());
     std::fs::rename(folder.path().join("arm"), folder.path().join("moved")).unwrap();
-    let mut harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    let mut harness = offering(folder.path()).open();
     click(&mut harness, "Restore arm, today 14:32, 12 minutes ago");
     harness.get_by_label_contains("there is no such file");
     assert_eq!(titles(&harness).len(), 2);
@@ -219,7 +211,7 @@ fn without_a_picture_or_anything_beside_it_a_copy_is_still_offered() {
     std::fs::write(data.join("unsaved-1.png"), b"not a picture").unwrap();
     std::fs::remove_file(data.join("unsaved-2.png")).unwrap();
     std::fs::write(data.join("unsaved-2.about.json"), "{").unwrap();
-    let harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    let harness = offering(folder.path()).open();
     assert_eq!(titles(&harness).len(), 2);
     assert_eq!(harness.get_all_by_label("No picture, arm").count(), 2);
 }

@@ -3,35 +3,29 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit::features::scene::{SceneDrawing, Upright, Viewpoint};
 use backlit_tracking::body::Kinematics;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::Harness;
+use egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{WindowState, open_sized, press, settle};
-use crate::support::take;
+use crate::support::window::{Window, WindowState, arm, grab, press, release, settle};
 
-fn open() -> Harness<'static, App> {
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let look = Settings { layout: Layout::Debug, ..Settings::default() };
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
+fn open() -> Window {
+    arm().layout(Layout::Debug).open()
 }
 
-fn drawing(harness: &Harness<'_, App>) -> Arc<SceneDrawing> {
+fn drawing(harness: &Window) -> Arc<SceneDrawing> {
     harness.state().inspector.features.scene.drawing.clone().expect("the scene was drawn")
 }
 
-fn middle(harness: &Harness<'_, App>) -> Pos2 {
+fn middle(harness: &Window) -> Pos2 {
     harness.get_by_role_and_label(Role::Image, "Scene").rect().center()
 }
 
 /// Whether the picture shows the body as it is now, with smooth edges.
-fn shows_pose(harness: &Harness<'_, App>) -> bool {
+fn shows_pose(harness: &Window) -> bool {
     let app = harness.state();
     let pose = app.inspector.shown_pose();
     let kinematics = Kinematics::new(&app.inspector.document().model, pose);
@@ -75,16 +69,7 @@ fn stepping_draws_nothing_in_the_windows_own_time() {
 fn a_view_that_is_dragged_ends_where_the_hand_let_go() {
     let mut harness = open();
     let from = middle(&harness);
-    let button = |pos, pressed| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    harness.event(Event::PointerMoved(from));
-    harness.step();
-    harness.event(button(from, true));
-    harness.step();
+    grab(&mut harness, from, &[]);
     let mut drafts = 0;
     for index in 1..60_u8 {
         harness.event(Event::PointerMoved(from + vec2(f32::from(index), 0.3 * f32::from(index))));
@@ -93,8 +78,7 @@ fn a_view_that_is_dragged_ends_where_the_hand_let_go() {
         std::thread::sleep(Duration::from_millis(2));
         drafts += usize::from(drawing(&harness).order.is_draft);
     }
-    harness.event(button(from + vec2(59.0, 18.0), false));
-    settle(&mut harness);
+    release(&mut harness, from + vec2(59.0, 18.0));
     let app = harness.state();
     let Some(Viewpoint::Orbit(orbit)) = app.inspector.settings().scene.viewpoint else {
         panic!("it was turned")
@@ -111,7 +95,7 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     let at = middle(&harness);
     harness.event(Event::PointerMoved(at));
     settle(&mut harness);
-    let orbit = |harness: &Harness<'_, App>| match harness.settings().scene.viewpoint {
+    let orbit = |harness: &Window| match harness.settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };

@@ -2,19 +2,19 @@
 
 use std::time::Instant;
 
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit_document::Document;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
-use egui_kittest::Harness;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use image::imageops::crop_imm;
 
-use crate::support::app_window::{PATIENCE, WindowState, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
+use crate::support::window;
+use crate::support::window::{
+    PATIENCE, Window, WindowState, centre, choose, click, freeze, of_take, pointer, press, refuses, settle,
+    undo, wait_until, wheel,
+};
 
 /// Frames of the take, and how many of them it shows a second.
 const FRAMES: usize = 12;
@@ -22,15 +22,8 @@ const RATE: f64 = 10.0;
 /// The frame in which the arm is out of the picture.
 const EMPTY: usize = 7;
 
-type Window = Harness<'static, App>;
-
-fn open_as(take: backlit_formats::Take, look: Settings, window: Vec2) -> Window {
-    let opening = Some(Opening::Ready(Box::new(take)));
-    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, window)
-}
-
 fn open() -> Window {
-    open_as(take::take_of(FRAMES, &[]), Settings::default(), vec2(1500.0, 900.0))
+    of_take(take::take_of(FRAMES, &[])).open()
 }
 
 fn document(window: &Window) -> &Document {
@@ -71,19 +64,16 @@ fn place(window: &Window, frame: f32) -> Pos2 {
     pos2(left + (right - left) * frame / (FRAMES - 1) as f32, all.bottom() - 12.0)
 }
 
-fn button(at: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) -> Event {
-    Event::PointerButton { pos: at, button, pressed, modifiers }
-}
-
 /// Drags from one place to another, in a few moves.
 fn drag(window: &mut Window, which: PointerButton, modifiers: Modifiers, from: Pos2, to: Pos2) {
     window.event(Event::ModifiersChanged(modifiers));
     window.event(Event::PointerMoved(from));
-    window.event(button(from, which, true, modifiers));
+    let button = |pos, pressed| Event::PointerButton { pos, button: which, pressed, modifiers };
+    window.event(button(from, true));
     for share in [0.2, 0.6, 1.0] {
         window.event(Event::PointerMoved(from + share * (to - from)));
     }
-    window.event(button(to, which, false, modifiers));
+    window.event(button(to, false));
     window.event(Event::ModifiersChanged(Modifiers::NONE));
     settle(window);
 }
@@ -92,27 +82,10 @@ fn click_at(window: &mut Window, at: Pos2) {
     drag(window, PointerButton::Primary, Modifiers::NONE, at, at);
 }
 
-fn wheel(window: &mut Window, at: Pos2, by: Vec2) {
+fn turn_wheel(window: &mut Window, at: Pos2, by: Vec2) {
     window.event(Event::PointerMoved(at));
-    window.event(Event::MouseWheel {
-        unit: MouseWheelUnit::Point,
-        delta: by,
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: Modifiers::NONE,
-    });
+    window.event(wheel(by));
     window.run_steps(6);
-}
-
-/// Says why a button cannot be used, by its tooltip.
-fn refuses(window: &mut Window, label: &str, why: &str) {
-    let node = window.get_by_role_and_label(Role::Button, label);
-    assert!(node.accesskit_node().is_disabled(), "{label} can be used");
-    node.hover();
-    window.run_steps(6);
-    window.get_by_label_contains(why);
-    window.remove_cursor();
-    window.run_steps(2);
 }
 
 /// A window whose clock is the test's, with all frames read. The clock stands at `from`.
@@ -193,35 +166,35 @@ fn playing_goes_slower_faster_and_round_and_round() {
 #[test]
 fn what_is_taken_into_the_hand_pauses_the_film() {
     let mut film = Film::new();
-    let joint = film.window.get_by_label("right wrist, Camera 1").rect().center();
+    let joint = centre(&film.window, "right wrist, Camera 1");
     film.key(0.0, Key::P);
     film.window.event(Event::PointerMoved(joint));
-    film.window.event(button(joint, PointerButton::Primary, true, Modifiers::NONE));
+    film.window.event(pointer(joint, true));
     film.at(0.0);
     film.window.event(Event::PointerMoved(joint + vec2(0.0, 20.0)));
     film.window.event(Event::PointerMoved(joint + vec2(0.0, 40.0)));
     film.at(0.01);
     assert!(!film.is_playing(), "a dragged joint");
     assert_eq!(film.at(3.0), 0);
-    film.window.event(button(joint + vec2(0.0, 40.0), PointerButton::Primary, false, Modifiers::NONE));
+    film.window.event(pointer(joint + vec2(0.0, 40.0), false));
     film.at(3.1);
     assert_eq!(keys(&film.window), [0]);
 
     film.key(4.0, Key::P);
     let (from, to) = (place(&film.window, 4.0), place(&film.window, 8.0));
     film.window.event(Event::PointerMoved(from));
-    film.window.event(button(from, PointerButton::Primary, true, Modifiers::NONE));
-    film.window.event(button(from, PointerButton::Primary, false, Modifiers::NONE));
+    film.window.event(pointer(from, true));
+    film.window.event(pointer(from, false));
     assert_eq!(film.at(4.0), 4);
     film.at(4.0);
     assert_eq!(film.at(4.2), 6, "a click goes elsewhere, and the film goes on from there");
     film.window.event(Event::PointerMoved(from));
-    film.window.event(button(from, PointerButton::Primary, true, Modifiers::NONE));
+    film.window.event(pointer(from, true));
     film.window.event(Event::PointerMoved(to));
     film.at(4.3);
     assert_eq!(film.at(9.0), 8, "a drag through the frames");
     assert!(!film.is_playing());
-    film.window.event(button(to, PointerButton::Primary, false, Modifiers::NONE));
+    film.window.event(pointer(to, false));
 
     film.key(10.0, Key::P);
     film.key(10.0, Key::Space);
@@ -253,7 +226,7 @@ fn marked_frames_are_played_and_cleared() {
     window.get_by_label_contains("Clear marked frames").click();
     settle(&mut window);
     assert_eq!(tracked(&window), [0, 1, 2, 6, 7, 8, 9, 10, 11]);
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert_eq!(tracked(&window).len(), FRAMES);
 }
 
@@ -262,7 +235,7 @@ fn the_timeline_is_zoomed_moved_and_follows_the_frame() {
     let mut window = open();
     assert_eq!(shown(&window), "Frames 0 to 11 of 0 to 11");
     let at = place(&window, 6.0);
-    wheel(&mut window, at, vec2(0.0, 180.0));
+    turn_wheel(&mut window, at, vec2(0.0, 180.0));
     let zoomed = shown(&window);
     assert_eq!(zoomed, "Frames 3 to 9 of 0 to 11", "about the frame under the pointer");
     click_at(&mut window, at);
@@ -272,7 +245,7 @@ fn the_timeline_is_zoomed_moved_and_follows_the_frame() {
     let moved = shown(&window);
     assert_ne!(moved, zoomed, "the middle button moves it");
     assert_eq!(frame(&window), 6, "and nothing else");
-    wheel(&mut window, at, vec2(-300.0, 0.0));
+    turn_wheel(&mut window, at, vec2(-300.0, 0.0));
     assert_ne!(shown(&window), moved, "and the wheel, sideways");
     press(&mut window, Modifiers::NONE, Key::End);
     assert!(shown(&window).contains("to 11 of"), "it follows the frame: {}", shown(&window));
@@ -282,8 +255,8 @@ fn the_timeline_is_zoomed_moved_and_follows_the_frame() {
     let now = window.ctx.input(|input| input.time) + 1.0;
     window.input_mut().time = Some(now);
     for _ in 0..2 {
-        window.event(button(at, PointerButton::Primary, true, Modifiers::NONE));
-        window.event(button(at, PointerButton::Primary, false, Modifiers::NONE));
+        window.event(pointer(at, true));
+        window.event(pointer(at, false));
     }
     window.step();
     window.input_mut().time = None;
@@ -310,7 +283,7 @@ fn key_poses_are_set_cleared_and_gone_to() {
     click(&mut window, "Clear key");
     assert_eq!(keys(&window), [9]);
     assert!(window.query_by_label("Key pose of frame 2").is_none());
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert_eq!(keys(&window), [2, 9]);
     window.get_by_label("Key pose of frame 9").hover();
     window.run_steps(3);
@@ -330,9 +303,9 @@ fn tracking_goes_on_and_back_and_is_undone_as_one() {
     assert_eq!(tracked(&window), (0..FRAMES).collect::<Vec<_>>());
     window.get_by_label_contains("12 frames fitted, 0 to 11, mean IoU");
     refuses(&mut window, "Track forward", "This is the last frame");
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert_eq!(tracked(&window), [0, 1, 2, 3, 4, 5]);
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert!(tracked(&window).is_empty());
 }
 
@@ -341,7 +314,7 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     let mut window = open();
     go_to(&mut window, 5);
     press(&mut window, Modifiers::NONE, Key::Enter);
-    crate::support::app_window::drag(&mut window, "right wrist, Camera 1", vec2(0.0, 60.0));
+    window::drag(&mut window, "right wrist, Camera 1", vec2(0.0, 60.0));
     let wrong = document(&window).keys[&5].clone();
     assert!(apart(&window, &wrong, &take::truth(&document(&window).model, 5)) > 0.03);
     go_to(&mut window, 0);
@@ -362,7 +335,7 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     let off =
         apart(&window, &document(&window).estimates[&8].pose, &take::truth(&document(&window).model, 8));
     assert!(off < 0.03, "the track goes on from it: {off} m");
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
 
     go_to(&mut window, 0);
     choose(&mut window, "Keep", "Refine");
@@ -370,7 +343,7 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     let found = document(&window).estimates[&5].pose.clone();
     assert!(apart(&window, &found, &take::truth(&document(&window).model, 5)) < 0.03);
     assert_eq!(keys(&window), [5], "it stays a key pose");
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
 
     go_to(&mut window, 0);
     choose(&mut window, "Refine", "Stop before");
@@ -384,9 +357,8 @@ fn what_was_found_with_another_body_says_so() {
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     assert!(document(&window).estimates.values().all(|found| !found.is_stale));
     press(&mut window, Modifiers::NONE, Key::E);
-    window.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut window);
-    crate::support::app_window::drag(&mut window, "right forearm length, Camera 1", vec2(30.0, 0.0));
+    choose(&mut window, Role::ListItem, "Right forearm");
+    window::drag(&mut window, "right forearm length, Camera 1", vec2(30.0, 0.0));
     assert!(document(&window).estimates.values().all(|found| found.is_stale));
     press(&mut window, Modifiers::NONE, Key::Enter);
     let here = frame(&window);
@@ -425,7 +397,7 @@ fn between_two_key_poses_both_tracks_are_joined() {
     }
     assert_eq!(keys(&window), [2, 9]);
     window.get_by_label_contains("Tracked between the key poses of frames 2 and 9");
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert_eq!(*document(&window), before, "one undo takes it all back");
 
     for at in [8, 10] {
@@ -446,11 +418,7 @@ fn a_track_between_keys_that_is_stopped_keeps_what_was_done() {
     let before = document(&window).clone();
     go_to(&mut window, 3);
     window.get_by_role_and_label(Role::Button, "Between keys").click();
-    let began = Instant::now();
-    while tracked(&window).len() < 4 {
-        assert!(began.elapsed() < PATIENCE);
-        window.step();
-    }
+    wait_until(&mut window, "four frames", |window| tracked(window).len() >= 4);
     window.key_press(Key::Escape);
     settle(&mut window);
     let done = tracked(&window).len();
@@ -458,13 +426,14 @@ fn a_track_between_keys_that_is_stopped_keeps_what_was_done() {
     if done < FRAMES {
         window.get_by_label_contains("the two tracks are not joined");
     }
-    press(&mut window, Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
     assert_eq!(*document(&window), before);
 }
 
 /// A take with a frame in which there is nobody, tracked.
-fn open_tracked(look: Settings, size: Vec2) -> Window {
-    let mut window = open_as(take::take_of(FRAMES, &[EMPTY]), look, size);
+fn open_tracked(theme: Theme, size: Vec2) -> Window {
+    let setup = of_take(take::take_of(FRAMES, &[EMPTY]));
+    let mut window = setup.theme(theme).sized(size.x, size.y).open();
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     window.state_mut().inspector.state.notices.close_all();
     settle(&mut window);
@@ -475,7 +444,7 @@ fn open_tracked(look: Settings, size: Vec2) -> Window {
 fn lost_and_worst_frames_are_marked_and_gone_to() {
     let mut window = open();
     refuses(&mut window, "Worst", "No frame is tracked yet");
-    let mut window = open_tracked(Settings::default(), vec2(1500.0, 900.0));
+    let mut window = open_tracked(Theme::Dark, vec2(1500.0, 900.0));
     let lost: Vec<usize> =
         document(&window).estimates.iter().filter(|(_, found)| found.lost).map(|(at, _)| *at).collect();
     assert_eq!(lost, [EMPTY]);
@@ -507,7 +476,7 @@ fn lost_and_worst_frames_are_marked_and_gone_to() {
 
 #[test]
 fn lanes_say_their_values_and_their_ends() {
-    let mut window = open_as(take::take_of(FRAMES, &[]), Settings::default(), vec2(1500.0, 900.0));
+    let mut window = open();
     window.get_by_label("RMS, grey: not known, lane from 0 to 1");
     window.get_by_label("IoU: not known, lane from 0.4 to 1");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
@@ -525,7 +494,7 @@ fn lanes_say_their_values_and_their_ends() {
 
 #[test]
 fn a_take_of_one_frame_neither_plays_nor_tracks() {
-    let mut window = open_as(take::take_of(1, &[]), Settings::default(), vec2(1500.0, 900.0));
+    let mut window = of_take(take::take_of(1, &[])).open();
     assert_eq!(shown(&window), "Frames 0 to 0 of 0 to 0");
     refuses(&mut window, "Play or pause", "The take has one frame");
     refuses(&mut window, "Track back", "This is the first frame");
@@ -540,7 +509,7 @@ fn a_take_of_one_frame_neither_plays_nor_tracks() {
 
 #[test]
 fn without_silhouettes_nothing_is_tracked_or_fitted_and_what_is_missing_is_said() {
-    let mut window = open_as(take::take_without_backgrounds(), Settings::default(), vec2(1500.0, 900.0));
+    let mut window = of_take(take::take_without_backgrounds()).open();
     for command in ["Track forward", "Step", "Run"] {
         refuses(&mut window, command, "No camera that counts has a silhouette of this frame");
     }
@@ -552,38 +521,31 @@ fn without_silhouettes_nothing_is_tracked_or_fitted_and_what_is_missing_is_said(
 fn part(snapshots: &mut Snapshots, window: &mut Window, name: &str) {
     window.remove_cursor();
     window.set_render_cursor(false);
-    for _ in 0..3 {
-        window.state_mut().inspector.freeze_times();
-        window.step();
-    }
+    freeze(window);
     let lanes = timeline(window);
     let rect = Rect::from_min_max(lanes.min - vec2(8.0, 34.0), lanes.max + vec2(8.0, 4.0));
-    let (min, size) = (rect.min.round(), rect.size().round());
-    let picture = window.render().unwrap();
-    let cut = crop_imm(&picture, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
-    snapshots.picture(&cut.to_image(), name);
+    snapshots.part(window, rect, name);
 }
 
 #[test]
 fn pictures_of_its_states() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let look = Settings { theme, ..Settings::default() };
-        let theme = theme_name(theme);
+        let name = theme_name(theme);
         let large = vec2(1276.0 + size::RIGHT_PANEL, 816.0);
-        let mut window = open_as(take::take_of(FRAMES, &[]), look.clone(), large);
-        part(&mut snapshots, &mut window, &format!("timeline_empty_{theme}"));
-        let mut window = open_tracked(look.clone(), large);
+        let mut window = of_take(take::take_of(FRAMES, &[])).theme(theme).sized(large.x, large.y).open();
+        part(&mut snapshots, &mut window, &format!("timeline_empty_{name}"));
+        let mut window = open_tracked(theme, large);
         for at in [0, 4, 11] {
             go_to(&mut window, at);
             press(&mut window, Modifiers::NONE, Key::K);
         }
         go_to(&mut window, 4);
-        part(&mut snapshots, &mut window, &format!("timeline_tracked_{theme}"));
+        part(&mut snapshots, &mut window, &format!("timeline_tracked_{name}"));
         let at = place(&window, 6.0);
-        wheel(&mut window, at, vec2(0.0, 180.0));
-        part(&mut snapshots, &mut window, &format!("timeline_zoomed_{theme}"));
-        let mut window = open_tracked(look, vec2(1100.0, 700.0));
-        part(&mut snapshots, &mut window, &format!("timeline_small_{theme}"));
+        turn_wheel(&mut window, at, vec2(0.0, 180.0));
+        part(&mut snapshots, &mut window, &format!("timeline_zoomed_{name}"));
+        let mut window = open_tracked(theme, vec2(1100.0, 700.0));
+        part(&mut snapshots, &mut window, &format!("timeline_small_{name}"));
     }
 }

@@ -1,81 +1,55 @@
 //! The tour on the built-in take: every step is done as a user does it.
 
-use std::time::Instant;
-
-use backlit_take::source::TakeSource;
-
-use crate::support::app_window::{PATIENCE, WindowState, click, open_sized, press, settle};
-use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
-use egui_kittest::Harness;
+use egui::{Event, Key, Modifiers, Pos2, Rect, Vec2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use image::imageops::crop_imm;
 
-fn open(size: Vec2, theme: Theme, offers_tour: bool) -> Harness<'static, App> {
-    let look = Settings { theme, ..Settings::default() };
-    let opening = Some(Opening::Take(TakeSource::BuiltIn));
-    open_sized(AppOptions { settings: look, opening, offers_tour, ..AppOptions::default() }, size)
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::window::{
+    Window, WindowState, around, built_in, centre, click, command, grab, press, release, wait_until,
+};
+
+fn open(size: Vec2, theme: Theme, offers_tour: bool) -> Window {
+    let setup = built_in().theme(theme).sized(size.x, size.y);
+    setup.with(|options| options.offers_tour = offers_tour).open()
 }
 
-fn at(harness: &Harness<'_, App>, step: usize) -> Rect {
+fn at(harness: &Window, step: usize) -> Rect {
     harness.get_by_label(&format!("Tour, step {step} of 7")).rect()
 }
 
 /// The card stands in the window, and not over what it is about.
-fn is_beside(harness: &Harness<'_, App>, step: usize, target: Rect) {
+fn is_beside(harness: &Window, step: usize, target: Rect) {
     let card = at(harness, step);
     assert!(!card.intersects(target), "step {step}: {card} lies on {target}");
     assert!(harness.ctx.content_rect().contains_rect(card), "step {step}: {card}");
 }
 
-fn drag(harness: &mut Harness<'_, App>, handle: &str, by: Vec2) {
-    let from = harness.get_by_label(handle).rect().center();
-    drag_from(harness, from, by);
+fn drag(harness: &mut Window, handle: &str, by: Vec2) {
+    drag_from(harness, centre(harness, handle), by);
 }
 
-fn drag_from(harness: &mut Harness<'_, App>, from: Pos2, by: Vec2) {
-    let button = |pressed, pos| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    harness.event(Event::PointerMoved(from));
-    harness.event(button(true, from));
-    harness.step();
-    for share in [0.3, 0.7, 1.0] {
-        harness.event(Event::PointerMoved(from + share * by));
-        harness.step();
-    }
-    harness.event(button(false, from + by));
-    settle(harness);
+fn drag_from(harness: &mut Window, from: Pos2, by: Vec2) {
+    grab(harness, from, &[0.3, 0.7, 1.0].map(|share| share * by));
+    release(harness, from + by);
     harness.event(Event::PointerGone);
     harness.run_steps(2);
 }
 
 /// The joint's label in the camera that the card names.
-fn joint_in_named_camera(harness: &Harness<'_, App>) -> String {
+fn joint_in_named_camera(harness: &Window) -> String {
     let text = harness.get_by_label_contains("along the ray in camera").value().unwrap();
     let camera = text.split("camera ").nth(1).unwrap().split(':').next().unwrap();
     format!("right wrist, Camera {camera}")
 }
 
-fn walk(harness: &mut Harness<'_, App>) {
-    press(harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text("tour");
-    harness.run_steps(2);
-    press(harness, Modifiers::NONE, Key::Enter);
+fn walk(harness: &mut Window) {
+    command(harness, "tour");
     harness.run_steps(3);
     let card = at(harness, 1);
-    assert!(
-        harness
-            .query_by_role_and_label(Role::Button, "Back")
-            .is_none_or(|b| b.accesskit_node().is_disabled())
-    );
+    let back = harness.query_by_role_and_label(Role::Button, "Back");
+    assert!(back.is_none_or(|back| back.accesskit_node().is_disabled()));
     click(harness, "Next");
 
     harness.run_steps(3);
@@ -121,24 +95,11 @@ fn walk(harness: &mut Harness<'_, App>) {
     click(harness, "Next");
     harness.run_steps(2);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
-    let start = Instant::now();
-    while harness.document().estimates.len() < 3 {
-        assert!(start.elapsed() < PATIENCE);
-        harness.step();
-    }
+    wait_until(harness, "three frames", |window| window.document().estimates.len() >= 3);
     press(harness, Modifiers::NONE, Key::Escape);
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("Tour, step").is_none());
-    assert!(
-        harness
-            .state()
-            .inspector
-            .state
-            .notices
-            .all()
-            .iter()
-            .any(|notice| notice.text.contains("That was the tour"))
-    );
+    assert!(harness.said().iter().any(|text| text.contains("That was the tour")));
 }
 
 #[test]
@@ -159,11 +120,8 @@ fn the_tour_is_offered_once() {
     assert!(harness.query_by_label("Offer of the tour").is_none());
     let look = harness.settings();
     assert!(look.tour_offered);
-    let opening = Some(Opening::Take(TakeSource::BuiltIn));
-    let again = open_sized(
-        AppOptions { settings: look, opening, offers_tour: true, ..AppOptions::default() },
-        vec2(1200.0, 800.0),
-    );
+    let again =
+        built_in().settings(look).sized(1200.0, 800.0).with(|options| options.offers_tour = true).open();
     assert!(again.query_by_label("Offer of the tour").is_none());
 }
 
@@ -200,11 +158,8 @@ fn cards_look_as_they_should() {
     }
 }
 
-fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
+fn part(snapshots: &mut Snapshots, harness: &mut Window, label: &str, name: &str) {
     harness.state_mut().inspector.freeze_times();
     harness.step();
-    let window = harness.render().unwrap();
-    let rect = harness.get_by_label(label).rect().expand2(vec2(60.0, 16.0)).round();
-    let [x, y] = [rect.left().max(0.0) as u32, rect.top().max(0.0) as u32];
-    snapshots.picture(&crop_imm(&window, x, y, rect.width() as u32, rect.height() as u32).to_image(), name);
+    snapshots.part(harness, around(harness, label, vec2(60.0, 16.0)), name);
 }

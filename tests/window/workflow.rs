@@ -1,36 +1,27 @@
 //! Whole workflows through the real window, by label and role, on a tiny take.
 
-use crate::support::take;
-use std::time::Instant;
-
 use backlit::app::settings::Settings;
 use backlit::app::settings_file as settings;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit_document::project::read_project;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{PATIENCE, WindowState, click, drag, open_sized, pointer, press, settle};
 use crate::support::storage::NoStorage;
+use crate::support::take;
+use crate::support::window::{
+    Window, WindowState, arm, at, centre, choose, click, command, drag, empty, grab, press, release, settle,
+    undo, wait_until,
+};
 
-fn open(options: AppOptions) -> Harness<'static, App> {
-    open_sized(options, vec2(1500.0, 900.0))
-}
-
-fn open_arm() -> Harness<'static, App> {
-    open(AppOptions { opening: Some(Opening::Ready(Box::new(take::take()))), ..AppOptions::default() })
-}
-
-fn iou(harness: &Harness<'_, App>) -> f64 {
+fn iou(harness: &Window) -> f64 {
     harness.session().iou().unwrap()
 }
 
 #[test]
 fn from_a_take_to_a_track_and_back_to_the_saved_file() {
-    let mut harness = open_arm();
+    let mut harness = arm().open();
     let rough = iou(&harness);
     assert!(rough > 0.2 && rough < 0.9, "the start is near, not there: {rough}");
 
@@ -57,7 +48,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 
     press(&mut harness, Modifiers::NONE, Key::Y);
     assert_eq!(harness.document().fit.renderer.name(), "cylinder");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(harness.document().fit.renderer.name(), "capsule");
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(harness.document().fit.renderer.name(), "cylinder");
@@ -76,7 +67,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
     assert_eq!(read_project(&path).unwrap().document, *harness.document());
     harness.get_by_label_contains("Saved to arm.backlit");
 
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(harness.document().fit.renderer.name(), "capsule");
     assert_eq!(harness.document().estimates.len(), 1, "a track is undone as one");
 }
@@ -85,7 +76,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 fn a_project_of_a_folder_is_reopened_equal() {
     let folder = tempfile::tempdir().unwrap();
     take::write_to(folder.path());
-    let mut harness = open(AppOptions { opening: Some(Opening::of(folder.path())), ..AppOptions::default() });
+    let mut harness = at(folder.path()).open();
     drag(&mut harness, "right elbow, Camera 2", vec2(20.0, 20.0));
     press(&mut harness, Modifiers::NONE, Key::Enter);
     settle(&mut harness);
@@ -94,7 +85,7 @@ fn a_project_of_a_folder_is_reopened_equal() {
     settle(&mut harness);
     let (saved, runs) = (harness.document().clone(), harness.runs().to_vec());
     assert!(runs.len() == 1 && runs[0].steps.len() > 3);
-    let mut again = open(AppOptions { opening: Some(Opening::of(&path)), ..AppOptions::default() });
+    let mut again = at(&path).open();
     assert_eq!(*again.document(), saved);
     assert_eq!(again.runs(), runs, "runs are kept in the project");
     press(&mut again, Modifiers::NONE, Key::Enter);
@@ -104,36 +95,25 @@ fn a_project_of_a_folder_is_reopened_equal() {
 
 #[test]
 fn a_drag_is_seen_in_all_views_and_esc_puts_it_back() {
-    let mut harness = open_arm();
+    let mut harness = arm().open();
     let before = harness.document().clone();
-    let other = harness.get_by_label("right wrist, Camera 2").rect().center();
-    let from = harness.get_by_label("right wrist, Camera 1").rect().center();
-    harness.event(Event::PointerMoved(from));
-    harness.event(pointer(from, true));
+    let other = centre(&harness, "right wrist, Camera 2");
+    let from = centre(&harness, "right wrist, Camera 1");
+    grab(&mut harness, from, &[vec2(0.0, 20.0), vec2(0.0, 60.0)]);
     harness.step();
-    for by in [vec2(0.0, 20.0), vec2(0.0, 60.0)] {
-        harness.event(Event::PointerMoved(from + by));
-        harness.step();
-    }
-    harness.step();
-    let moved = harness.get_by_label("right wrist, Camera 2").rect().center();
+    let moved = centre(&harness, "right wrist, Camera 2");
     assert!(moved.distance(other) > 5.0, "{other} {moved}");
     harness.key_press(Key::Escape);
     settle(&mut harness);
-    harness.event(pointer(from + vec2(0.0, 60.0), false));
-    settle(&mut harness);
+    release(&mut harness, from + vec2(0.0, 60.0));
     assert_eq!(*harness.document(), before);
 }
 
 #[test]
 fn a_track_that_is_cancelled_keeps_what_is_done() {
-    let mut harness = open_arm();
+    let mut harness = arm().open();
     harness.get_by_role_and_label(Role::Button, "Track forward").click();
-    let start = Instant::now();
-    while harness.document().estimates.is_empty() {
-        assert!(start.elapsed() < PATIENCE);
-        harness.step();
-    }
+    wait_until(&mut harness, "a frame is tracked", |window| !window.document().estimates.is_empty());
     harness.key_press(Key::Escape);
     settle(&mut harness);
     let done = harness.document().estimates.len();
@@ -147,9 +127,8 @@ fn a_track_that_is_cancelled_keeps_what_is_done() {
 
 #[test]
 fn angles_are_typed_and_limbs_are_picked_in_the_tree() {
-    let mut harness = open_arm();
-    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
-    settle(&mut harness);
+    let mut harness = arm().open();
+    choose(&mut harness, Role::ListItem, "Right forearm");
     let field = harness.get_by_label("Twist value");
     field.click();
     harness.run_steps(2);
@@ -163,11 +142,8 @@ fn angles_are_typed_and_limbs_are_picked_in_the_tree() {
 
 #[test]
 fn the_palette_finds_and_does() {
-    let mut harness = open_arm();
-    press(&mut harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text("report 2004");
-    harness.run_steps(2);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let mut harness = arm().open();
+    command(&mut harness, "report 2004");
     let fit = &harness.document().fit;
     assert_eq!(fit.as_preset(), Some(backlit_tracking::fit::Preset::Report));
     press(&mut harness, Modifiers::COMMAND, Key::K);
@@ -183,24 +159,21 @@ fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
     let body = folder.path().join("arm.toml");
     let thin = std::fs::read_to_string(&body).unwrap().replace("radius = 0.05", "radius = 0.035");
     std::fs::write(&body, thin).unwrap();
-    let mut harness = open(AppOptions { opening: Some(Opening::of(folder.path())), ..AppOptions::default() });
+    let mut harness = at(folder.path()).open();
     click(&mut harness, "Track forward");
-    let radius = |harness: &Harness<'_, App>| harness.document().model.limbs()[1].radius;
+    let radius = |harness: &Window| harness.document().model.limbs()[1].radius;
     assert_eq!(radius(&harness), 0.035);
-    press(&mut harness, Modifiers::COMMAND, Key::K);
-    harness.get_by_role(Role::TextInput).type_text("fit body to");
-    harness.run_steps(2);
-    press(&mut harness, Modifiers::NONE, Key::Enter);
+    command(&mut harness, "fit body to");
     assert!((radius(&harness) - 0.05).abs() < 0.006, "{}", radius(&harness));
     harness.get_by_label_contains("Fitted the body to 3 frames: IoU");
     assert_eq!(harness.document().estimates.len(), take::FRAMES, "poses stay");
-    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    undo(&mut harness);
     assert_eq!(radius(&harness), 0.035);
 }
 
 #[test]
 fn what_cannot_be_used_says_why() {
-    let mut harness = open(AppOptions::default());
+    let mut harness = empty().open();
     harness.get_by_label_contains("Open a take, or look around");
     harness.get_by_role_and_label(Role::Button, "Step").hover();
     harness.run_steps(60);
@@ -210,8 +183,8 @@ fn what_cannot_be_used_says_why() {
 #[test]
 fn a_folder_without_a_take_is_an_error_that_names_the_file() {
     let folder = tempfile::tempdir().unwrap();
-    let harness = open(AppOptions { opening: Some(Opening::of(folder.path())), ..AppOptions::default() });
-    let said = &harness.state().inspector.state.notices.all()[0].text;
+    let harness = at(folder.path()).open();
+    let said = &harness.said()[0];
     assert!(said.contains("take.toml") && said.contains("no such file"), "{said}");
     harness.get_by_label(said);
     assert!(harness.session().take.is_none());
@@ -221,15 +194,14 @@ fn a_folder_without_a_take_is_an_error_that_names_the_file() {
 fn unsaved_work_is_offered_at_the_next_start() {
     let (folder, data) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     take::write_to(folder.path());
-    let options =
-        |opening| AppOptions { data_folder: Some(data.path().to_owned()), opening, ..AppOptions::default() };
-    let mut harness = open(options(Some(Opening::of(folder.path()))));
+    let open = || at(folder.path()).data_in(data.path()).open();
+    let mut harness = open();
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     let left = harness.document().clone();
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
     // What is named is opened at once; a notice leads to what was left.
-    let mut harness = open(options(Some(Opening::of(folder.path()))));
+    let mut harness = open();
     assert!(harness.session().take.is_some());
     assert_ne!(*harness.document(), left);
     click(&mut harness, "Unsaved work…");
@@ -237,21 +209,19 @@ fn unsaved_work_is_offered_at_the_next_start() {
     assert_eq!(*harness.document(), left);
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
-    let mut harness = open(options(Some(Opening::of(folder.path()))));
+    let mut harness = open();
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Discard");
     assert!(harness.session().take.is_some());
     assert_ne!(*harness.document(), left);
-    let again = open(options(None));
+    let again = empty().data_in(data.path()).open();
     assert!(again.query_by_role_and_label(Role::Button, "Restore").is_none());
 }
 
 #[test]
 fn the_arrangement_is_kept() {
     let data = tempfile::tempdir().unwrap();
-    let data_folder = Some(data.path().join("folder"));
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open(AppOptions { opening, data_folder, ..AppOptions::default() });
+    let mut harness = arm().data_in(&data.path().join("folder")).open();
     press(&mut harness, Modifiers::NONE, Key::F2);
     press(&mut harness, Modifiers::COMMAND, Key::B);
     press(&mut harness, Modifiers::COMMAND, Key::T);
@@ -264,9 +234,7 @@ fn the_arrangement_is_kept() {
 
 #[test]
 fn the_debug_layout_shows_the_run_and_goes_to_its_steps() {
-    let look = Settings { layout: Layout::Debug, ..Settings::default() };
-    let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open(AppOptions { settings: look, opening, ..AppOptions::default() });
+    let mut harness = arm().layout(Layout::Debug).open();
     harness.get_by_label("Press Space to step");
     click(&mut harness, "Run");
     harness.get_by_label("Convergence plot");

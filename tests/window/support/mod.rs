@@ -1,9 +1,9 @@
 //! Windows in tests: `egui_kittest` over the CPU painter, so snapshots need no GPU.
 
-pub(crate) mod app_window;
 pub(crate) mod snapshots;
 pub(crate) mod storage;
 pub(crate) mod take;
+pub(crate) mod window;
 pub(crate) mod words;
 
 use backlit_tracking::processor::use_narrow_vectors;

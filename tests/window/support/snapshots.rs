@@ -5,8 +5,12 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use backlit_ui::style::theme::Theme;
+use egui::Rect;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::imageops::crop_imm;
 use image::{DynamicImage, RgbaImage};
+
+use super::window::Window;
 
 /// Compares pictures with `tests/snapshots/NAME.png`, and fails once, at the end, with all that differ.
 ///
@@ -19,6 +23,14 @@ pub(crate) struct Snapshots {
 }
 
 impl Snapshots {
+    /// Compares a part of a window.
+    pub(crate) fn part(&mut self, window: &mut Window, rect: Rect, name: &str) {
+        let (min, size) = (rect.min.round(), rect.size().round());
+        let picture = window.render().unwrap();
+        let part = crop_imm(&picture, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
+        self.picture(&part.to_image(), name);
+    }
+
     /// Compares a picture.
     pub(crate) fn picture(&mut self, picture: &RgbaImage, name: &str) {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots");

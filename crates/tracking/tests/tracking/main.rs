@@ -16,7 +16,6 @@ mod footage;
 mod golden;
 mod initialisation;
 mod kernel_parity;
-mod layering;
 mod lens_distortion;
 mod lost_limb;
 mod more_garbow_hillstrom;
