@@ -89,12 +89,9 @@ impl Anthropometry {
 
     /// The logarithm of the average person's size over that of `model`'s limb, both of the same stature.
     pub fn log_ratio(&self, model: &Model, limb: usize, kind: SizeKind) -> f64 {
-        let sizes = |model: &Model, limb: usize| {
-            let limb = &model.limbs()[limb];
-            if kind == SizeKind::Length { limb.length } else { limb.radius }
-        };
+        let size = |model: &Model| model.limbs()[limb].size(kind);
         let stature = |model: &Model| model.limbs().iter().map(|limb| limb.length).sum::<f64>();
-        (sizes(&self.average, limb) / stature(&self.average) * stature(model) / sizes(model, limb)).ln()
+        (size(&self.average) / stature(&self.average) * stature(model) / size(model)).ln()
     }
 
     /// Standard deviation of a length's logarithm about its share of the stature; `None` where no table has it.

@@ -5,38 +5,36 @@ use super::{Model, ModelSpec};
 /// Names of the built-in models, as `--model` takes them.
 pub const NAMES: [&str; 3] = ["single_limb", "upper_body", "full_body"];
 
-const SINGLE_LIMB: &str = include_str!("../../../../assets/single_limb.toml");
-const UPPER_BODY: &str = include_str!("../../../../assets/upper_body.toml");
-const FULL_BODY: &str = include_str!("../../../../assets/full_body.toml");
+/// Their files, in the same order.
+const TEXTS: [&str; 3] = [
+    include_str!("../../../../assets/single_limb.toml"),
+    include_str!("../../../../assets/upper_body.toml"),
+    include_str!("../../../../assets/full_body.toml"),
+];
 
 /// The text of a built-in model file, by its name.
 pub fn text(name: &str) -> Option<&'static str> {
-    match name {
-        "single_limb" => Some(SINGLE_LIMB),
-        "upper_body" => Some(UPPER_BODY),
-        "full_body" => Some(FULL_BODY),
-        _ => None,
-    }
+    NAMES.iter().position(|known| *known == name).map(|index| TEXTS[index])
 }
 
 /// One limb, as in the report's Fig. 5.1.
 pub fn single_limb() -> Model {
-    parse(SINGLE_LIMB)
+    parse(TEXTS[0])
 }
 
 /// The report's upper body: five chains, twelve limbs, eight rotations.
 pub fn upper_body() -> Model {
-    parse(UPPER_BODY)
+    parse(TEXTS[1])
 }
 
 /// A whole adult: thirty limbs on fifteen rotations.
 pub fn full_body() -> Model {
-    parse(FULL_BODY)
+    parse(TEXTS[2])
 }
 
 /// The built-in body that calls itself so ([`Model::name`]).
 pub fn of_name(name: &str) -> Option<Model> {
-    [single_limb(), upper_body(), full_body()].into_iter().find(|model| model.name() == name)
+    TEXTS.map(parse).into_iter().find(|model| model.name() == name)
 }
 
 fn parse(text: &str) -> Model {

@@ -65,23 +65,16 @@ impl Kinematics {
         };
         for (index, limb) in model.limbs().iter().enumerate() {
             for rotation in 0..rotations {
-                let mut on_path = false;
-                let mut next = limb.parent;
-                while let Some(bone) = next {
-                    on_path |= model.rotation_follows(model.limbs()[bone].rotation, rotation);
-                    next = model.limbs()[bone].parent;
-                }
+                // What moves the limb that this one grows from moves this one's first joint.
+                let of_parent = limb.parent.map(|parent| &this.levers[parent]);
+                let before = of_parent.and_then(|levers| levers.iter().position(|l| l.rotation == rotation));
                 let turns = model.rotation_follows(limb.rotation, rotation);
-                if on_path || turns {
-                    let of_parent = limb.parent.map(|parent| &this.levers[parent]);
-                    let before =
-                        of_parent.and_then(|levers| levers.iter().position(|l| l.rotation == rotation));
+                if before.is_some() || turns {
                     this.levers[index].push(Lever { rotation, arm: DVec3::ZERO, turns, before });
                 }
             }
         }
-        this.branches =
-            Branches::of(model, |limb| this.levers[limb].iter().map(|lever| (lever.rotation, lever.turns)));
+        this.branches = Branches::of(model, &this.levers);
         this.update(model, pose);
         this
     }
@@ -224,20 +217,13 @@ pub(crate) struct Branches {
 
 impl Branches {
     /// None where a file has a limb rigid with one that grows from another place, or one that is carried but does not turn.
-    ///
-    /// `carriers` are, by limb, the rotations that move it, each with whether the limb turns with it.
-    pub(crate) fn of<I>(model: &Model, carriers: impl Fn(usize) -> I) -> Option<Self>
-    where
-        I: Iterator<Item = (usize, bool)>,
-    {
+    fn of(model: &Model, levers: &[Vec<Lever>]) -> Option<Self> {
         let limbs = model.limbs();
         let mut roots: Vec<Option<usize>> = vec![None; model.rotation_count()];
         for (index, limb) in limbs.iter().enumerate() {
-            for (rotation, turns) in carriers(index) {
-                let is_inside =
-                    limb.parent.is_some_and(|parent| carriers(parent).any(|(other, _)| other == rotation));
-                let root = *roots[rotation].get_or_insert(index);
-                if !turns || (!is_inside && limbs[root].parent != limb.parent) {
+            for lever in &levers[index] {
+                let root = *roots[lever.rotation].get_or_insert(index);
+                if !lever.turns || (lever.before.is_none() && limbs[root].parent != limb.parent) {
                     return None;
                 }
             }
@@ -260,11 +246,11 @@ mod tests {
     #[test]
     fn joint_jacobians_match_differences() {
         for model in [builtin::upper_body(), builtin::full_body()] {
-            let mut state = Pose::rest(&model).to_state();
-            for (i, value) in state.iter_mut().enumerate() {
-                *value += 0.3 * (i as f64 * 2.3).sin(); // not of unit length: (4.15) scales
+            let mut raw_pose = Pose::rest(&model);
+            for column in 0..Parameters::Raw.columns(model.rotation_count()) {
+                let offset = 0.3 * (column as f64 * 2.3).sin(); // not of unit length: (4.15) scales
+                raw_pose = raw_pose.nudged(Parameters::Raw, column, offset);
             }
-            let raw_pose = Pose::from_state(&model, &state).unwrap();
             let mut failures = Vec::new();
             for parameters in [Parameters::Raw, Parameters::Tangent] {
                 let pose =
@@ -273,22 +259,8 @@ mod tests {
                 let columns = parameters.columns(model.rotation_count());
                 let h = 1e-6;
                 for column in 0..columns {
-                    let moved = |sign: f64| {
-                        let pose = match parameters {
-                            Parameters::Raw => {
-                                let mut state = state.clone();
-                                state[column] += sign * h;
-                                Pose::from_state(&model, &state).unwrap()
-                            }
-                            Parameters::Tangent => {
-                                let mut step = vec![0.0; columns];
-                                step[column] = sign * h;
-                                pose.retract(parameters, &step)
-                            }
-                        };
-                        Kinematics::new(&model, &pose)
-                    };
-                    let (plus, minus) = (moved(1.0), moved(-1.0));
+                    let moved = |offset| Kinematics::new(&model, &pose.nudged(parameters, column, offset));
+                    let (plus, minus) = (moved(h), moved(-h));
                     for limb in 0..model.limbs().len() {
                         let numeric = (plus.ends()[limb] - minus.ends()[limb]) / (2.0 * h);
                         let analytic = here.end_jacobian(limb, parameters).column(column).into_owned();

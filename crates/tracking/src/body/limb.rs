@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::SizeKind;
 use crate::geometry::rotation::exp;
 
 /// A closed range of an angle in radians.
@@ -110,6 +111,14 @@ impl Limb {
     pub fn level_for(&self, metres_per_px: f64) -> usize {
         let is_fine = |level: &SphereLevel| level.error <= DETAIL_PX * metres_per_px;
         self.coarser.iter().position(is_fine).unwrap_or(self.coarser.len())
+    }
+
+    /// Its length or its radius, metres.
+    pub fn size(&self, kind: SizeKind) -> f64 {
+        match kind {
+            SizeKind::Length => self.length,
+            SizeKind::Radius => self.radius,
+        }
     }
 
     /// Where a sphere's centre lies in the limb's rest frame: metres from its first joint, axes of the body at rest.

@@ -146,14 +146,14 @@ impl Model {
                 return Err(ModelError::DuplicateName { limb: limb.name.clone() });
             }
         }
-        let find = |limb: &LimbSpec, field, target: &Option<String>| -> Result<Option<usize>, ModelError> {
-            let Some(target) = target else { return Ok(None) };
-            match spec.limbs.iter().position(|other| other.name == *target) {
-                Some(index) => Ok(Some(index)),
-                None => {
-                    Err(ModelError::UnknownLimb { limb: limb.name.clone(), field, target: target.clone() })
-                }
-            }
+        let find = |limb: &LimbSpec, field, target: &Option<String>| {
+            let index_of = |target: &String| spec.limbs.iter().position(|other| other.name == *target);
+            let unknown = |target: &String| ModelError::UnknownLimb {
+                limb: limb.name.clone(),
+                field,
+                target: target.clone(),
+            };
+            target.as_ref().map(|target| index_of(target).ok_or_else(|| unknown(target))).transpose()
         };
         let mut parents = Vec::with_capacity(spec.limbs.len());
         let mut rigid = Vec::with_capacity(spec.limbs.len());
@@ -165,13 +165,14 @@ impl Model {
         check_cycles(spec, "parent", &parents)?;
         // A limb that owns a rotation must not grow from one that follows it.
         let owner = |limb: usize| std::iter::successors(Some(limb), |&l| rigid[l]).last().unwrap_or(limb);
+        let owners: Vec<usize> = (0..spec.limbs.len()).map(owner).collect();
         let turns_with: Vec<Option<usize>> =
-            (0..spec.limbs.len()).map(|limb| parents[owner(limb)].map(owner)).collect();
+            owners.iter().map(|&owner| parents[owner].map(|parent| owners[parent])).collect();
         check_cycles(spec, "parent", &turns_with)?;
-        Ok(Self::assemble(spec, &parents, &rigid))
+        Ok(Self::assemble(spec, &parents, &owners))
     }
 
-    fn assemble(spec: &ModelSpec, parents: &[Option<usize>], rigid: &[Option<usize>]) -> Self {
+    fn assemble(spec: &ModelSpec, parents: &[Option<usize>], owners: &[usize]) -> Self {
         // Parents first, otherwise the file's order.
         let mut order: Vec<usize> = Vec::with_capacity(spec.limbs.len());
         let mut place = vec![usize::MAX; spec.limbs.len()];
@@ -188,48 +189,34 @@ impl Model {
             }
         }
         // Rotations in the order of the file, as the state's columns are.
+        let rotation_owners: Vec<usize> =
+            (0..spec.limbs.len()).filter(|&index| owners[index] == index).collect();
         let mut rotation_of = vec![0; spec.limbs.len()];
-        let mut rotation_owners = Vec::new();
-        for (index, owner) in rigid.iter().enumerate() {
-            if owner.is_none() {
-                rotation_of[index] = rotation_owners.len();
-                rotation_owners.push(index);
-            }
-        }
-        for index in 0..spec.limbs.len() {
-            let mut owner = index;
-            while let Some(next) = rigid[owner] {
-                owner = next;
-            }
-            rotation_of[index] = rotation_of[owner];
-        }
+        rotation_owners.iter().enumerate().for_each(|(rotation, &owner)| rotation_of[owner] = rotation);
+        let rotation_of = |limb: usize| rotation_of[owners[limb]];
         let rotation_parents: Vec<Option<usize>> =
-            rotation_owners.iter().map(|&owner| parents[owner].map(|parent| rotation_of[parent])).collect();
+            rotation_owners.iter().map(|&owner| parents[owner].map(rotation_of)).collect();
         let depth = |rotation: usize| std::iter::successors(Some(rotation), |&r| rotation_parents[r]).count();
         let mut rotations_parents_first: Vec<usize> = (0..rotation_owners.len()).collect();
         rotations_parents_first.sort_by_key(|&rotation| depth(rotation));
-        let limbs: Vec<Limb> = order
-            .iter()
-            .map(|&index| {
-                let limb = &spec.limbs[index];
-                Limb {
-                    name: limb.name.clone(),
-                    parent: parents[index].map(|parent| place[parent]),
-                    rotation: rotation_of[index],
-                    has_own_rotation: rigid[index].is_none(),
-                    direction: unit(limb.direction),
-                    length: limb.length,
-                    radius: limb.radius,
-                    limits: limb.limits,
-                    spheres: limb.spheres.clone(),
-                    coarser: limb.coarser.clone(),
-                }
-            })
-            .map(|mut limb| {
-                limb.measure_tree();
-                limb
-            })
-            .collect();
+        let limb = |&index: &usize| {
+            let limb = &spec.limbs[index];
+            let mut limb = Limb {
+                name: limb.name.clone(),
+                parent: parents[index].map(|parent| place[parent]),
+                rotation: rotation_of(index),
+                has_own_rotation: owners[index] == index,
+                direction: unit(limb.direction),
+                length: limb.length,
+                radius: limb.radius,
+                limits: limb.limits,
+                spheres: limb.spheres.clone(),
+                coarser: limb.coarser.clone(),
+            };
+            limb.measure_tree();
+            limb
+        };
+        let limbs: Vec<Limb> = order.iter().map(limb).collect();
         let mirrored = mirrored_limbs(&limbs);
         Self {
             name: spec.name.clone(),
@@ -269,22 +256,15 @@ impl Model {
         let mut resized = self.clone();
         for (index, limb) in resized.limbs.iter_mut().enumerate() {
             let [length, radius] = sizes(index);
-            for (field, value) in [("length", length), ("radius", radius)] {
-                if !is_size(value) {
-                    return Err(ModelError::Size { limb: limb.name.clone(), field, value });
-                }
-            }
+            check_sizes(&limb.name, length, radius)?;
             let thicker = radius / limb.radius;
-            for sphere in &mut limb.spheres {
+            let levels = limb.coarser.iter_mut().map(|level| {
+                level.error *= thicker;
+                &mut level.spheres
+            });
+            for sphere in levels.chain([&mut limb.spheres]).flatten() {
                 sphere.radius *= thicker;
                 sphere.offset *= thicker;
-            }
-            for level in &mut limb.coarser {
-                level.error *= thicker;
-                for sphere in &mut level.spheres {
-                    sphere.radius *= thicker;
-                    sphere.offset *= thicker;
-                }
             }
             (limb.length, limb.radius) = (length, radius);
             limb.measure_tree();
@@ -335,14 +315,8 @@ impl Model {
 
     /// Whether `rotation` turns with `ancestor` (every rotation turns with itself).
     pub fn rotation_follows(&self, rotation: usize, ancestor: usize) -> bool {
-        let mut next = Some(rotation);
-        while let Some(current) = next {
-            if current == ancestor {
-                return true;
-            }
-            next = self.rotation_parents[current];
-        }
-        false
+        let mut carriers = std::iter::successors(Some(rotation), |&next| self.rotation_parents[next]);
+        carriers.any(|carrier| carrier == ancestor)
     }
 
     /// The limb on the other side of the body ("right …" and "left …"); itself when there is none.
@@ -371,8 +345,17 @@ pub(super) fn is_size(value: f64) -> bool {
     value.is_finite() && value > 1e-6 && value <= MAX_SIZE
 }
 
+/// Checks a limb's length and radius.
+fn check_sizes(limb: &str, length: f64, radius: f64) -> Result<(), ModelError> {
+    match [("length", length), ("radius", radius)].into_iter().find(|(_, value)| !is_size(*value)) {
+        Some((field, value)) => Err(ModelError::Size { limb: limb.to_owned(), field, value }),
+        None => Ok(()),
+    }
+}
+
 fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
     let name = || limb.name.clone();
+    let limits_error = |field, problem| Err(ModelError::Limits { limb: name(), field, problem });
     if limb.name.trim().is_empty() {
         return Err(ModelError::EmptyName { number: index + 1 });
     }
@@ -386,11 +369,7 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
     if !direction_length.is_finite() || direction_length < 1e-9 {
         return Err(ModelError::Direction { limb: name(), value: limb.direction });
     }
-    for (field, value) in [("length", limb.length), ("radius", limb.radius)] {
-        if !is_size(value) {
-            return Err(ModelError::Size { limb: name(), field, value });
-        }
-    }
+    check_sizes(&limb.name, limb.length, limb.radius)?;
     if let Some(limits) = limb.limits {
         for (field, range) in
             [("flexion", limits.flexion), ("sideways", limits.sideways), ("twist", limits.twist)]
@@ -398,16 +377,12 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
             if !range.is_valid() || range.0.abs().max(range.1.abs()) > MAX_ANGLE {
                 let problem =
                     "is not a range; expected [smallest, largest] in radians, none beyond two whole turns";
-                return Err(ModelError::Limits { limb: name(), field, problem });
+                return limits_error(field, problem);
             }
         }
         let across = limits.axis.reject_from(limb.direction);
         if !(across.is_finite() && across.length() > 1e-6) {
-            return Err(ModelError::Limits {
-                limb: name(),
-                field: "axis",
-                problem: "lies along the limb; expected a direction across it",
-            });
+            return limits_error("axis", "lies along the limb; expected a direction across it");
         }
     }
     super::model_trees::check_tree(&limb.name, &limb.spheres, &limb.coarser)

@@ -133,11 +133,7 @@ impl Sizes {
     /// A parameter's size in a body of these limbs, metres.
     pub fn metres(&self, parameter: usize, model: &Model) -> f64 {
         let SizeParameter { kind, ref limbs, .. } = self.parameters[parameter];
-        let limb = &model.limbs()[limbs[0]];
-        match kind {
-            SizeKind::Length => limb.length,
-            SizeKind::Radius => limb.radius,
-        }
+        model.limbs()[limbs[0]].size(kind)
     }
 }
 
