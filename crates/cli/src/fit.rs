@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let problem = read(arguments)?;
     let model = Arc::clone(&problem.model);
     let mut fit = Fit::new(problem.model, problem.views, problem.start, options)?;
-    let (start_cost, start_rms) = (fit.initial_cost(), fit.initial_rms());
+    let (start_cost, start_rms) = (fit.initial_cost, fit.initial_rms);
     let times_us = run_timed(&mut fit);
     let summary = fit.summary();
     anyhow::ensure!(

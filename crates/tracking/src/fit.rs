@@ -1,12 +1,7 @@
 //! Fitting one frame: what each camera contributes, the cost of a pose, and the way downhill.
 //!
-//! | file | holds |
-//! |---|---|
-//! | `options` | [`FitOptions`]: every choice of a fit, and the presets that name sets of them |
-//! | `evidence` | [`FitView`]: what one camera contributes to a frame |
-//! | `objective` | [`Objective`]: the cost of a pose as a least-squares problem |
-//! | `schedule` | [`ApparentSize`]: annealing by the size of what is seen |
-//! | `fit` | [`Fit`]: iteration by iteration, stage after stage |
+//! A [`Fit`] goes iteration by iteration and stage after stage down the cost of an [`Objective`]: what the [`FitView`]s of all
+//! cameras say, by [`FitOptions`].
 
 #[doc(inline)]
 pub use crate::posing;

@@ -1,23 +1,15 @@
 //! What pulls on a pose: each file is one kind of residual and adds itself to the normal equations. One of your own is a
 //! [`Residual`].
 //!
-//! | file | residual ρ |
-//! |---|---|
-//! | [`silhouette`] | D − Λ of every pixel (4.10, 4.16) |
-//! | [`pose_prior`] | stay near the pose that the fit began with, untwisted, within the joints' limits |
-//! | `body_size` | D − Λ again, with columns for the body's lengths and radii |
-//! | `proportion_prior`, its choices are [`Proportions`] | how far lengths and radii are from a scaled body's |
-//! | [`interpenetration`] | how deep two limbs lie inside each other |
-//! | [`Loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
-//! | [`motion_prior`] | stay near what the motion so far predicts |
-//! | [`learnt_prior`] | how unlikely poses and steps are, by what motion files say |
-//! | [`cue`] | where keypoints, flow, edges and stereo saw a limb − where it is |
-//! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
+//! [`silhouette`]s are D − Λ of every pixel (4.10, 4.16), [`Loss`] holds large residuals back, [`Proportions`] says how far
+//! lengths and radii are from a scaled body's.
 
 #[doc(inline)]
 pub use crate::prior;
 
 use std::fmt;
+
+use nalgebra::{SMatrix, SVector};
 
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::NormalEquations;
@@ -60,4 +52,29 @@ pub struct ResidualPoint<'a> {
     pub parameters: Parameters,
     /// Squared grey levels of a weight of 1, as priors have them, at the stage's stride.
     pub unit: f64,
+}
+
+/// Σ w h hᵀ and Σ w h ρ over rows h of J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RowSums<const N: usize> {
+    pub(crate) products: SMatrix<f64, N, N>,
+    pub(crate) forces: SVector<f64, N>,
+}
+
+impl<const N: usize> Default for RowSums<N> {
+    fn default() -> Self {
+        Self { products: SMatrix::zeros(), forces: SVector::zeros() }
+    }
+}
+
+impl<const N: usize> RowSums<N> {
+    /// Adds one row.
+    pub(crate) fn add(&mut self, h: &SVector<f64, N>, weight: f64, residual: f64) {
+        self.products.ger(weight, h, h, 1.0);
+        self.forces.axpy(weight * residual, h, 1.0);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.products.trace() == 0.0
+    }
 }

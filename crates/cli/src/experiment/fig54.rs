@@ -80,7 +80,7 @@ impl Experiment for OneFrame {
         for method in &self.methods {
             let Some(views) = method.views(&sequence, 0)? else { continue };
             let mut fit = Fit::new(Arc::clone(model), views.clone(), from.clone(), method.fit.clone())?;
-            let rms = fit.initial_rms();
+            let rms = fit.initial_rms;
             let summary = fit.run(&run.cancel, |_| {});
             run.check()?;
             let show = |&iteration: &usize| {

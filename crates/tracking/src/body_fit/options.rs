@@ -4,8 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::anthropometry::Anthropometry;
 use crate::body::{Model, SizeChoice};
-use crate::fit::{DataView, FitOptions, Stage};
-use crate::render::Ramp;
+use crate::fit::{FitOptions, Stage};
 use crate::residual::Proportions;
 
 /// One stage: what the data look like, and how freely proportions may change in it.
@@ -85,23 +84,11 @@ impl BodyFitOptions {
     }
 }
 
-/// Inner width of the distance ramps, pixels, as in the robust preset.
-const INNER_PX: f64 = 1.5;
-
 impl Default for BodyFitOptions {
     fn default() -> Self {
         let stages = [(24.0, 4, 0.1), (12.0, 4, 0.3), (6.0, 4, 1.0), (3.0, 2, 1.0), (1.5, 2, 1.0)];
-        let stages = stages.map(|(outer_px, stride, slack)| BodyStage {
-            stage: Stage {
-                ramp: Ramp::Distance { inner_px: INNER_PX, outer_px },
-                data: DataView::Distance,
-                stride,
-                iterations: 20,
-                tolerance: Some(1e-3),
-                priors: 1.0,
-            },
-            slack,
-        });
+        let stages = stages
+            .map(|(outer_px, stride, slack)| BodyStage { stage: Stage::robust(outer_px, stride, 20), slack });
         let robust = FitOptions::default();
         Self {
             choice: SizeChoice::default(),

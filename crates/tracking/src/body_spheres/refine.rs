@@ -23,6 +23,7 @@ use crate::body::{Kinematics, Model};
 use crate::fit::{DataView, FitView, Stage};
 use crate::optimize::{DescentOptions, StructuredLeastSquares, descend};
 use crate::render::{BACKGROUND, Primitive, Ramp, RendererKind, RowWinners, View};
+use crate::residual::RowSums;
 use crate::silhouette::Measurement;
 
 /// Distances that the silhouettes' ramp rises over, pixels, inside and outside.
@@ -32,17 +33,7 @@ const RAMP_PX: [f64; 2] = [1.5, 3.0];
 const LARGEST_CHANGE: f64 = 3.0;
 
 /// What all pixels that a sphere wins say of it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SphereBlock {
-    pub(super) products: Matrix4<f64>,
-    pub(super) forces: Vector4<f64>,
-}
-
-impl Default for SphereBlock {
-    fn default() -> Self {
-        Self { products: Matrix4::zeros(), forces: Vector4::zeros() }
-    }
-}
+pub(super) type SphereBlock = RowSums<4>;
 
 /// One camera in one frame.
 struct Term<'a> {
@@ -129,9 +120,7 @@ impl<'a> Silhouettes<'a> {
                 if let Some([k, by_radius]) = pull(&view, primitive, [x, y]) {
                     let k = limb_from_camera * k;
                     let h = Vector4::new(k.x, k.y, k.z, by_radius.x);
-                    let block = &mut blocks[self.firsts[primitive.limb] + primitive.piece];
-                    block.products.ger(weight, &h, &h, 1.0);
-                    block.forces.axpy(weight * residual, &h, 1.0);
+                    blocks[self.firsts[primitive.limb] + primitive.piece].add(&h, weight, residual);
                 }
             }
         }

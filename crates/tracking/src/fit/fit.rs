@@ -11,7 +11,6 @@ use crate::optimize::{Iteration, NormalEquations, Solver, Termination};
 use crate::residual::cue::CueSet;
 use crate::residual::motion_prior::MotionPrior;
 use crate::residual::{Loss, Residual};
-use crate::silhouette::SignedDistance;
 
 /// The last stages, in which pixels may be doubted.
 const DOUBTING_STAGES: usize = 2;
@@ -46,19 +45,19 @@ impl SolverSummary {
 /// A fit that is stepped from outside.
 #[derive(Debug)]
 pub struct Fit {
+    /// Cost at the start.
+    pub initial_cost: f64,
+    /// Root of the mean squared residual per pixel at the start.
+    pub initial_rms: f64,
     model: Arc<Model>,
     options: FitOptions,
-    views: Vec<FitView>,
-    distances: Vec<Option<SignedDistance>>,
-    reference: Pose,
+    /// Its start is what the proximal prior pulls to.
+    prepared: PreparedFit,
     constraints: Constraints,
     stage: usize,
     objective: Objective,
     solver: Solver<Pose>,
-    initial_cost: f64,
-    initial_rms: f64,
     iterations: Vec<Iteration<Pose>>,
-    empty_cameras: Vec<String>,
     termination: Option<Termination>,
 }
 
@@ -121,8 +120,7 @@ impl Fit {
         self.constraints.motion = Some(Arc::new(motion));
         self.constraints.free = None;
         self.stage = self.options.stages.len() - 1;
-        let pose = self.solver.point().clone();
-        self.begin_anew(&pose);
+        self.begin_anew();
         self.termination = None;
     }
 
@@ -148,8 +146,7 @@ impl Fit {
     }
 
     fn begin_constrained(&mut self) {
-        let pose = self.solver.point().clone();
-        self.begin_anew(&pose);
+        self.begin_anew();
         if self.iterations.is_empty() {
             (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms());
         }
@@ -163,50 +160,20 @@ impl Fit {
         stage: usize,
         pose: &Pose,
     ) -> Self {
-        let PreparedFit { views, distances, start, empty_cameras } = prepared;
-        let (objective, solver) =
-            Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, constraints.clone());
-        let termination = objective.is_blind().then_some(Termination::NoGradient);
+        let (objective, solver) = begin_stage(&model, &prepared, &options, &constraints, stage, pose);
         Self {
             initial_cost: solver.cost(),
             initial_rms: solver.rms(),
-            termination,
-            reference: start,
+            termination: objective.is_blind().then_some(Termination::NoGradient),
+            model,
+            options,
+            prepared,
             constraints,
             stage,
             objective,
             solver,
             iterations: Vec::new(),
-            empty_cameras,
-            model,
-            options,
-            views,
-            distances,
         }
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "the parts of a fit, before there is one")]
-    fn begin_stage(
-        model: &Arc<Model>,
-        views: &[FitView],
-        distances: &[Option<SignedDistance>],
-        options: &FitOptions,
-        index: usize,
-        reference: &Pose,
-        pose: &Pose,
-        constraints: Constraints,
-    ) -> (Objective, Solver<Pose>) {
-        let stage = options.stages[index];
-        let mut objective =
-            Objective::new(Arc::clone(model), views, distances, options, stage, reference.clone());
-        objective.constrain(constraints);
-        // A wide stage begins far off: there every pixel would be doubted.
-        if options.pixel_loss != Loss::Squares && index > 0 && index + DOUBTING_STAGES >= options.stages.len()
-        {
-            objective.doubt_pixels(pose, options.pixel_loss);
-        }
-        let solver = Solver::new(&mut objective, pose.clone(), options.solver_options(&stage));
-        (objective, solver)
     }
 
     /// One iteration; `None` once the last stage has ended.
@@ -227,23 +194,15 @@ impl Fit {
                 return None;
             }
             self.stage += 1;
-            let pose = self.solver.point().clone();
-            self.begin_anew(&pose);
+            self.begin_anew();
         }
     }
 
-    /// Begins the current stage at a pose.
-    fn begin_anew(&mut self, pose: &Pose) {
-        (self.objective, self.solver) = Self::begin_stage(
-            &self.model,
-            &self.views,
-            &self.distances,
-            &self.options,
-            self.stage,
-            &self.reference,
-            pose,
-            self.constraints.clone(),
-        );
+    /// Begins the current stage where the fit stands.
+    fn begin_anew(&mut self) {
+        let Self { model, prepared, options, constraints, stage, .. } = self;
+        let pose = self.solver.point();
+        (self.objective, self.solver) = begin_stage(model, prepared, options, constraints, *stage, pose);
     }
 
     /// Runs to the end or until cancelled.
@@ -277,16 +236,6 @@ impl Fit {
         self.solver.rms()
     }
 
-    /// Root of the mean squared residual per pixel at the start.
-    pub fn initial_rms(&self) -> f64 {
-        self.initial_rms
-    }
-
-    /// Cost at the start.
-    pub fn initial_cost(&self) -> f64 {
-        self.initial_cost
-    }
-
     /// Index of the stage it is in.
     pub fn stage(&self) -> usize {
         self.stage
@@ -308,11 +257,6 @@ impl Fit {
         self.termination
     }
 
-    /// Cameras that had nothing to say, by name.
-    pub fn empty_cameras(&self) -> &[String] {
-        &self.empty_cameras
-    }
-
     /// What it did so far; not ended means cancelled.
     pub fn summary(&self) -> SolverSummary {
         SolverSummary {
@@ -322,7 +266,28 @@ impl Fit {
             final_cost: self.cost(),
             final_rms: self.rms(),
             iterations: self.iterations.clone(),
-            empty_cameras: self.empty_cameras.clone(),
+            empty_cameras: self.prepared.empty_cameras.clone(),
         }
     }
+}
+
+/// The objective and the solver of a stage that begins at a pose.
+fn begin_stage(
+    model: &Arc<Model>,
+    prepared: &PreparedFit,
+    options: &FitOptions,
+    constraints: &Constraints,
+    index: usize,
+    pose: &Pose,
+) -> (Objective, Solver<Pose>) {
+    let PreparedFit { views, distances, start, .. } = prepared;
+    let stage = options.stages[index];
+    let mut objective = Objective::new(Arc::clone(model), views, distances, options, stage, start.clone());
+    objective.constraints = constraints.clone();
+    // A wide stage begins far off: there every pixel would be doubted.
+    if options.pixel_loss != Loss::Squares && index > 0 && index + DOUBTING_STAGES >= options.stages.len() {
+        objective.doubt_pixels(pose, options.pixel_loss);
+    }
+    let solver = Solver::new(&mut objective, pose.clone(), options.solver_options(&stage));
+    (objective, solver)
 }

@@ -30,7 +30,7 @@ pub struct Objective {
     stage: Stage,
     cameras: Vec<CameraTerm>,
     reference: Pose,
-    constraints: Constraints,
+    pub(super) constraints: Constraints,
     kinematics: Kinematics,
     world: WorldBlocks,
     /// What cues pull, apart from the pixels.
@@ -129,11 +129,6 @@ impl Objective {
         }
     }
 
-    /// Constrains the pose.
-    pub(super) fn constrain(&mut self, constraints: Constraints) {
-        self.constraints = constraints;
-    }
-
     /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, cues, rest and limits, without any pull to another
     /// pose. In tangent columns and as if every pixel were sampled.
     pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
@@ -169,48 +164,28 @@ impl Objective {
         self.cue_blocks.add_to(&self.kinematics, parameters, &mut self.map, equations);
     }
 
-    fn add_interpenetration(&mut self, equations: &mut NormalEquations) {
-        let Some(pairs) = &self.pairs else { return };
-        let weight = self.prior_unit() * self.options.interpenetration_weight;
-        let (parameters, columns) = (self.options.parameters, &mut self.map.columns);
-        interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
-    }
-
-    fn add_own(&self, pose: &Pose, equations: &mut NormalEquations) {
-        let (model, kinematics, unit) = (&*self.model, &self.kinematics, self.prior_unit());
-        let at = ResidualPoint { model, pose, kinematics, parameters: self.options.parameters, unit };
-        self.constraints.residuals.iter().for_each(|residual| residual.add(&at, equations));
-    }
-
-    fn add_learnt(&self, equations: &mut NormalEquations) {
-        if let Some(prior) = &self.prior {
-            let (parameters, unit) = (self.options.parameters, self.prior_unit());
-            prior.add(equations, parameters, &self.model, &self.kinematics, unit);
-        }
-    }
-
-    fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
-        let (options, unit) = (&self.options, self.prior_unit());
-        let parameters = options.parameters;
+    /// What pulls to another pose: the motion so far, or else the fit's start.
+    fn add_proximal(&self, pose: &Pose, equations: &mut NormalEquations) {
+        let options = &self.options;
         if let Some(prior) = &self.constraints.motion {
             let scale = 1.0 / (self.stage.stride * self.stage.stride) as f64;
-            motion_prior::add(equations, parameters, pose, prior, scale);
+            motion_prior::add(equations, options.parameters, pose, prior, scale);
         } else if options.proximal_weight > 0.0 {
-            let weight = unit * options.proximal_weight;
+            let weight = self.prior_unit() * options.proximal_weight;
             let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
-            pose_prior::add_proximal(equations, parameters, pose, &self.reference, weight, root, loss);
+            let reference = &self.reference;
+            pose_prior::add_proximal(equations, options.parameters, pose, reference, weight, root, loss);
         }
-        self.add_anatomy(pose, parameters, equations);
     }
 
     /// What bodies do: limbs untwisted, joints within their limits.
     fn add_anatomy(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
-        let (options, unit) = (&self.options, self.prior_unit());
+        let (options, model, unit) = (&self.options, &self.model, self.prior_unit());
         if options.rest_weight > 0.0 {
-            pose_prior::add_rest(equations, parameters, &self.model, pose, unit * options.rest_weight);
+            pose_prior::add_rest(equations, parameters, model, pose, unit * options.rest_weight);
         }
         if options.limit_weight > 0.0 {
-            pose_prior::add_limits(equations, parameters, &self.model, pose, unit * options.limit_weight);
+            pose_prior::add_limits(equations, parameters, model, pose, unit * options.limit_weight);
         }
     }
 
@@ -228,9 +203,7 @@ impl Objective {
             equations.jtr[column] = 0.0;
         }
     }
-}
 
-impl Objective {
     /// Renders the pose in every camera: costs and world blocks.
     fn look(&mut self, pose: &Pose) {
         let (model, options, ramp) = (&self.model, &self.options, self.stage.ramp);
@@ -263,13 +236,21 @@ impl LeastSquares for Objective {
     fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
         self.look(pose);
         equations.cost += self.silhouette_cost;
-        let parameters = self.options.parameters;
+        let (parameters, unit) = (self.options.parameters, self.prior_unit());
         self.world.add_to(&self.kinematics, parameters, &mut self.map, equations);
         self.add_cues(parameters, equations);
-        self.add_priors(pose, equations);
-        self.add_interpenetration(equations);
-        self.add_learnt(equations);
-        self.add_own(pose, equations);
+        self.add_proximal(pose, equations);
+        self.add_anatomy(pose, parameters, equations);
+        let (model, kinematics) = (&*self.model, &self.kinematics);
+        if let Some(pairs) = &self.pairs {
+            let (weight, columns) = (unit * self.options.interpenetration_weight, &mut self.map.columns);
+            interpenetration::add(equations, parameters, model, kinematics, pairs, weight, columns);
+        }
+        if let Some(prior) = &self.prior {
+            prior.add(equations, parameters, model, kinematics, unit);
+        }
+        let at = ResidualPoint { model, pose, kinematics, parameters, unit };
+        self.constraints.residuals.iter().for_each(|residual| residual.add(&at, equations));
         self.hold(equations);
     }
 
@@ -317,7 +298,6 @@ mod tests {
     use crate::fit::Fit;
     use crate::fixtures;
     use crate::prior::{BodyDirection, PosePrior, PriorPart, StepStatistics, StudentComponent};
-
     use crate::residual::learnt_prior::LearntPrior;
 
     /// People who hold their right arm ahead of them.

@@ -60,6 +60,20 @@ fn full_weight() -> f64 {
     1.0
 }
 
+impl Stage {
+    /// One of the robust preset's: distances, whose ramp narrows outside only.
+    pub(crate) fn robust(outer_px: f64, stride: usize, iterations: usize) -> Self {
+        Self {
+            ramp: Ramp::Distance { inner_px: ROBUST_INNER_PX, outer_px },
+            data: DataView::Distance,
+            stride,
+            iterations,
+            tolerance: Some(1e-3),
+            priors: 1.0,
+        }
+    }
+}
+
 /// Every choice of a fit.
 ///
 /// Prior weights are in 255² squared grey levels per rad² at stride 1; at stride s they are divided by s², as
@@ -198,9 +212,31 @@ impl FitOptions {
 
     /// The choices of a preset.
     pub fn preset(preset: Preset) -> Self {
+        let robust = Self {
+            renderer: RendererKind::Capsule,
+            parameters: Parameters::Tangent,
+            method: Method::LevenbergMarquardt,
+            damping: 0.01,
+            stages: [(24.0, 4), (12.0, 4), (6.0, 4), (3.0, 2), (1.5, 2)]
+                .map(|(outer_px, stride)| Stage::robust(outer_px, stride, 12))
+                .to_vec(),
+            to_scale: true,
+            skip_when_tracking: 1,
+            proximal_weight: 30.0,
+            proximal_root_factor: 11.0,
+            proximal_loss: Loss::Squares,
+            pixel_loss: Loss::Squares,
+            rest_weight: 30.0,
+            limit_weight: 300.0,
+            interpenetration_weight: 0.0,
+            prior: None,
+            largest_turn: Some(0.3),
+            largest_move: Some(0.15),
+            run_all: false,
+        };
         match preset {
+            Preset::Robust => robust,
             Preset::Report => Self {
-                renderer: RendererKind::Capsule,
                 parameters: Parameters::Raw,
                 method: Method::GaussNewton,
                 damping: 0.1,
@@ -215,45 +251,11 @@ impl FitOptions {
                 to_scale: false,
                 skip_when_tracking: 0,
                 proximal_weight: 0.0,
-                proximal_root_factor: 11.0,
-                proximal_loss: Loss::Squares,
-                pixel_loss: Loss::Squares,
                 rest_weight: 0.0,
                 limit_weight: 0.0,
-                interpenetration_weight: 0.0,
-                prior: None,
                 largest_turn: None,
                 largest_move: None,
-                run_all: false,
-            },
-            Preset::Robust => Self {
-                renderer: RendererKind::Capsule,
-                parameters: Parameters::Tangent,
-                method: Method::LevenbergMarquardt,
-                damping: 0.01,
-                stages: [(24.0, 4), (12.0, 4), (6.0, 4), (3.0, 2), (1.5, 2)]
-                    .map(|(outer_px, stride)| Stage {
-                        ramp: Ramp::Distance { inner_px: ROBUST_INNER_PX, outer_px },
-                        data: DataView::Distance,
-                        stride,
-                        iterations: 12,
-                        tolerance: Some(1e-3),
-                        priors: 1.0,
-                    })
-                    .to_vec(),
-                to_scale: true,
-                skip_when_tracking: 1,
-                proximal_weight: 30.0,
-                proximal_root_factor: 11.0,
-                proximal_loss: Loss::Squares,
-                pixel_loss: Loss::Squares,
-                rest_weight: 30.0,
-                limit_weight: 300.0,
-                interpenetration_weight: 0.0,
-                prior: None,
-                largest_turn: Some(0.3),
-                largest_move: Some(0.15),
-                run_all: false,
+                ..robust
             },
         }
     }
@@ -323,11 +325,9 @@ impl FitOptions {
         if self.stages.is_empty() {
             return Err(OptionsError::NoStages);
         }
-        if !self.pixel_loss.is_valid() {
-            return Err(OptionsError::Loss { field: "pixel_loss" });
-        }
-        if !self.proximal_loss.is_valid() {
-            return Err(OptionsError::Loss { field: "proximal_loss" });
+        let losses = [("pixel_loss", self.pixel_loss), ("proximal_loss", self.proximal_loss)];
+        if let Some(&(field, _)) = losses.iter().find(|(_, loss)| !loss.is_valid()) {
+            return Err(OptionsError::Loss { field });
         }
         for (index, stage) in self.stages.iter().enumerate() {
             if !is_weight(stage.priors) {
@@ -342,8 +342,7 @@ impl FitOptions {
             if !stage.ramp.is_valid() {
                 return Err(OptionsError::Ramp { index, ramp: stage.ramp });
             }
-            let is_distance = matches!(stage.ramp, Ramp::Distance { .. });
-            if stage.data == DataView::Distance && !is_distance {
+            if stage.data == DataView::Distance && !matches!(stage.ramp, Ramp::Distance { .. }) {
                 return Err(OptionsError::DistanceData { index });
             }
         }

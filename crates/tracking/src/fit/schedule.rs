@@ -168,15 +168,16 @@ mod tests {
     use crate::fixtures;
     use crate::silhouette::Measurement;
 
+    fn outer_px(stage: &Stage) -> f64 {
+        match stage.ramp {
+            Ramp::Distance { outer_px, .. } => outer_px,
+            _ => 0.0,
+        }
+    }
+
     #[test]
     fn the_presets_stages_grow_with_the_limbs() {
-        let outer = |options: &FitOptions| -> Vec<f64> {
-            let width = |stage: &Stage| match stage.ramp {
-                Ramp::Distance { outer_px, .. } => outer_px,
-                _ => 0.0,
-            };
-            options.stages.iter().map(width).collect()
-        };
+        let outer = |options: &FitOptions| options.stages.iter().map(outer_px).collect::<Vec<f64>>();
         let preset = FitOptions::default();
         let scale = |thinnest_px| ApparentSize { person_px: 300.0, thinnest_px, cameras: 2 };
         for thinnest_px in [0.0, 3.3, 6.4, f64::INFINITY, f64::NAN] {
@@ -225,11 +226,7 @@ mod tests {
             let scale = ApparentSize { person_px, thinnest_px, cameras: 2 };
             let options = FitOptions::default().scaled_to(&scale);
             assert_eq!(options.check(), Ok(()), "{scale:?}");
-            let outer = |stage: &Stage| match stage.ramp {
-                Ramp::Distance { outer_px, .. } => outer_px,
-                _ => 0.0,
-            };
-            assert!(options.stages.windows(2).all(|two| outer(&two[0]) >= outer(&two[1])), "{scale:?}");
+            assert!(options.stages.windows(2).all(|two| outer_px(&two[0]) >= outer_px(&two[1])), "{scale:?}");
             assert_eq!(options.final_ramp(), Ramp::Half);
         }
         let scale = |thinnest_px| ApparentSize { person_px: 1e3, thinnest_px, cameras: 2 };

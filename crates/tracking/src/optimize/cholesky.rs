@@ -23,9 +23,9 @@ type Quad = [f64; PANEL];
 /// Four columns of four rows.
 type Block = [Quad; PANEL];
 
-/// L and D of A = L D Lᵀ, with memory that is used again.
+/// L and D of A = L D Lᵀ, with memory that is used again from step to step.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Cholesky {
+pub struct Cholesky {
     /// L, panel by panel, its rows and columns from the last to the first; above the diagonal anything.
     factor: Vec<Block>,
     /// 1/D.

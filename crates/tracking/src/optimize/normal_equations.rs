@@ -22,12 +22,6 @@ pub struct NormalEquations {
     pub cost: f64,
 }
 
-/// Memory of [`NormalEquations::step_into`], used again from step to step.
-#[derive(Debug, Clone, Default)]
-pub struct StepMemory {
-    cholesky: Cholesky,
-}
-
 impl NormalEquations {
     /// No residual yet.
     pub fn zeros(columns: usize) -> Self {
@@ -62,16 +56,16 @@ impl NormalEquations {
     /// pseudo-inverse's step is taken, which leaves null directions alone. Zeros if nothing pulls.
     pub fn step(&self, damping: f64) -> DVector<f64> {
         let mut step = DVector::zeros(self.columns());
-        self.step_into(damping, &mut StepMemory::default(), &mut step);
+        self.step_into(damping, &mut Cholesky::default(), &mut step);
         step
     }
 
     /// The same into `step`, which must have as many entries as there are columns. Damped steps allocate
     /// nothing once `memory` has grown.
-    pub fn step_into(&self, damping: f64, memory: &mut StepMemory, step: &mut DVector<f64>) {
+    pub fn step_into(&self, damping: f64, memory: &mut Cholesky, step: &mut DVector<f64>) {
         let added = damping * self.mean_diagonal();
-        if added > 0.0 && memory.cholesky.factor(&self.jtj, |_| added) {
-            memory.cholesky.solve(&self.jtr, step);
+        if added > 0.0 && memory.factor(&self.jtj, |_| added) {
+            memory.solve(&self.jtr, step);
             return;
         }
         let eigen = self.jtj.clone().symmetric_eigen();
@@ -89,14 +83,14 @@ impl NormalEquations {
         &self,
         damping: f64,
         scale: &DVector<f64>,
-        memory: &mut StepMemory,
+        memory: &mut Cholesky,
         step: &mut DVector<f64>,
     ) -> bool {
         // A column of zeros may have any scale: its step is zero.
         let added = |column: usize| damping * if scale[column] > 0.0 { scale[column] } else { 1.0 };
-        let is_positive = memory.cholesky.factor(&self.jtj, added);
+        let is_positive = memory.factor(&self.jtj, added);
         if is_positive {
-            memory.cholesky.solve(&self.jtr, step);
+            memory.solve(&self.jtr, step);
         }
         is_positive && step.iter().all(|x| x.is_finite())
     }
@@ -108,6 +102,17 @@ impl NormalEquations {
             if norms > 0.0 { jtr.abs() / norms } else { 0.0 }
         };
         self.jtr.iter().enumerate().map(cosine).fold(0.0, f64::max)
+    }
+
+    /// Adds w ρ² of one residual whose row of J has these columns that are not zero.
+    pub(crate) fn add_row(&mut self, row: &[(usize, f64)], residual: f64, weight: f64) {
+        self.cost += weight * residual * residual;
+        for &(i, a) in row {
+            self.jtr[i] += weight * a * residual;
+            for &(j, b) in row {
+                self.jtj[(i, j)] += weight * a * b;
+            }
+        }
     }
 
     /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.

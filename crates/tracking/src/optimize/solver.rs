@@ -175,13 +175,7 @@ impl<P: Clone> Solver<P> {
         if self.termination.is_some() {
             return None;
         }
-        match self.attempt(problem) {
-            Ok(iteration) => Some(iteration),
-            Err(termination) => {
-                self.termination = Some(termination);
-                None
-            }
-        }
+        self.attempt(problem).inspect_err(|termination| self.termination = Some(*termination)).ok()
     }
 
     /// Solves for the next step. Why there is none, if so.
@@ -218,15 +212,12 @@ impl<P: Clone> Solver<P> {
             return Some(Termination::ConvergedByGradient { tolerance });
         }
         let gain = gain.filter(|_| self.options.method == Method::LevenbergMarquardt);
-        let gains_little = |full_step: &DVector<f64>| {
-            gain.filter(|gain| equations.predicted_decrease(full_step) <= gain * equations.cost)
-        };
-        let is_short = |full_step: &DVector<f64>| step.filter(|&step| full_step.amax() <= step);
         let found = |full_step: &DVector<f64>| {
-            let by_step = is_short(full_step).map(|tolerance| Termination::ConvergedByStep { tolerance });
-            by_step.or_else(|| {
-                gains_little(full_step).map(|tolerance| Termination::ConvergedByGain { tolerance })
-            })
+            if let Some(tolerance) = step.filter(|&step| full_step.amax() <= step) {
+                return Some(Termination::ConvergedByStep { tolerance });
+            }
+            let gains_little = |&gain: &f64| equations.predicted_decrease(full_step) <= gain * equations.cost;
+            gain.filter(gains_little).map(|tolerance| Termination::ConvergedByGain { tolerance })
         };
         let found_now = found(full_step);
         if found_now.is_none()

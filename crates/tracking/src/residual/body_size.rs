@@ -16,8 +16,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
+use super::RowSums;
 use crate::body::{Kinematics, Model, MovingColumn, Parameters, SizeKind, Sizes};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
@@ -32,24 +33,8 @@ pub(crate) const COMPONENTS: usize = 8;
 /// radius.
 pub(crate) type SizeVector = SVector<f64, COMPONENTS>;
 
-/// Σ w h hᵀ and Σ w h ρ of one limb, world axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SizeBlock {
-    products: SMatrix<f64, COMPONENTS, COMPONENTS>,
-    forces: SizeVector,
-}
-
-impl Default for SizeBlock {
-    fn default() -> Self {
-        Self { products: SMatrix::zeros(), forces: SizeVector::zeros() }
-    }
-}
-
-impl SizeBlock {
-    fn is_empty(&self) -> bool {
-        self.products.trace() == 0.0
-    }
-}
+/// The sums of one limb, world axes.
+pub(crate) type SizeBlock = RowSums<COMPONENTS>;
 
 /// One camera's data in one frame, every `stride`-th pixel.
 #[derive(Debug, Clone)]
@@ -107,9 +92,7 @@ impl SizeData {
                 if row.level(x) > 0.0
                     && let Some(h) = size_vector(view, &view.primitives()[winner], camera, ramp, [x, y])
                 {
-                    let block = &mut blocks[view.primitives()[winner].limb];
-                    block.products.ger(weight, &h, &h, 1.0);
-                    block.forces.axpy(weight * residual, &h, 1.0);
+                    blocks[view.primitives()[winner].limb].add(&h, weight, residual);
                 }
             }
         }

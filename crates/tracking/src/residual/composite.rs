@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pulp::Simd;
 
+use super::RowSums;
 use crate::render::JointBlock;
 
 /// Four numbers that are worked on at once.
@@ -32,7 +33,8 @@ pub(super) struct Composite {
 
 impl Composite {
     /// Of wrenches about the same point.
-    pub(super) fn of_wrenches(products: &SMatrix<f64, 7, 7>, forces: &SVector<f64, 7>) -> Self {
+    pub(super) fn of_wrenches(sums: &RowSums<7>) -> Self {
+        let RowSums { products, forces } = sums;
         let mut this = Self::default();
         for i in 0..3 {
             for j in 0..3 {
@@ -99,13 +101,14 @@ impl Composite {
     }
 
     /// The sums as a matrix and a vector of force, moment and stretch.
-    pub(super) fn as_matrix(&self) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
+    pub(super) fn as_matrix(&self) -> RowSums<7> {
         let products = SMatrix::from_fn(|i, j| match (i.min(j), i.max(j)) {
             (i, j) if j < 3 => self.ff[i][j],
             (i, j) if i < 3 => self.ft[i][j - 3],
             (i, j) => self.tt[i - 3][j - 3],
         });
-        (products, SVector::from_fn(|i, _| if i < 3 { self.f[i] } else { self.t[i - 3] }))
+        let forces = SVector::from_fn(|i, _| if i < 3 { self.f[i] } else { self.t[i - 3] });
+        RowSums { products, forces }
     }
 }
 

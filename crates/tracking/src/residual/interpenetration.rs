@@ -75,12 +75,11 @@ pub fn add(
     weight: f64,
     columns: &mut Vec<MovingColumn>,
 ) {
-    let mut row = Vec::new();
+    let mut row = vec![0.0; equations.columns()];
+    let mut entries = Vec::new();
     for &(first, second) in &pairs.0 {
         let Some(contact) = contact(model, kinematics, first, second) else { continue };
-        equations.cost += weight * contact.depth * contact.depth;
-        row.clear();
-        row.resize(equations.columns(), 0.0);
+        row.fill(0.0);
         for (limb, point, sign) in [(first, contact.on_first, 1.0), (second, contact.on_second, -1.0)] {
             kinematics.moving_columns_into(limb, parameters, columns);
             let arm = point - kinematics.starts()[limb];
@@ -91,12 +90,9 @@ pub fn add(
             }
         }
         // ρ pushes d up: ∂(prediction)/∂X is the row itself.
-        for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            equations.jtr[i] += weight * a * contact.depth;
-            for (j, b) in row.iter().enumerate() {
-                equations.jtj[(i, j)] += weight * a * b;
-            }
-        }
+        entries.clear();
+        entries.extend(row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0));
+        equations.add_row(&entries, contact.depth, weight);
     }
 }
 

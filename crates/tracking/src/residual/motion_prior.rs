@@ -62,16 +62,11 @@ fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<
         let jacobian = left_jacobian_inverse(phi);
         let first = step.len();
         step.extend(phi.to_array());
-        match parameters {
-            Parameters::Tangent => {
-                rates.extend(DVec3::AXES.into_iter().map(|axis| StepRate { first, by: jacobian * axis }));
-            }
-            Parameters::Raw => {
-                rates.extend(
-                    raw_rates(*q).into_iter().map(|(turn, _)| StepRate { first, by: jacobian * turn }),
-                );
-            }
-        }
+        let turns = match parameters {
+            Parameters::Tangent => DVec3::AXES.to_vec(),
+            Parameters::Raw => raw_rates(*q).map(|(turn, _)| turn).to_vec(),
+        };
+        rates.extend(turns.into_iter().map(|turn| StepRate { first, by: jacobian * turn }));
     }
     (DVector::from_vec(step), rates)
 }

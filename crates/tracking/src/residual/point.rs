@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::pose_prior;
 use crate::body::{Kinematics, Parameters};
 use crate::optimize::NormalEquations;
 
@@ -27,10 +28,7 @@ pub fn add(
     let Some(limb) = point.limb else {
         let residual = point.target - root;
         equations.cost += point.weight * residual.length_squared();
-        for axis in 0..3 {
-            equations.jtj[(axis, axis)] += point.weight;
-            equations.jtr[axis] += point.weight * residual[axis];
-        }
+        pose_prior::add_root(equations, residual, point.weight);
         return;
     };
     let residual = point.target - kinematics.ends()[limb];

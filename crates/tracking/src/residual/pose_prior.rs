@@ -136,7 +136,7 @@ fn outside(limb: &Limb, limits: JointLimits, turn: DQuat) -> DVec3 {
     )
 }
 
-fn add_root(equations: &mut NormalEquations, residual: DVec3, weight: f64) {
+pub(super) fn add_root(equations: &mut NormalEquations, residual: DVec3, weight: f64) {
     for axis in 0..3 {
         equations.jtj[(axis, axis)] += weight;
         equations.jtr[axis] += weight * residual[axis];

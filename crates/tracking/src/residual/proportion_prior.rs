@@ -184,17 +184,17 @@ pub(crate) fn add(
         // The prediction is θ − μ − g − λ b, the datum 0.
         let row = [(first + index, 1.0), (size_column, -1.0), (girth_column, -spread.by_stoutness)];
         let residual = spread.mean + body.size + spread.by_stoutness * body.girth - theta;
-        add_row(equations, &row, residual, weigh(slack * spread.deviation));
+        equations.add_row(&row, residual, weigh(slack * spread.deviation));
     }
     for &(radius, next) in &prior.neighbours {
         let off = |index: usize| body.log_ratios[index] - prior.spreads[index].mean;
         let row = [(first + radius, 1.0), (first + next, -1.0)];
-        add_row(equations, &row, off(next) - off(radius), weigh(slack * prior.neighbour));
+        equations.add_row(&row, off(next) - off(radius), weigh(slack * prior.neighbour));
     }
-    add_row(equations, &[(size_column, 1.0)], -body.size, weigh(prior.size));
-    add_row(equations, &[(girth_column, 1.0)], -body.girth, weigh(prior.stoutness));
+    equations.add_row(&[(size_column, 1.0)], -body.size, weigh(prior.size));
+    equations.add_row(&[(girth_column, 1.0)], -body.girth, weigh(prior.stoutness));
     if let Some(deviation_px) = widening_deviation_px {
-        add_row(equations, &[(girth_column + 1, 1.0)], -body.widening_px, weigh(deviation_px));
+        equations.add_row(&[(girth_column + 1, 1.0)], -body.widening_px, weigh(deviation_px));
     }
 }
 
@@ -213,16 +213,6 @@ fn neighbours(sizes: &Sizes) -> impl Iterator<Item = (usize, usize)> {
         let next = radius_of(next).filter(|&next| next != radius)?;
         (parameter.kind == SizeKind::Radius && is_inner).then_some((radius, next))
     })
-}
-
-fn add_row(equations: &mut NormalEquations, row: &[(usize, f64)], residual: f64, weight: f64) {
-    equations.cost += weight * residual * residual;
-    for &(i, a) in row {
-        equations.jtr[i] += weight * a * residual;
-        for &(j, b) in row {
-            equations.jtj[(i, j)] += weight * a * b;
-        }
-    }
 }
 
 #[cfg(test)]

@@ -6,15 +6,15 @@
 use std::ops::Range;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use pulp::{Simd, WithSimd};
 
+use super::RowSums;
 use super::composite::{Composite, JointSums};
 use super::loss::Loss;
 pub use super::state_map::StateMap;
-use crate::body::{Kinematics, Parameters};
+use crate::body::Kinematics;
 use crate::camera::Camera;
-use crate::optimize::NormalEquations;
 use crate::processor::run_in_four_f64s;
 use crate::render::wrench::{Wrench, WrenchBlock};
 use crate::render::{BACKGROUND, Lanes, PixelGrid, Primitive, RowWinners, View, prediction};
@@ -168,7 +168,7 @@ pub struct KernelMemory {
 pub struct WorldBlocks {
     joints: Vec<JointSums>,
     /// Of limbs whose pull is not all at their joints.
-    wrenches: Vec<Option<(SMatrix<f64, 7, 7>, SVector<f64, 7>)>>,
+    wrenches: Vec<Option<RowSums<7>>>,
 }
 
 impl WorldBlocks {
@@ -185,9 +185,7 @@ impl WorldBlocks {
 
     /// Whether no pixel of any camera pulls at any limb: the body is out of every picture.
     pub fn is_empty(&self) -> bool {
-        let no_wrench = |sums: &Option<(SMatrix<f64, 7, 7>, _)>| {
-            sums.as_ref().is_none_or(|(products, _)| products.trace() == 0.0)
-        };
+        let no_wrench = |sums: &Option<RowSums<7>>| sums.as_ref().is_none_or(RowSums::is_empty);
         self.joints.iter().all(JointSums::is_empty) && self.wrenches.iter().all(no_wrench)
     }
 
@@ -199,29 +197,16 @@ impl WorldBlocks {
             if !block.has_no_wrench() {
                 let (products, forces) = block.in_world(camera_from_world);
                 let sums = self.wrenches[limb].get_or_insert_with(Default::default);
-                sums.0 += products * weight;
-                sums.1 += forces * weight;
+                sums.products += products * weight;
+                sums.forces += forces * weight;
             }
         }
     }
 
     /// Adds one row: a wrench in world axes with its weight and its residual.
     pub(crate) fn add_wrench(&mut self, limb: usize, wrench: Wrench, weight: f64, residual: f64) {
-        let h = SVector::from(wrench.to_array());
-        let (products, forces) = self.wrenches[limb].get_or_insert_with(Default::default);
-        products.ger(weight, &h, &h, 1.0);
-        forces.axpy(weight * residual, &h, 1.0);
-    }
-
-    /// Maps the sums to the state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm, over the columns that move each limb.
-    pub fn add_to(
-        &self,
-        kinematics: &Kinematics,
-        parameters: Parameters,
-        map: &mut StateMap,
-        equations: &mut NormalEquations,
-    ) {
-        map.add(self, kinematics, parameters, equations);
+        let sums = self.wrenches[limb].get_or_insert_with(Default::default);
+        sums.add(&SVector::from(wrench.to_array()), weight, residual);
     }
 
     /// All that pulls at a limb, about its first joint.
@@ -235,8 +220,8 @@ impl WorldBlocks {
     ) {
         let axis = kinematics.ends()[limb] - kinematics.starts()[limb];
         *composite = self.joints[limb].composite(simd, axis);
-        if let Some((products, forces)) = &self.wrenches[limb] {
-            composite.add(simd, &Composite::of_wrenches(products, forces));
+        if let Some(sums) = &self.wrenches[limb] {
+            composite.add(simd, &Composite::of_wrenches(sums));
         }
     }
 }

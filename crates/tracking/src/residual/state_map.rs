@@ -19,9 +19,10 @@
 #![expect(clippy::needless_range_loop, reason = "blocks are written by their rows and columns")]
 
 use glam::DVec3;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use pulp::{Simd, WithSimd};
 
+use super::RowSums;
 use super::composite::{Composite, Quad, add_combined, add_lifted};
 use super::silhouette::WorldBlocks;
 use crate::body::{Branches, Kinematics, MovingColumn, Parameters};
@@ -41,17 +42,17 @@ pub struct StateMap {
     rates: Vec<[Quad; 4]>,
 }
 
-impl StateMap {
-    /// Adds the sums of all limbs.
-    pub(super) fn add(
-        &mut self,
-        blocks: &WorldBlocks,
+impl WorldBlocks {
+    /// Maps the sums to the state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm, over the columns that move each limb.
+    pub fn add_to(
+        &self,
         kinematics: &Kinematics,
         parameters: Parameters,
+        map: &mut StateMap,
         equations: &mut NormalEquations,
     ) {
-        self.limbs.resize(kinematics.limb_count(), Composite::default());
-        run_in_four_f64s(Add { map: self, blocks, kinematics, parameters, equations });
+        map.limbs.resize(kinematics.limb_count(), Composite::default());
+        run_in_four_f64s(Add { map, blocks: self, kinematics, parameters, equations });
     }
 }
 
@@ -239,7 +240,7 @@ fn add_block<const ROWS: usize, const COLUMNS: usize>(
 
 /// Adds a limb's own sums over the columns that move it.
 fn add_limb(composite: &Composite, columns: &[MovingColumn], equations: &mut NormalEquations) {
-    let (products, forces): (SMatrix<f64, 7, 7>, SVector<f64, 7>) = composite.as_matrix();
+    let RowSums { products, forces } = composite.as_matrix();
     for (first, a) in columns.iter().enumerate() {
         let motion = SVector::from(a.motion);
         let pushed = products * motion;
