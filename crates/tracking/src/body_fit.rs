@@ -10,20 +10,8 @@
 //! chooses frames, fits, judges by frames held out, and says what it doubts. Then [`OwnSizes::model`] is the person, and
 //! [`OwnSizes::as_seen`] the body to track with on masks as they are.
 //!
-//! | file | holds |
-//! |---|---|
-//! | `options` | [`BodyFitOptions`]: every choice: stages, proportions, which sizes are free |
-//! | [`scale`] | a first guess of the body's size: from known joints, or from silhouettes' places and areas |
-//! | `problem` | poses and sizes as one least-squares problem |
-//! | `fit` | [`fit_body`]: stage after stage; [`fit_body_from`] begins with sizes that are about right |
-//! | `approach` | [`approach()`]: from one frame's start to the poses of several frames, by tracking |
-//! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
-//! | [`widening`] | silhouettes that are too wide all round: an unknown of its own, and what to do about it |
-//! | `own_sizes` | [`own_sizes()`]: all of it in one go, judged by frames held out |
-//! | `person` | [`find_person`]: a start, the right size and own sizes, from nothing but silhouettes |
-//! | [`usable`] | silhouettes that cannot be a person's |
-//! | [`survey`](mod@survey) | those of a few frames, looked at before a take is tracked |
-//! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
+//! Silhouettes that cannot be a person's are told beforehand ([`usable`], [`survey`](mod@survey)); [`find_person`] needs
+//! nothing but silhouettes.
 
 #[doc(inline)]
 pub use crate::body_spheres;

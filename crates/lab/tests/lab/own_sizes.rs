@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_lab::synthetic::{capsules, motion, people::PEOPLE, studio};
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::body_fit::usable::Unusable;
+use backlit_tracking::body_fit::usable::{LeftOut, Unusable};
 use backlit_tracking::body_fit::{
     BodyFitError, BodyFitOptions, BodyFrame, Doubt, OwnSizes, OwnSizesError, OwnSizesOptions, PosedFrame,
     fit_body, own_sizes,
@@ -134,9 +134,9 @@ fn takes_that_cannot_be_right_are_refused() {
         }
     };
     let refused = |change| match sizes_of(&track(&body, 0.05), as_seen(change)) {
-        Err(OwnSizesError::Unusable { because, others, .. }) => {
+        Err(OwnSizesError::Unusable { worst, others }) => {
             assert_eq!(others, MOMENTS.len() * 4 - 1);
-            because
+            worst.because
         }
         other => panic!("{other:?}"),
     };
@@ -155,7 +155,7 @@ fn takes_that_cannot_be_right_are_refused() {
     };
     let options = BodyFitOptions::default();
     let alone = fit_body(Arc::new(body.clone()), vec![frame], None, &options, &CancelToken::new(), |_| {});
-    assert!(matches!(alone, Err(BodyFitError::Unusable { frame: 3, .. })), "{alone:?}");
+    assert!(matches!(alone, Err(BodyFitError::Unusable(LeftOut { frame: 3, .. }))), "{alone:?}");
     // One camera that says nothing is left out, and said.
     let (seen, dark) = (as_seen(|_, label| label), as_seen(black));
     let mixed = |frame: usize| {

@@ -10,12 +10,11 @@ use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
 use super::usable::{LeftOut, Unusable, usable_views, worst};
-use super::widening::{self, Widening};
-use crate::body::{Kinematics, Model, ModelError, Pose, PoseError, Sizes};
+use super::widening::Widening;
+use crate::body::{Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
-use crate::fit::{Evidence, FitError, LEAST_SCALE, Stage};
+use crate::fit::{FitError, LEAST_SCALE, Stage};
 use crate::optimize::{Method, Solver, SolverOptions, Termination, Tolerances};
-use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
 
@@ -38,8 +37,8 @@ pub struct BodyProgress {
 pub enum BodyFitError {
     #[error("frame {frame}: {error}")]
     Frame { frame: usize, error: FitError },
-    #[error("camera \"{camera}\" in frame {frame}: {because}; no silhouette of any frame can be used")]
-    Unusable { camera: String, frame: usize, because: Unusable },
+    #[error("camera \"{}\" in frame {}: {}; no silhouette of any frame can be used", .0.camera, .0.frame, .0.because)]
+    Unusable(LeftOut),
     #[error("no frame was given")]
     NoFrames,
     #[error("`stages` is empty; expected at least one stage")]
@@ -141,24 +140,21 @@ fn fit(
     let inputs = Inputs { sizes, frames: &frames, distances: &distances };
     let mut descent = descend(&inputs, begin, options, first, cancel, progress)?;
     let first_rms = descent.rms[0];
-    let mut found = descent.widening;
-    if let Some(widening) = &mut found {
+    if let Some(widening) = &mut descent.widening {
         widening.is_believed = widening.px.abs() > SURE * widening.deviation_px;
         if !widening.is_believed {
             let plain = BodyFitOptions { widening: 0.0, ..options.clone() };
             let first = options.stages.len().saturating_sub(LAST_STAGES);
             let body = BodySizes { widening_px: 0.0, ..descent.state.body };
             let begin = BodyState { poses: descent.state.poses, body };
-            let iterations = descent.iterations;
-            descent = descend(&inputs, begin, &plain, first, cancel, progress)?;
-            descent.iterations += iterations;
+            let again = descend(&inputs, begin, &plain, first, cancel, progress)?;
+            let iterations = descent.iterations + again.iterations;
+            descent = Descent { iterations, widening: descent.widening, ..again };
         }
     }
+    descent.rms[0] = first_rms;
     let iou = [overlap_before, overlap(sizes, &descent.state, &frames)];
-    let rms = [first_rms, descent.rms[1]];
-    let numbers = frames.iter().map(|frame| frame.frame).collect();
-    let fit = report::summary(sizes, descent, found, options, numbers, rms, iou)?;
-    Ok(BodyFit { left_out, ..fit })
+    Ok(BodyFit { left_out, ..report::summary(sizes, descent, options, &frames, iou)? })
 }
 
 /// What every stage looks at.
@@ -273,30 +269,16 @@ fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<(Vec<BodyFrame>, 
     if !frames.is_empty() {
         return Ok((frames, left_out));
     }
-    if let Some(LeftOut { frame, camera, because }) = worst(&left_out)
-        && *because != Unusable::Nobody
-    {
-        return Err(BodyFitError::Unusable { camera: camera.clone(), frame: *frame, because: *because });
+    if let Some(worst) = worst(left_out.iter()).filter(|worst| worst.because != Unusable::Nobody) {
+        return Err(BodyFitError::Unusable(worst.clone()));
     }
     let reasons = "no frame has a silhouette in any camera that counts".to_owned();
     Err(BodyFitError::Frame { frame: first, error: FitError::NoData { reasons } })
 }
 
 /// IoU of model and masks, all frames and cameras together; `None` without masks.
-fn overlap(sizes: &Sizes, state: &BodyState, frames: &[BodyFrame]) -> Option<f64> {
-    let model = sizes.model(&state.body.log_ratios, state.body.size).ok()?;
-    let mut sum: Option<Overlap> = None;
-    for (frame, pose) in frames.iter().zip(&state.poses) {
-        let kinematics = Kinematics::new(&model, pose);
-        for view in &frame.views {
-            let Evidence::Mask(mask) = &view.evidence else { continue };
-            let metres_per_px = widening::metres_per_px(&kinematics, &view.camera);
-            let wide = widening::widened(&model, &metres_per_px, state.body.widening_px);
-            let drawn = View::new(&wide, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
-            if let Ok(overlap) = Overlap::between(mask, &prediction::lambda(&drawn)) {
-                sum = Some(sum.map_or(overlap, |sum| sum.merge(overlap)));
-            }
-        }
-    }
-    sum.and_then(|overlap| overlap.iou())
+fn overlap(sizes: &Sizes, BodyState { poses, body }: &BodyState, frames: &[BodyFrame]) -> Option<f64> {
+    let model = sizes.model(&body.log_ratios, body.size).ok()?;
+    let of_frame = |(frame, pose): (&BodyFrame, &Pose)| frame.overlap(&model, pose, body.widening_px);
+    frames.iter().zip(poses).filter_map(of_frame).reduce(Overlap::merge)?.iou()
 }

@@ -2,9 +2,12 @@
 
 use glam::DVec3;
 
+use super::widening;
 use crate::body::{Kinematics, Model, Pose, Sides};
-use crate::fit::FitView;
+use crate::fit::{Evidence, FitView};
 use crate::metrics::ReferenceJoints;
+use crate::render::{Ramp, RendererKind, View, prediction};
+use crate::silhouette::Overlap;
 use crate::statistics::upper_median;
 use crate::track::FrameEstimate;
 
@@ -32,6 +35,22 @@ pub struct PosedFrame {
     pub iou: Option<f64>,
     /// Whether the subject, or a limb of it, was lost.
     pub is_lost: bool,
+}
+
+impl BodyFrame {
+    /// Overlap of its masks with a body in a pose, as silhouettes that are this many pixels too wide show it; `None` without
+    /// masks.
+    pub(super) fn overlap(&self, model: &Model, pose: &Pose, widening_px: f64) -> Option<Overlap> {
+        let kinematics = Kinematics::new(model, pose);
+        let of_view = |view: &FitView| {
+            let Evidence::Mask(mask) = &view.evidence else { return None };
+            let metres_per_px = widening::metres_per_px(&kinematics, &view.camera);
+            let wide = widening::widened(model, &metres_per_px, widening_px);
+            let drawn = View::new(&wide, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
+            Overlap::between(mask, &prediction::lambda(&drawn)).ok()
+        };
+        self.views.iter().filter_map(of_view).reduce(Overlap::merge)
+    }
 }
 
 impl From<&FrameEstimate> for PosedFrame {

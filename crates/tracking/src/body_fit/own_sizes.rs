@@ -13,12 +13,11 @@ use super::fit::{BodyFitError, BodyProgress, fit_body};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
 use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
-use super::usable::{LeftOut, Unusable, usable_views, worst};
-use crate::body::{Kinematics, Model, Pose, SizeChoice, SizeKind};
+use super::usable::{LeftOut, usable_views, worst};
+use crate::body::{Model, SizeChoice, SizeKind};
 use crate::cancel::CancelToken;
-use crate::fit::{Evidence, Fit, FitOptions, FitView};
+use crate::fit::{Fit, FitOptions, FitView};
 use crate::metrics::ReferenceJoints;
-use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::silhouette::Overlap;
 
 /// Fewer frames than this cannot both be fitted to and judged by.
@@ -149,14 +148,15 @@ impl OwnSizes {
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum OwnSizesError {
     #[error(
-        "{found} frames can be used, expected {FEWEST_FRAMES} or more: of {all} with a pose {lost} are lost, {turned} turned \
-         round, {poor} seen poorly"
+        "{found} frames can be used, expected {FEWEST_FRAMES} or more: of {all} with a pose {} are lost, {} turned round, {} \
+         seen poorly", choice.lost, choice.turned, choice.poor
     )]
-    FewFrames { found: usize, all: usize, lost: usize, turned: usize, poor: usize },
+    FewFrames { found: usize, all: usize, choice: Choice },
     #[error(
-        "camera \"{camera}\" in frame {frame}: {because}; {others} more pictures of the chosen frames cannot be used"
+        "camera \"{}\" in frame {}: {}; {others} more pictures of the chosen frames cannot be used",
+        worst.camera, worst.frame, worst.because
     )]
-    Unusable { camera: String, frame: usize, because: Unusable, others: usize },
+    Unusable { worst: LeftOut, others: usize },
     #[error(transparent)]
     Fit(#[from] BodyFitError),
 }
@@ -213,7 +213,11 @@ pub fn own_sizes<E: From<OwnSizesError>>(
     let (fitted, held_out) = (read_frames(&choice.fitted)?, read_frames(&choice.held_out)?);
     let found = fitted.len() + held_out.len();
     if fitted.is_empty() || held_out.is_empty() || found < FEWEST_FRAMES {
-        return Err(refusal(found, track.len(), &choice, &left_out).into());
+        let error = match worst(left_out.iter()) {
+            Some(worst) => OwnSizesError::Unusable { worst: worst.clone(), others: left_out.len() - 1 },
+            None => OwnSizesError::FewFrames { found, all: track.len(), choice },
+        };
+        return Err(error.into());
     }
     let fit = |frames: Vec<BodyFrame>, options: &BodyFitOptions, progress: &mut dyn FnMut(BodyProgress)| {
         fit_body(Arc::clone(model), frames, Some(0.0), options, cancel, progress).map_err(OwnSizesError::from)
@@ -228,24 +232,6 @@ pub fn own_sizes<E: From<OwnSizesError>>(
     })?;
     let doubts = doubts(&own, &judged, options);
     Ok(OwnSizes { start: Arc::clone(model), fit: own, scaled, judged, doubts, choice, left_out })
-}
-
-fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> OwnSizesError {
-    match worst(left_out) {
-        Some(LeftOut { frame, camera, because }) => OwnSizesError::Unusable {
-            camera: camera.clone(),
-            frame: *frame,
-            because: *because,
-            others: left_out.len() - 1,
-        },
-        None => OwnSizesError::FewFrames {
-            found,
-            all,
-            lost: choice.lost,
-            turned: choice.turned,
-            poor: choice.poor,
-        },
-    }
 }
 
 /// Poses both bodies again in the frames held out.
@@ -269,28 +255,12 @@ fn judge(
                 return Err(BodyFitError::Cancelled.into());
             }
             *rms += fit.rms() / frames.len() as f64;
-            for one in overlap_of(body, fit.pose(), &frame.views) {
-                *overlap = Some(overlap.map_or(one, |all| all.merge(one)));
-            }
+            *overlap = (*overlap).into_iter().chain(frame.overlap(body, fit.pose(), 0.0)).reduce(Overlap::merge);
         }
         progress(done + 1);
     }
     let iou = overlaps.map(|overlap| overlap.and_then(|overlap| overlap.iou()));
     Ok(Judged { frames: frames.iter().map(|frame| frame.frame).collect(), iou, rms })
-}
-
-/// Overlap of a posed body and each mask.
-fn overlap_of<'a>(
-    model: &'a Model,
-    pose: &Pose,
-    views: &'a [FitView],
-) -> impl Iterator<Item = Overlap> + use<'a> {
-    let kinematics = Kinematics::new(model, pose);
-    views.iter().filter_map(move |view| {
-        let Evidence::Mask(mask) = &view.evidence else { return None };
-        let drawn = View::new(model, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
-        Overlap::between(mask, &prediction::lambda(&drawn)).ok()
-    })
 }
 
 fn doubts(own: &BodyFit, judged: &Judged, options: &OwnSizesOptions) -> Vec<Doubt> {

@@ -187,13 +187,8 @@ impl<'a> BodyProblem<'a> {
             let loss = Loss::Squares;
             pose_prior::add_proximal(&mut priors, Parameters::Tangent, pose, reference, weight, root, loss);
             pose_prior::add_rest(&mut priors, Parameters::Tangent, model, pose, unit * options.rest_weight);
-            pose_prior::add_limits(
-                &mut priors,
-                Parameters::Tangent,
-                model,
-                pose,
-                unit * options.limit_weight,
-            );
+            let limits = unit * options.limit_weight;
+            pose_prior::add_limits(&mut priors, Parameters::Tangent, model, pose, limits);
             let first = frame * columns;
             let mut block = equations.jtj.view_mut((first, first), (columns, columns));
             block += &priors.jtj;
@@ -289,8 +284,8 @@ mod tests {
 
     use super::*;
     use crate::body::{SizeChoice, builtin};
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
     use crate::fit::Evidence;
+    use crate::fixtures;
     use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
     use crate::silhouette::Measurement;
 
@@ -308,9 +303,8 @@ mod tests {
         let start = Arc::new(body);
         let sizes = Sizes::new(start.clone(), choice);
         let camera = |centre: DVec3| {
-            let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
-            let intrinsics = Intrinsics { fx: 40.0, fy: 41.0, cx: 19.5, cy: 15.5 };
-            Arc::new(Camera::new("c", [40, 32], intrinsics, Distortion::None, place).unwrap())
+            let at = DVec3::new(0.0, 0.3, 0.0);
+            Arc::new(fixtures::camera([40, 32], [40.0, 41.0, 19.5, 15.5], centre, at, DVec3::Y))
         };
         let view = |centre: DVec3, weight: f64| {
             let values = (0..40 * 32).map(|i| 127.0 + 120.0 * (i as f32 * 0.31).sin()).collect();
@@ -318,10 +312,7 @@ mod tests {
             FitView { camera: camera(centre), evidence: Evidence::Measurement(Arc::new(data)), weight }
         };
         let columns = Parameters::Tangent.columns(start.rotation_count());
-        let bent = |seed: f64| -> Pose {
-            let step: Vec<f64> = (0..columns).map(|i| 0.2 * (i as f64 * 1.7 + seed).sin()).collect();
-            Pose::rest(&start).retract(Parameters::Tangent, &step)
-        };
+        let bent = |seed: f64| fixtures::bent(&start, 0.2, seed);
         let frames: Vec<BodyFrame> = [0.0, 2.0]
             .map(|seed| BodyFrame {
                 frame: seed as usize,

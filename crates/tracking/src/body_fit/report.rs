@@ -6,6 +6,7 @@
 use nalgebra::DVector;
 
 use super::fit::Descent;
+use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
 use super::usable::LeftOut;
 use super::widening::{self, Widening};
@@ -117,13 +118,11 @@ pub(super) fn deviations(equations: &NormalEquations, unit: f64, first: usize) -
 pub(super) fn summary(
     sizes: &Sizes,
     descent: Descent,
-    widening: Option<Widening>,
     options: &BodyFitOptions,
-    frames: Vec<usize>,
-    rms: [f64; 2],
+    frames: &[BodyFrame],
     iou: [Option<f64>; 2],
 ) -> Result<BodyFit, ModelError> {
-    let Descent { state, deviations, iterations, termination, .. } = descent;
+    let Descent { state, deviations, widening, rms, iterations, termination } = descent;
     let body = &state.body;
     let model = sizes.model(&body.log_ratios, body.size)?;
     let prior = options.proportions.prior(sizes);
@@ -142,7 +141,7 @@ pub(super) fn summary(
     };
     Ok(BodyFit {
         sizes: sizes.parameters().iter().enumerate().map(estimate).collect(),
-        frames,
+        frames: frames.iter().map(|frame| frame.frame).collect(),
         size: body.size.exp(),
         girth: body.girth.exp(),
         girth_spread: prior.stoutness,

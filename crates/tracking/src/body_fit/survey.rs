@@ -3,9 +3,7 @@
 //! With a black plate nearly all pixels are unknown, with a wrong one the subject fills the picture, and an inverted mask shows
 //! all but the person. A fit of such evidence ends somewhere and overlaps well; so it is looked at by itself, beforehand.
 
-use std::fmt;
-
-use super::usable::{LeftOut, Unusable, check_view};
+use super::usable::{LeftOut, Unusable, check_view, worst};
 use crate::fit::FitView;
 
 /// Frames that are looked at: the first, the last, and some between.
@@ -48,10 +46,7 @@ pub struct Survey {
 
 /// Why a take cannot be tracked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error(
-    "the silhouettes cannot be right: camera \"{}\", frame {}: {}; in {looked_at} frames no camera shows a person",
-    worst.camera, worst.frame, worst.because
-)]
+#[error("the silhouettes cannot be right: {worst}; in {looked_at} frames no camera shows a person")]
 pub struct NobodyToTrack {
     /// The camera and frame that say most, and what is wrong there.
     pub worst: LeftOut,
@@ -88,11 +83,8 @@ impl CameraSurvey {
             self.good += 1;
             return;
         };
-        let is_worse = match &self.bad {
-            None => true,
-            Some(known) => known.because == Unusable::Nobody && because != Unusable::Nobody,
-        };
-        if is_worse {
+        let is_worse = |known: &LeftOut| known.because == Unusable::Nobody && because != Unusable::Nobody;
+        if self.bad.as_ref().is_none_or(is_worse) {
             self.bad = Some(LeftOut { frame, camera: self.camera.clone(), because });
         }
     }
@@ -107,73 +99,44 @@ impl Survey {
         if self.cameras.iter().any(|camera| !camera.is_useless()) {
             return Ok(());
         }
-        let bad = || self.cameras.iter().filter_map(|camera| camera.bad.as_ref());
-        let worst = bad().find(|one| one.because != Unusable::Nobody).or(bad().next());
-        match worst {
+        match worst(self.cameras.iter().filter_map(|camera| camera.bad.as_ref())) {
             Some(worst) => Err(NobodyToTrack { worst: worst.clone(), looked_at: self.frames.len() }),
             None => Ok(()),
         }
     }
 
-    /// The cameras about which something must be said although others may be tracked: those that never can be used, and
-    /// those with a silhouette that cannot be right. That nobody is seen in some frames is nothing to be said.
-    pub fn doubts(&self) -> impl Iterator<Item = Doubtful<'_>> {
+    /// What must be said of cameras although others may be tracked, a sentence each: of those that never can be used, and
+    /// of those with a silhouette that cannot be right. That nobody is seen in some frames is nothing to be said.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
         let looked_at = self.frames.len();
         self.cameras.iter().filter_map(move |camera| {
-            let bad = camera.bad.as_ref()?;
-            (camera.is_useless() || bad.because != Unusable::Nobody).then_some(Doubtful {
-                camera,
-                bad,
-                looked_at,
+            let worst = camera.bad.as_ref()?;
+            let bad = looked_at.saturating_sub(camera.good);
+            (camera.is_useless() || worst.because != Unusable::Nobody).then(|| match looked_at {
+                1 => worst.to_string(),
+                all => format!("{worst} (so, or nobody seen, in {bad} of {all} frames)"),
             })
         })
-    }
-}
-
-/// A camera about which something must be said; its text is a sentence.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Doubtful<'a> {
-    /// The camera.
-    pub camera: &'a CameraSurvey,
-    /// What is wrong, and where.
-    pub bad: &'a LeftOut,
-    /// How many frames were looked at.
-    pub looked_at: usize,
-}
-
-impl fmt::Display for Doubtful<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let LeftOut { frame, camera, because } = self.bad;
-        let bad = self.looked_at.saturating_sub(self.camera.good);
-        match self.looked_at {
-            1 => write!(f, "camera \"{camera}\", frame {frame}: {because}"),
-            all => write!(
-                f,
-                "camera \"{camera}\", frame {frame}: {because} (so, or nobody seen, in {bad} of {all} frames)"
-            ),
-        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::convert::Infallible;
-    use std::sync::Arc;
 
     use glam::DVec3;
 
     use super::*;
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-    use crate::fit::Evidence;
+    use crate::camera::Distortion;
+    use crate::fixtures;
     use crate::silhouette::{Label, Mask};
 
     fn view(name: &str, of: impl Fn(usize, usize) -> Label) -> FitView {
-        let place = CameraFromWorld::looking_at(DVec3::new(0.0, -4.0, 1.0), DVec3::Z, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 50.0, fy: 50.0, cx: 19.5, cy: 29.5 };
-        let camera = Camera::new(name, [40, 60], intrinsics, Distortion::None, place).unwrap();
+        let (intrinsics, from) = ([50.0, 50.0, 19.5, 29.5], DVec3::new(0.0, -4.0, 1.0));
+        let lens = Distortion::None;
+        let camera = fixtures::named_camera(name, lens, [40, 60], intrinsics, from, DVec3::Z, DVec3::Z);
         let labels = (0..40 * 60).map(|at| of(at % 40, at / 40)).collect();
-        let evidence = Evidence::Mask(Arc::new(Mask::new(40, 60, labels).unwrap()));
-        FitView { camera: Arc::new(camera), evidence, weight: 1.0 }
+        FitView::of_mask(camera, Mask::new(40, 60, labels).unwrap())
     }
 
     fn person(x: usize, y: usize) -> Label {
@@ -224,7 +187,7 @@ mod tests {
     fn what_is_wrong_with_one_camera_is_said_and_the_others_are_tracked() {
         let found = of(&[("a", person), ("b", inverted), ("c", nobody)]);
         assert_eq!(found.check(), Ok(()));
-        let said: Vec<String> = found.doubts().map(|doubt| doubt.to_string()).collect();
+        let said: Vec<String> = found.doubts().collect();
         assert!(
             said[0].starts_with("camera \"b\", frame 3: the subject covers 79 % of the picture"),
             "{said:?}"

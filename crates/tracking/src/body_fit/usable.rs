@@ -27,7 +27,8 @@ pub enum Unusable {
 }
 
 /// A camera that was left out of a frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("camera \"{camera}\", frame {frame}: {because}")]
 pub struct LeftOut {
     /// The frame.
     pub frame: usize,
@@ -89,8 +90,8 @@ pub(super) fn usable_views(
 }
 
 /// The best reason of all: a picture in which nobody is may be between others, one that cannot be right is worse.
-pub(super) fn worst(left_out: &[LeftOut]) -> Option<&LeftOut> {
-    left_out.iter().find(|one| one.because != Unusable::Nobody).or(left_out.first())
+pub(super) fn worst<'a>(mut left_out: impl Iterator<Item = &'a LeftOut> + Clone) -> Option<&'a LeftOut> {
+    left_out.clone().find(|one| one.because != Unusable::Nobody).or_else(|| left_out.next())
 }
 
 /// Neighbours across and down of which one is subject and the other background, or unknown.

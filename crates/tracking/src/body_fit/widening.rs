@@ -108,13 +108,12 @@ fn radius(radius: f64, metres_per_px: f64, px: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::body::{Pose, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use glam::DVec3;
 
     fn camera() -> Arc<Camera> {
-        let place = CameraFromWorld::looking_at(DVec3::new(0.2, 3.0, 0.4), DVec3::Z * 0.2, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 90.0, fy: 90.0, cx: 39.5, cy: 59.5 };
-        Arc::new(Camera::new("c", [80, 120], intrinsics, Distortion::None, place).unwrap())
+        let (intrinsics, from) = ([90.0, 90.0, 39.5, 59.5], DVec3::new(0.2, 3.0, 0.4));
+        Arc::new(fixtures::camera([80, 120], intrinsics, from, DVec3::Z * 0.2, DVec3::Z))
     }
 
     #[test]
