@@ -3,14 +3,6 @@
 //! From frames whose poses are known: each limb is [carved](self) from the visual hulls of all frames, carried back to its own rest
 //! frame; what is left is a closed surface, and [`SphereTree`] fills it with nested spheres. Then
 //! centres and radii are moved by the silhouettes themselves, and poses by the spheres, in turns.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `options` | every choice |
-//! | `carve` | what silhouettes leave of a limb, in its rest frame |
-//! | `trees` | sphere trees of carved limbs |
-//! | `refine` | centres and radii by silhouettes |
-//! | `skin` | a body from a skinned mesh |
 
 mod carve;
 mod options;
@@ -30,10 +22,11 @@ use crate::body::{
 };
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView};
+use crate::numbers::OptionError;
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::silhouette::Overlap;
 
-pub use options::{SphereBodyOptions, SphereOptionsError};
+pub use options::SphereBodyOptions;
 pub use skin::{Skin, SkinError, SkinJoint, SkinOptions, body_of_skin};
 
 /// One frame: its silhouettes and the pose that the body has in it.
@@ -56,7 +49,7 @@ pub enum SphereBodyError {
     #[error("frame {frame}: {error}")]
     Frame { frame: usize, error: FitError },
     #[error(transparent)]
-    Options(#[from] SphereOptionsError),
+    Options(#[from] OptionError),
     #[error("limb \"{limb}\": what silhouettes leave of it {error}")]
     Limb { limb: String, error: MeshError },
     #[error(transparent)]
@@ -199,18 +192,16 @@ fn with_coarser(
 
 /// IoU of all frames and cameras together; `None` without masks.
 fn overlap(model: &Model, frames: &[PosedViews], renderer: RendererKind) -> Option<f64> {
-    let mut sum: Option<Overlap> = None;
-    for frame in frames {
+    let of_frame = |frame: &PosedViews| {
         let kinematics = Kinematics::new(model, &frame.pose);
-        for view in &frame.views {
-            let Evidence::Mask(mask) = &view.evidence else { continue };
+        let of_view = |view: &FitView| {
+            let Evidence::Mask(mask) = &view.evidence else { return None };
             let drawn = View::new(model, &kinematics, &view.camera, renderer, Ramp::Half);
-            if let Ok(overlap) = Overlap::of_covered(mask, &prediction::covered(&drawn)) {
-                sum = Some(sum.map_or(overlap, |sum| sum.merge(overlap)));
-            }
-        }
-    }
-    sum.and_then(|overlap| overlap.iou())
+            Overlap::of_covered(mask, &prediction::covered(&drawn)).ok()
+        };
+        frame.views.iter().filter_map(of_view).reduce(Overlap::merge)
+    };
+    frames.iter().filter_map(of_frame).reduce(Overlap::merge)?.iou()
 }
 
 /// A tree of a mesh as a body of one limb: at rest, with its root at the origin, the spheres are where the mesh is.
@@ -227,14 +218,10 @@ pub fn body_of_tree(tree: &SphereTree, name: &str) -> Result<Model, ModelError> 
     let size = high - low;
     let limb = LimbSpec {
         name: "mesh".to_owned(),
-        parent: None,
-        rigid_with: None,
         direction: DVec3::Z,
         length: size.max_element(),
         radius: 0.5 * size.min_element(),
-        limits: None,
-        spheres: Vec::new(),
-        coarser: Vec::new(),
+        ..LimbSpec::default()
     };
     let spec = ModelSpec { format: FORMAT.to_owned(), name: name.to_owned(), limbs: vec![limb] };
     let body = Model::new(&spec)?;

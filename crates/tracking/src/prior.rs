@@ -15,13 +15,6 @@
 //!
 //! Sources: D. Peel and G. J. `McLachlan`, "Robust mixture modelling using the t distribution" (2000), for the training;
 //! E. Olson and P. Agarwal, "Inference on networks of mixtures for robust robot mapping" (2013), for mixtures as residuals.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `direction` | [`BodyDirection`], and [`BodyPoints`]: the joints that directions are read from |
-//! | `mixture` | [`StudentMixture`]: energy, and the weights of its components |
-//! | `statistics` | [`PosePrior`]: all of it, checked |
-//! | `train` | [`train()`]: from clips of [`BodyPoints`] to a [`PosePrior`] |
 
 mod direction;
 mod mixture;

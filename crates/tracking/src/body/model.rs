@@ -35,7 +35,7 @@ pub struct ModelSpec {
 }
 
 /// One limb as files say it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimbSpec {
     /// Unique name.

@@ -255,7 +255,8 @@ fn judge(
                 return Err(BodyFitError::Cancelled.into());
             }
             *rms += fit.rms() / frames.len() as f64;
-            *overlap = (*overlap).into_iter().chain(frame.overlap(body, fit.pose(), 0.0)).reduce(Overlap::merge);
+            *overlap =
+                (*overlap).into_iter().chain(frame.overlap(body, fit.pose(), 0.0)).reduce(Overlap::merge);
         }
         progress(done + 1);
     }

@@ -11,6 +11,7 @@ use super::PosedViews;
 use super::options::SphereBodyOptions;
 use crate::body::{Kinematics, Model, Pose};
 use crate::fit::Evidence;
+use crate::geometry::segments::distance;
 use crate::silhouette::Label;
 
 /// A limb's capsule in a frame.
@@ -24,9 +25,7 @@ struct Capsule {
 impl Capsule {
     /// Distance of a point from it, negative inside.
     fn distance(&self, point: DVec3) -> f64 {
-        let (axis, from) = (self.end - self.start, point - self.start);
-        let along = (from.dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
-        from.distance(axis * along) - self.radius
+        distance(point, self.start, self.end) - self.radius
     }
 }
 

@@ -1,7 +1,6 @@
 //! Every choice of a body of spheres.
 
-use thiserror::Error;
-
+use crate::numbers::{OptionError, Range, check_options};
 use crate::render::MAX_SPHERES;
 
 /// How a body of spheres is made.
@@ -55,48 +54,26 @@ impl Default for SphereBodyOptions {
     }
 }
 
-/// What of the options cannot be.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("`{field}` is {found}; expected {expected}")]
-pub struct SphereOptionsError {
-    /// The field.
-    pub field: &'static str,
-    /// What it is.
-    pub found: f64,
-    /// What it may be.
-    pub expected: &'static str,
-}
-
 impl SphereBodyOptions {
     /// Checks every number.
     ///
     /// # Errors
     /// The first that is out of range.
-    pub fn check(&self) -> Result<(), SphereOptionsError> {
-        let count = |field, found: usize, expected, is_valid: bool| match is_valid {
-            true => Ok(()),
-            false => Err(SphereOptionsError { field, found: found as f64, expected }),
-        };
-        count("spheres", self.spheres, "1 to 4096", (1..=4 * MAX_SPHERES).contains(&self.spheres))?;
-        count("levels", self.levels, "1 to 6", (1..=6).contains(&self.levels))?;
-        count("stride", self.stride, "1 to 64", (1..=64).contains(&self.stride))?;
-        let numbers = [
-            ("step", self.step),
-            ("softness", self.softness),
-            ("margin", self.margin),
-            ("centre_deviation", self.centre_deviation),
-            ("radius_deviation", self.radius_deviation),
-        ];
-        for (field, found) in numbers {
-            if !(found > 1e-3 && found.is_finite()) {
-                return Err(SphereOptionsError { field, found, expected: "a number above 0.001" });
-            }
-        }
-        for (field, found) in [("share", self.share), ("core", self.core)] {
-            if !(0.0..=1.0).contains(&found) {
-                return Err(SphereOptionsError { field, found, expected: "0 to 1" });
-            }
-        }
-        Ok(())
+    pub fn check(&self) -> Result<(), OptionError> {
+        let above = Range(|value| value > 1e-3 && value.is_finite(), "a number above 0.001");
+        let share = Range(|value| (0.0..=1.0).contains(&value), "0 to 1");
+        let spheres = Range(|value| (1.0..=4.0 * MAX_SPHERES as f64).contains(&value), "1 to 4096");
+        check_options([
+            ("spheres", self.spheres as f64, spheres),
+            ("levels", self.levels as f64, Range(|value| (1.0..=6.0).contains(&value), "1 to 6")),
+            ("stride", self.stride as f64, Range(|value| (1.0..=64.0).contains(&value), "1 to 64")),
+            ("step", self.step, above),
+            ("softness", self.softness, above),
+            ("margin", self.margin, above),
+            ("centre_deviation", self.centre_deviation, above),
+            ("radius_deviation", self.radius_deviation, above),
+            ("share", self.share, share),
+            ("core", self.core, share),
+        ])
     }
 }

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::options::SphereBodyOptions;
 use super::{PosedViews, trees};
 use crate::body::{Kinematics, Model};
-use crate::fit::{DataView, FitView, Stage};
+use crate::fit::{FitView, Stage};
 use crate::optimize::{DescentOptions, StructuredLeastSquares, descend};
 use crate::render::{BACKGROUND, Primitive, Ramp, RendererKind, RowWinners, View};
 use crate::residual::RowSums;
@@ -56,14 +56,7 @@ const RAMP: Ramp = Ramp::Distance { inner_px: RAMP_PX[0], outer_px: RAMP_PX[1] }
 
 impl<'a> Silhouettes<'a> {
     pub(super) fn new(model: &Model, frames: &'a [PosedViews], stride: usize) -> Self {
-        let stage = Stage {
-            ramp: RAMP,
-            data: DataView::Distance,
-            stride,
-            iterations: 1,
-            tolerance: None,
-            priors: 1.0,
-        };
+        let stage = Stage { ramp: RAMP, ..Stage::robust(RAMP_PX[1], stride, 1) };
         let of_frame = |(frame, posed): (usize, &'a PosedViews)| {
             let term = move |view: &'a FitView| {
                 let distance = view.distance(&[stage]);
@@ -117,9 +110,9 @@ impl<'a> Silhouettes<'a> {
                 let primitive = &view.primitives()[winner];
                 let limb = &model.limbs()[primitive.limb];
                 let limb_from_camera = (turn * kinematics.world_rotations()[limb.rotation]).transpose();
-                if let Some([k, by_radius]) = pull(&view, primitive, [x, y]) {
+                if let Some((k, by_radius)) = pull(&view, primitive, [x, y]) {
                     let k = limb_from_camera * k;
-                    let h = Vector4::new(k.x, k.y, k.z, by_radius.x);
+                    let h = Vector4::new(k.x, k.y, k.z, by_radius);
                     blocks[self.firsts[primitive.limb] + primitive.piece].add(&h, weight, residual);
                 }
             }
@@ -128,13 +121,12 @@ impl<'a> Silhouettes<'a> {
     }
 }
 
-/// ∂λ/∂(centre), camera axes, and in x of the second r ∂λ/∂r; `None` where λ is clipped.
-fn pull(view: &View, primitive: &Primitive, [x, y]: [usize; 2]) -> Option<[DVec3; 2]> {
+/// ∂λ/∂(centre), camera axes, and r ∂λ/∂r; `None` where λ is clipped.
+fn pull(view: &View, primitive: &Primitive, [x, y]: [usize; 2]) -> Option<(DVec3, f64)> {
     let candidate = primitive.candidate(view.ray(x, y))?;
     let ramp = primitive.ramp.sample(candidate.squared);
-    let is_active = ramp.by_squared > 0.0;
     let rate = primitive.radius_rate(RAMP, view.pinhole().mean_focal_px(), candidate.squared);
-    is_active.then(|| [candidate.by_p0 * ramp.by_squared, DVec3::new(primitive.radius * rate, 0.0, 0.0)])
+    (ramp.by_squared > 0.0).then(|| (candidate.by_p0 * ramp.by_squared, primitive.radius * rate))
 }
 
 /// The same body with its finest spheres moved, and the root mean squared residual a pixel before and after, grey levels.

@@ -13,6 +13,7 @@ use thiserror::Error;
 
 use super::trees;
 use crate::body::{FORMAT, LimbSpec, Model, ModelError, ModelSpec};
+use crate::geometry::segments::distance;
 use crate::names;
 
 /// Joints nearer to each other than this are at one place, metres.
@@ -100,9 +101,7 @@ struct Bone {
 
 impl Bone {
     fn distance(&self, point: DVec3) -> f64 {
-        let (axis, from) = (self.to - self.from, point - self.from);
-        let along = (from.dot(axis) / axis.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        from.distance(axis * along)
+        distance(point, self.from, self.to)
     }
 }
 
@@ -312,9 +311,7 @@ fn spec(name: &str, bones: &[Bone], radii: &[f64]) -> ModelSpec {
             direction: bone.to - bone.from,
             length: bone.from.distance(bone.to),
             radius: radii[index],
-            limits: None,
-            spheres: Vec::new(),
-            coarser: Vec::new(),
+            ..LimbSpec::default()
         }
     };
     let limbs = bones.iter().enumerate().map(limb).collect();
@@ -415,15 +412,8 @@ mod tests {
         let rest = Pose { root: DVec3::new(0.0, 0.0, 1.0), ..Pose::rest(&body) };
         let spheres = |pose: &Pose| -> Vec<(DVec3, f64)> {
             let kinematics = Kinematics::new(&body, pose);
-            let of = |(index, limb): (usize, &crate::body::Limb)| -> Vec<(DVec3, f64)> {
-                let turn = kinematics.world_rotations()[limb.rotation];
-                let start = kinematics.starts()[index];
-                let place = |sphere: &crate::body::LimbSphere| {
-                    start + turn * (limb.direction * (sphere.at * limb.length) + sphere.offset)
-                };
-                limb.spheres.iter().map(|sphere| (place(sphere), sphere.radius)).collect()
-            };
-            body.limbs().iter().enumerate().flat_map(of).collect()
+            let placed = body.placed_spheres(&kinematics, usize::MAX);
+            placed.into_iter().map(|sphere| (sphere.centre, sphere.radius)).collect()
         };
         let distance = |spheres: &[(DVec3, f64)], at: DVec3| {
             spheres.iter().map(|(centre, radius)| at.distance(*centre) - radius).fold(f64::INFINITY, f64::min)

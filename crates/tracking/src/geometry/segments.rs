@@ -41,6 +41,13 @@ pub fn closest_fractions(p0: DVec3, p1: DVec3, q0: DVec3, q1: DVec3) -> (f64, f6
     }
 }
 
+/// Distance of a point from a segment.
+pub(crate) fn distance(point: DVec3, from: DVec3, to: DVec3) -> f64 {
+    let (axis, off) = (to - from, point - from);
+    let along = (off.dot(axis) / axis.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    off.distance(axis * along)
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

@@ -32,22 +32,9 @@ impl Default for DifferenceOptions {
     }
 }
 
-/// A derivative that differences do not confirm.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mismatch {
-    /// What was compared: "right forearm, column 9, pixel (3, 4)".
-    pub name: String,
-    /// What the program says.
-    pub analytic: f64,
-    /// What differences say.
-    pub numeric: f64,
-    /// Their difference over the scale of the column.
-    pub relative_error: f64,
-}
-
-/// The derivative that differs most, whether it counts as a mismatch or not.
+/// A derivative both ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WorstDerivative {
+pub struct ComparedDerivative {
     /// Row of the function; 0 for a gradient.
     pub row: usize,
     /// Column of the state.
@@ -67,12 +54,10 @@ pub struct GradientCheck {
     pub compared: usize,
     /// Derivatives at a kink, where differences cannot tell.
     pub skipped: usize,
-    /// Largest relative error, mismatches included; 0 if nothing was compared.
-    pub largest_error: f64,
-    /// Where that error is: the first such entry, column by column. `None` if nothing was compared.
-    pub worst: Option<WorstDerivative>,
-    /// Derivatives that differ, worst first.
-    pub mismatches: Vec<Mismatch>,
+    /// The one that differs most, mismatch or not, the first of several, column by column; `None` if nothing was compared.
+    pub worst: Option<ComparedDerivative>,
+    /// Those that differ, worst first, each with what was compared: "right forearm, column 9, pixel (3, 4)".
+    pub mismatches: Vec<(String, ComparedDerivative)>,
 }
 
 impl GradientCheck {
@@ -102,13 +87,13 @@ impl GradientCheck {
         let error = (entry.numeric - entry.analytic).abs() / scale;
         // NaN is a mismatch, and the worst one.
         let relative_error = if error.is_nan() { f64::INFINITY } else { error };
-        self.largest_error = self.largest_error.max(relative_error);
-        let (analytic, numeric) = (entry.analytic, entry.numeric);
+        let Entry { analytic, numeric, .. } = entry;
+        let derivative = ComparedDerivative { row, column, analytic, numeric, relative_error };
         if self.worst.is_none_or(|worst| relative_error > worst.relative_error) {
-            self.worst = Some(WorstDerivative { row, column, analytic, numeric, relative_error });
+            self.worst = Some(derivative);
         }
         if relative_error > tolerance {
-            self.mismatches.push(Mismatch { name: name(), analytic, numeric, relative_error });
+            self.mismatches.push((name(), derivative));
         }
     }
 
@@ -134,7 +119,7 @@ impl GradientCheck {
     }
 
     fn sort(&mut self) {
-        self.mismatches.sort_by(|a, b| b.relative_error.total_cmp(&a.relative_error));
+        self.mismatches.sort_by(|(_, a), (_, b)| b.relative_error.total_cmp(&a.relative_error));
     }
 }
 
@@ -142,9 +127,8 @@ impl AddAssign for GradientCheck {
     fn add_assign(&mut self, other: Self) {
         self.compared += other.compared;
         self.skipped += other.skipped;
-        self.largest_error = self.largest_error.max(other.largest_error);
-        let error = |worst: &WorstDerivative| worst.relative_error;
-        if other.worst.as_ref().map(error) > self.worst.as_ref().map(error) {
+        let error = |worst: Option<ComparedDerivative>| worst.map(|worst| worst.relative_error);
+        if error(other.worst) > error(self.worst) {
             self.worst = other.worst;
         }
         self.mismatches.extend(other.mismatches);
@@ -160,9 +144,10 @@ impl fmt::Display for GradientCheck {
             self.mismatches.len(),
             self.compared,
             self.skipped,
-            self.largest_error
+            self.worst.map_or(0.0, |worst| worst.relative_error)
         )?;
-        for Mismatch { name, analytic, numeric, relative_error } in self.mismatches.iter().take(LISTED) {
+        for (name, derivative) in self.mismatches.iter().take(LISTED) {
+            let ComparedDerivative { analytic, numeric, relative_error, .. } = derivative;
             write!(
                 f,
                 "\n{name}: analytic {analytic}, numeric {numeric}, relative error {relative_error:.1e}"
@@ -349,7 +334,7 @@ mod tests {
         jacobian[(1, 0)] = 0.6;
         jacobian[(0, 1)] = f64::NAN;
         let found = run(&jacobian);
-        let names: Vec<&str> = found.mismatches.iter().map(|mismatch| mismatch.name.as_str()).collect();
+        let names: Vec<&str> = found.mismatches.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["(0, 1)", "(1, 0)"], "{found}");
         assert_eq!(found.worst.map(|worst| (worst.row, worst.column)), Some((0, 1)));
         jacobian[(0, 1)] = 1e-9;

@@ -16,7 +16,7 @@ use thiserror::Error;
 use super::direction::{BodyDirection, BodyPoints};
 use super::mixture::{StudentComponent, StudentMixture, lower_triangle};
 use super::statistics::{PosePrior, PriorError, PriorPart, StepStatistics};
-use crate::numbers::Brief;
+use crate::numbers::{OptionError, POSITIVE, Range, check_options};
 
 /// Times over which steps are looked at, seconds; the second one is what a prior holds.
 const STEP_SECONDS: [f64; 4] = [1.0 / 30.0, 1.0 / 15.0, 2.0 / 15.0, 4.0 / 15.0];
@@ -69,8 +69,8 @@ impl Default for TrainOptions {
 pub enum TrainError {
     #[error("there are {found} poses; expected {expected} or more, ten a component")]
     TooFew { found: usize, expected: usize },
-    #[error("`{field}` is {}; expected {expected}", Brief(*.value))]
-    Option { field: &'static str, value: f64, expected: &'static str },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     #[error(transparent)]
     Prior(#[from] PriorError),
 }
@@ -108,25 +108,18 @@ pub fn train(clips: &[Clip], options: &TrainOptions, source: &str) -> Result<Pos
     Ok(PosePrior::new(source, parts)?)
 }
 
-fn check(clips: &[Clip], options: &TrainOptions) -> Result<(), TrainError> {
-    let error = |field, value, expected| Err(TrainError::Option { field, value, expected });
-    let is_good = |value: f64| value.is_finite() && value > 0.0;
-    if !(1..=256).contains(&options.components) {
-        return error("components", options.components as f64, "1 to 256");
-    }
-    if !is_good(options.degrees) {
-        return error("degrees", options.degrees, "a number above 0");
-    }
-    if !(is_good(options.floor) && options.floor <= 1.0) {
-        return error("floor", options.floor, "radians above 0, at most 1");
-    }
-    if !is_good(options.every_seconds) {
-        return error("every_seconds", options.every_seconds, "seconds above 0");
-    }
-    match clips.iter().find(|clip| !is_good(clip.frame_seconds)) {
-        Some(clip) => error("frame_seconds", clip.frame_seconds, "seconds above 0"),
-        None => Ok(()),
-    }
+fn check(clips: &[Clip], options: &TrainOptions) -> Result<(), OptionError> {
+    const SECONDS: Range = Range(POSITIVE.0, "seconds above 0");
+    let components = Range(|value| (1.0..=256.0).contains(&value), "1 to 256");
+    let own = [
+        ("components", options.components as f64, components),
+        ("degrees", options.degrees, Range(POSITIVE.0, "a number above 0")),
+        ("floor", options.floor, Range(|value| value > 0.0 && value <= 1.0, "radians above 0, at most 1")),
+        ("every_seconds", options.every_seconds, SECONDS),
+    ];
+    check_options(
+        own.into_iter().chain(clips.iter().map(|clip| ("frame_seconds", clip.frame_seconds, SECONDS))),
+    )
 }
 
 fn on_the_left(direction: BodyDirection) -> BodyDirection {

@@ -278,7 +278,7 @@ mod tests {
     use crate::body::{Pose, SizeChoice, builtin};
     use crate::fixtures;
     use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
-    use crate::render::RendererKind;
+    use crate::render::{RendererKind, prediction};
 
     fn camera() -> Camera {
         fixtures::camera(
@@ -341,15 +341,7 @@ mod tests {
                 let model = sizes.model(&theta, 0.0).unwrap();
                 let kinematics = Kinematics::new(&model, &pose);
                 let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, ramp);
-                let mut levels = vec![BACKGROUND; 40 * 48];
-                let mut row = RowWinners::default();
-                for y in 0..48 {
-                    row.find(&view, y, 1, 0);
-                    for x in row.touched() {
-                        levels[y * 40 + x] = BACKGROUND * row.level(x).clamp(0.0, 1.0);
-                    }
-                }
-                levels
+                prediction::levels(&view)
             };
             let name = |pixel: usize, column: usize| {
                 let what = match column.checked_sub(columns) {

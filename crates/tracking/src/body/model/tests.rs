@@ -3,17 +3,8 @@
 use super::*;
 
 fn limb(name: &str, parent: Option<&str>) -> LimbSpec {
-    LimbSpec {
-        name: name.into(),
-        parent: parent.map(Into::into),
-        rigid_with: None,
-        direction: DVec3::X,
-        length: 0.3,
-        radius: 0.05,
-        limits: None,
-        spheres: Vec::new(),
-        coarser: Vec::new(),
-    }
+    let (name, parent, direction) = (name.into(), parent.map(Into::into), DVec3::X);
+    LimbSpec { name, parent, direction, length: 0.3, radius: 0.05, ..LimbSpec::default() }
 }
 
 fn model(limbs: Vec<LimbSpec>) -> Result<Model, ModelError> {
