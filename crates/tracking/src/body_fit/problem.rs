@@ -12,7 +12,7 @@ use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
 use crate::fit::FitView;
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
-use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
+use crate::residual::body_size::{SizeBlock, SizeData, SizeMap};
 use crate::residual::proportion_prior::{self, BodySizes, SizePrior};
 use crate::residual::{Loss, pose_prior};
 use crate::silhouette::SignedDistance;
@@ -155,23 +155,26 @@ impl<'a> BodyProblem<'a> {
         // Added in the order of frames and cameras: the same bits however the work was shared out.
         self.silhouette_cost = 0.0;
         let (columns, first) = (self.pose_columns(), self.first_size());
-        let widening = self.widening_deviation_px.map(|_| first + self.sizes.count() + 2);
-        let places = |frame: usize| ColumnPlaces { pose: frame * columns, sizes: first, widening };
+        let map = |frame: usize| SizeMap {
+            sizes: self.sizes,
+            model,
+            kinematics: &kinematics[frame],
+            first_pose: frame * columns,
+            first_size: first,
+            widening: self.widening_deviation_px.map(|_| first + self.sizes.count() + 2),
+        };
         for (term, (cost, blocks)) in self.terms.iter().zip(&sums) {
-            let (weight, frame) = (term.view.weight, term.frame);
-            self.silhouette_cost += weight * cost;
+            self.silhouette_cost += term.view.weight * cost;
             let growth = widening::growth(model, &term.metres_per_px, px);
-            let (kinematics, places) = (&kinematics[frame], places(frame));
-            body_size::add_to(blocks, weight, &growth, self.sizes, model, kinematics, places, equations);
+            map(term.frame).add(blocks, term.view.weight, &growth, equations);
         }
         equations.cost += self.silhouette_cost;
         // A keypoint is as much as all pictures of its frame, at its deviation.
         let weight = self.prior_unit() * self.pictures()
             / (self.frames.len() as f64 * self.options.joint_deviation.powi(2));
-        for (frame, kinematics) in kinematics.iter().enumerate() {
-            let (root, places) = (poses[frame].root, places(frame));
-            for &joint in &self.frames[frame].joints {
-                body_size::add_joint(joint, weight, self.sizes, model, kinematics, root, places, equations);
+        for (frame, body_frame) in self.frames.iter().enumerate() {
+            for &joint in &body_frame.joints {
+                map(frame).add_joint(joint, weight, poses[frame].root, equations);
             }
         }
     }

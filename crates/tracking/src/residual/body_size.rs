@@ -125,15 +125,19 @@ pub(crate) struct SizeColumn {
     pub motion: SizeVector,
 }
 
-/// Where poses and sizes stand among the columns of a joint state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ColumnPlaces {
+/// How the columns of a joint state move the limbs of one frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SizeMap<'a> {
+    pub(crate) sizes: &'a Sizes,
+    /// The body with these sizes.
+    pub(crate) model: &'a Model,
+    pub(crate) kinematics: &'a Kinematics,
     /// First column of the frame's pose.
-    pub pose: usize,
+    pub(crate) first_pose: usize,
     /// First column of the sizes.
-    pub sizes: usize,
+    pub(crate) first_size: usize,
     /// The column of the silhouettes' widening, where it is unknown.
-    pub widening: Option<usize>,
+    pub(crate) widening: Option<usize>,
 }
 
 /// How a limb's radius in a picture, r + w c, grows as a logarithm.
@@ -150,122 +154,97 @@ impl RadiusGrowth {
     pub(crate) const PLAIN: Self = Self { by_radius: 1.0, by_px: 0.0 };
 }
 
-/// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it. Sizes that are not free are
-/// scaled as a whole: they share the column after those of the free ones.
-///
-/// `path` is scratch memory.
-pub(crate) fn moving_columns(
-    sizes: &Sizes,
-    model: &Model,
-    kinematics: &Kinematics,
-    limb: usize,
-    growth: RadiusGrowth,
-    places: ColumnPlaces,
-    path: &mut Vec<MovingColumn>,
-) -> Vec<SizeColumn> {
-    kinematics.moving_columns_into(limb, Parameters::Tangent, path);
-    let mut columns: Vec<SizeColumn> = Vec::with_capacity(path.len() + 8);
-    for &MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scaling] } in path.iter() {
-        let motion = SizeVector::from([vx, vy, vz, wx, wy, wz, scaling, 0.0]);
-        columns.push(SizeColumn { index: places.pose + index, motion });
-    }
-    let first_size = columns.len();
-    let mut add = |column: Option<usize>, motion: SizeVector| {
-        let index = places.sizes + column.unwrap_or(sizes.count());
-        // Limbs on one path may share a size.
-        match columns[first_size..].iter_mut().find(|other| other.index == index) {
-            Some(other) => other.motion += motion,
-            None => columns.push(SizeColumn { index, motion }),
+impl SizeMap<'_> {
+    /// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it. Sizes that are not free are
+    /// scaled as a whole: they share the column after those of the free ones.
+    pub(crate) fn columns(&self, limb: usize, growth: RadiusGrowth) -> Vec<SizeColumn> {
+        let Self { sizes, model, kinematics, .. } = *self;
+        let mut path = Vec::new();
+        kinematics.moving_columns_into(limb, Parameters::Tangent, &mut path);
+        let mut columns: Vec<SizeColumn> = Vec::with_capacity(path.len() + 8);
+        for MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scaling] } in path {
+            let motion = SizeVector::from([vx, vy, vz, wx, wy, wz, scaling, 0.0]);
+            columns.push(SizeColumn { index: self.first_pose + index, motion });
         }
-    };
-    let unit = |component: usize| SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)));
-    add(sizes.column(limb, SizeKind::Length), unit(6));
-    add(sizes.column(limb, SizeKind::Radius), unit(7) * growth.by_radius);
-    let mut next = model.limbs()[limb].parent;
-    while let Some(ancestor) = next {
-        let bone = kinematics.ends()[ancestor] - kinematics.starts()[ancestor];
-        let moved = SizeVector::from([bone.x, bone.y, bone.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        add(sizes.column(ancestor, SizeKind::Length), moved);
-        next = model.limbs()[ancestor].parent;
+        let first_size = columns.len();
+        let mut add = |column: Option<usize>, motion: SizeVector| {
+            let index = self.first_size + column.unwrap_or(sizes.count());
+            // Limbs on one path may share a size.
+            match columns[first_size..].iter_mut().find(|other| other.index == index) {
+                Some(other) => other.motion += motion,
+                None => columns.push(SizeColumn { index, motion }),
+            }
+        };
+        let unit = |component: usize| SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)));
+        add(sizes.column(limb, SizeKind::Length), unit(6));
+        add(sizes.column(limb, SizeKind::Radius), unit(7) * growth.by_radius);
+        let parents = std::iter::successors(model.limbs()[limb].parent, |&limb| model.limbs()[limb].parent);
+        for ancestor in parents {
+            let bone = kinematics.ends()[ancestor] - kinematics.starts()[ancestor];
+            let moved = SizeVector::from([bone.x, bone.y, bone.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            add(sizes.column(ancestor, SizeKind::Length), moved);
+        }
+        if let Some(index) = self.widening {
+            columns.push(SizeColumn { index, motion: unit(7) * growth.by_px });
+        }
+        columns
     }
-    if let Some(index) = places.widening {
-        columns.push(SizeColumn { index, motion: unit(7) * growth.by_px });
-    }
-    columns
-}
 
-/// Maps one camera's sums to the joint state with a weight: JᵀJ += KᵀMK, Jᵀρ += Kᵀm. `growth` has one entry per limb.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "sums, what they are sums of, where they stand and what they are added to"
-)]
-pub(crate) fn add_to(
-    blocks: &[SizeBlock],
-    weight: f64,
-    growth: &[RadiusGrowth],
-    sizes: &Sizes,
-    model: &Model,
-    kinematics: &Kinematics,
-    places: ColumnPlaces,
-    equations: &mut NormalEquations,
-) {
-    let mut path = Vec::new();
-    for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-        let columns = moving_columns(sizes, model, kinematics, limb, growth[limb], places, &mut path);
-        for (first, a) in columns.iter().enumerate() {
-            let pushed = block.products * a.motion * weight;
-            equations.jtr[a.index] += weight * a.motion.dot(&block.forces);
-            for b in &columns[first..] {
-                let sum = pushed.dot(&b.motion);
-                equations.jtj[(a.index, b.index)] += sum;
-                if a.index != b.index {
-                    equations.jtj[(b.index, a.index)] += sum;
+    /// Maps one camera's sums to the joint state with a weight: JᵀJ += KᵀMK, Jᵀρ += Kᵀm. `growth` has one entry per limb.
+    pub(crate) fn add(
+        &self,
+        blocks: &[SizeBlock],
+        weight: f64,
+        growth: &[RadiusGrowth],
+        equations: &mut NormalEquations,
+    ) {
+        for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
+            let columns = self.columns(limb, growth[limb]);
+            for (first, a) in columns.iter().enumerate() {
+                let pushed = block.products * a.motion * weight;
+                equations.jtr[a.index] += weight * a.motion.dot(&block.forces);
+                for b in &columns[first..] {
+                    let sum = pushed.dot(&b.motion);
+                    equations.jtj[(a.index, b.index)] += sum;
+                    if a.index != b.index {
+                        equations.jtj[(b.index, a.index)] += sum;
+                    }
                 }
             }
         }
     }
-}
 
-/// Adds w ‖target − p‖² of a joint that should be at a point in the world, with columns for the sizes: a limb's second
-/// joint, or the root.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a residual, its weight, where it stands and what it is added to"
-)]
-pub(crate) fn add_joint(
-    (limb, target): (Option<usize>, DVec3),
-    weight: f64,
-    sizes: &Sizes,
-    model: &Model,
-    kinematics: &Kinematics,
-    root: DVec3,
-    places: ColumnPlaces,
-    equations: &mut NormalEquations,
-) {
-    let (moved, place) = match limb {
-        Some(limb) => {
-            let bone = kinematics.ends()[limb] - kinematics.starts()[limb];
-            let growth = RadiusGrowth::PLAIN;
-            let columns = moving_columns(sizes, model, kinematics, limb, growth, places, &mut Vec::new());
-            let end = |motion: &SizeVector| {
-                let [v, turn] = [0, 3].map(|at| DVec3::new(motion[at], motion[at + 1], motion[at + 2]));
-                v + turn.cross(bone) + motion[6] * bone
-            };
-            let moved: Vec<(usize, DVec3)> =
-                columns.iter().map(|column| (column.index, end(&column.motion))).collect();
-            (moved, kinematics.ends()[limb])
-        }
-        None => {
-            let axes = DVec3::AXES.into_iter().enumerate();
-            (axes.map(|(axis, unit)| (places.pose + axis, unit)).collect(), root)
-        }
-    };
-    let residual = target - place;
-    equations.cost += weight * residual.length_squared();
-    for &(i, a) in &moved {
-        equations.jtr[i] += weight * a.dot(residual);
-        for &(j, b) in &moved {
-            equations.jtj[(i, j)] += weight * a.dot(b);
+    /// Adds w ‖target − p‖² of a joint that should be at a point in the world, with columns for the sizes: a limb's second
+    /// joint, or the root.
+    pub(crate) fn add_joint(
+        &self,
+        (limb, target): (Option<usize>, DVec3),
+        weight: f64,
+        root: DVec3,
+        equations: &mut NormalEquations,
+    ) {
+        let (moved, place): (Vec<(usize, DVec3)>, DVec3) = match limb {
+            Some(limb) => {
+                let end = self.kinematics.ends()[limb];
+                let bone = end - self.kinematics.starts()[limb];
+                let moved = |SizeColumn { index, motion }: &SizeColumn| {
+                    let [v, turn] = [0, 3].map(|at| DVec3::new(motion[at], motion[at + 1], motion[at + 2]));
+                    (*index, v + turn.cross(bone) + motion[6] * bone)
+                };
+                (self.columns(limb, RadiusGrowth::PLAIN).iter().map(moved).collect(), end)
+            }
+            None => {
+                let axes = DVec3::AXES.into_iter().enumerate();
+                (axes.map(|(axis, unit)| (self.first_pose + axis, unit)).collect(), root)
+            }
+        };
+        let residual = target - place;
+        equations.cost += weight * residual.length_squared();
+        for &(i, a) in &moved {
+            equations.jtr[i] += weight * a.dot(residual);
+            for &(j, b) in &moved {
+                equations.jtj[(i, j)] += weight * a.dot(b);
+            }
         }
     }
 }
@@ -313,7 +292,15 @@ mod tests {
             let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, ramp);
             let mut row = RowWinners::default();
             let mut jacobian = DMatrix::zeros(40 * 48, columns + sizes.count());
-            let (mut path, mut filled) = (Vec::new(), 0);
+            let mut filled = 0;
+            let map = SizeMap {
+                sizes: &sizes,
+                model: &model,
+                kinematics: &kinematics,
+                first_pose: 0,
+                first_size: columns,
+                widening: None,
+            };
             for y in 0..48 {
                 row.find(&view, y, 1, 0);
                 for x in row.touched() {
@@ -321,10 +308,7 @@ mod tests {
                         continue;
                     };
                     let Some(h) = size_vector(&view, primitive, &camera, ramp, [x, y]) else { continue };
-                    let places = ColumnPlaces { pose: 0, sizes: columns, widening: None };
-                    let (limb, growth) = (primitive.limb, RadiusGrowth::PLAIN);
-                    for column in moving_columns(&sizes, &model, &kinematics, limb, growth, places, &mut path)
-                    {
+                    for column in map.columns(primitive.limb, RadiusGrowth::PLAIN) {
                         jacobian[(y * 40 + x, column.index)] = column.motion.dot(&h);
                         filled += 1;
                     }

@@ -159,20 +159,18 @@ impl CueSet {
             if pull.limb >= model.limbs().len() {
                 return Err(CueError::Limb { index, cue, limb: pull.limb, limbs: model.limbs().len() });
             }
-            let is_finite = match pull.target {
-                CueTarget::Surface { point } => point.is_finite(),
-                CueTarget::Pixel { arm, pixel, .. } => arm.is_finite() && pixel.is_finite(),
-                CueTarget::Line { arm, pixel, normal, .. } => {
-                    arm.is_finite() && pixel.is_finite() && normal.is_finite()
+            let (camera, is_finite) = match pull.target {
+                CueTarget::Surface { point } => (None, point.is_finite()),
+                CueTarget::Pixel { camera, arm, pixel } => {
+                    (Some(camera), arm.is_finite() && pixel.is_finite())
+                }
+                CueTarget::Line { camera, arm, pixel, normal } => {
+                    (Some(camera), arm.is_finite() && pixel.is_finite() && normal.is_finite())
                 }
             };
-            match pull.target {
-                CueTarget::Pixel { camera, .. } | CueTarget::Line { camera, .. }
-                    if camera >= self.cameras.len() =>
-                {
-                    return Err(CueError::Camera { index, cue, camera, cameras: self.cameras.len() });
-                }
-                _ => {}
+            let cameras = self.cameras.len();
+            if let Some(camera) = camera.filter(|&camera| camera >= cameras) {
+                return Err(CueError::Camera { index, cue, camera, cameras });
             }
             let numbers = [pull.weight, pull.metres_per_px];
             let are_good = numbers.iter().all(|number| number.is_finite() && *number >= 0.0);
@@ -258,15 +256,8 @@ mod tests {
     use crate::residual::silhouette::StateMap;
 
     fn set(model: &Model, loss: Loss) -> CueSet {
-        let camera = |at: DVec3| {
-            Arc::new(fixtures::camera(
-                [64, 80],
-                [90.0, 85.0, 31.0, 40.0],
-                at,
-                DVec3::new(0.1, 0.3, 0.0),
-                DVec3::Y,
-            ))
-        };
+        let (size, intrinsics, middle) = ([64, 80], [90.0, 85.0, 31.0, 40.0], DVec3::new(0.1, 0.3, 0.0));
+        let camera = |at| Arc::new(fixtures::camera(size, intrinsics, at, middle, DVec3::Y));
         let cameras = vec![camera(DVec3::new(0.6, 0.4, 2.6)), camera(DVec3::new(-1.2, 0.3, 2.3))];
         let mut pulls = Vec::new();
         for limb in 0..model.limbs().len() {
