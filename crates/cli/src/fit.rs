@@ -137,7 +137,7 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
 /// Runs to the end. Microseconds of every iteration but those that first set a new stage up.
 fn run_timed(fit: &mut Fit) -> Vec<f64> {
     let mut times_us = Vec::new();
-    let mut stage = fit.stage();
+    let mut stage = fit.stage;
     let mut began = Instant::now();
     while let Some(record) = fit.step() {
         if record.stage == stage {

@@ -333,7 +333,7 @@ impl Initialisation for Downhill {
             on_attempt(Attempt::Start { pose: &start, index, count });
             let (model, views) = (Arc::clone(inputs.model), inputs.views.to_vec());
             let mut fit = Fit::new(model, views, start, self.0.clone())?;
-            let stages = fit.options().stages.clone();
+            let stages = fit.options.stages.clone();
             let summary = fit.run(cancel, |record| {
                 on_attempt(Attempt::Iteration { record, stage: &stages[record.stage] });
             });

@@ -83,7 +83,6 @@ pub fn jitter_mm<'a>(model: &Model, poses: impl IntoIterator<Item = &'a Pose>) -
 }
 
 /// Mean distance of all leaf joints and the root of two poses, millimetres.
-#[must_use]
 pub fn leaf_error_mm(model: &Model, a: &Pose, b: &Pose) -> f64 {
     let is_leaf = |limb: &usize| model.limbs().iter().all(|other| other.parent != Some(*limb));
     let (found, truth) = (Kinematics::new(model, a), Kinematics::new(model, b));

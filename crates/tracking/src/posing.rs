@@ -106,7 +106,7 @@ fn reach_from(
     };
     let mut solver = Solver::new(&mut chain, start, options);
     while solver.step(&mut chain).is_some() {}
-    solver.point().clone()
+    solver.point.clone()
 }
 
 /// What stays where it is while a joint is dragged.

@@ -90,7 +90,6 @@ pub const Z_95: f64 = 1.96;
 /// (p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n)
 /// (E. B. Wilson, "Probable inference, the law of succession, and statistical inference", 1927). Unlike the normal
 /// interval it stays within 0 and 1 and has a width where none or all succeeded.
-#[must_use]
 pub fn wilson(found: usize, tried: usize, z: f64) -> [f64; 2] {
     if tried == 0 {
         return [0.0, 1.0];

@@ -62,7 +62,7 @@ impl FitJob {
     }
 
     fn pause(&mut self, out: &Outbox<FitMessage>, ending: Option<RunEnding>) -> Turn {
-        let fit = self.fit.take().filter(|paused| paused.fit.termination().is_none());
+        let fit = self.fit.take().filter(|paused| paused.fit.termination.is_none());
         out.send(FitMessage::Paused(ending, fit));
         Turn::Done
     }
@@ -116,7 +116,7 @@ impl Job<FitMessage> for FitJob {
         let began = Instant::now();
         let Some(record) = running.fit.step() else {
             let is_annealed = running.inputs.fit.stages.len() > 1;
-            let ending = running.fit.termination().map(|why| RunEnding::of(why, is_annealed));
+            let ending = running.fit.termination.map(|why| RunEnding::of(why, is_annealed));
             return self.pause(out, Some(ending.unwrap_or(RunEnding::Stopped)));
         };
         let seconds = began.elapsed().as_secs_f64();

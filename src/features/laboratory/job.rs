@@ -159,7 +159,7 @@ impl Job<Stepped> for StepJob {
         let began = Instant::now();
         let Some(record) = fit.step() else {
             let is_annealed = racing.scene.fit.stages.len() > 1;
-            let ending = fit.termination().map(|why| RunEnding::of(why, is_annealed));
+            let ending = fit.termination.map(|why| RunEnding::of(why, is_annealed));
             racing.fit = None;
             out.send(Stepped::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
             return Turn::Again;

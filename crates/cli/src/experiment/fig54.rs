@@ -88,7 +88,7 @@ impl Experiment for OneFrame {
                 let record = iteration.checked_sub(1).map(|index| &summary.iterations[index]);
                 let (pose, stage, rms): (&Pose, usize, f64) =
                     record.map_or((&from, 0, rms), |record| (&record.point, record.stage, record.rms));
-                let stage = &fit.options().stages[stage];
+                let stage = &fit.options.stages[stage];
                 let pictures = ViewPictures::of_stage(model, pose, &views, stage, method.fit.renderer);
                 ShownIteration {
                     iteration,

@@ -64,8 +64,10 @@ impl Default for SizeChoice {
 /// The free sizes of a body, as columns: all lengths in the order of the limbs, then all radii.
 #[derive(Debug, Clone)]
 pub struct Sizes {
-    start: Arc<Model>,
-    parameters: Vec<SizeParameter>,
+    /// The body whose sizes are at θ = 0.
+    pub start: Arc<Model>,
+    /// The columns.
+    pub parameters: Vec<SizeParameter>,
     /// Per limb, the parameter of its length and of its radius.
     of_limb: Vec<[Option<usize>; 2]>,
 }
@@ -95,16 +97,6 @@ impl Sizes {
             }
         }
         Self { start, parameters, of_limb }
-    }
-
-    /// The body whose sizes are at θ = 0.
-    pub fn start(&self) -> &Arc<Model> {
-        &self.start
-    }
-
-    /// The columns.
-    pub fn parameters(&self) -> &[SizeParameter] {
-        &self.parameters
     }
 
     /// How many there are.
@@ -164,7 +156,7 @@ mod tests {
         let sizes = Sizes::new(body.clone(), SizeChoice::default());
         // 30 limbs: 4 in the middle, 13 pairs.
         assert_eq!(sizes.count(), 2 * (4 + 13));
-        let names: Vec<&str> = sizes.parameters()[..6].iter().map(|p| p.name.as_str()).collect();
+        let names: Vec<&str> = sizes.parameters[..6].iter().map(|p| p.name.as_str()).collect();
         assert_eq!(names, ["spine", "chest", "neck", "skull", "hip", "flank"]);
         let mut theta = vec![0.0; sizes.count()];
         let right = body.limb_index("right forearm").unwrap();

@@ -202,7 +202,7 @@ fn descend(
             run_all: false,
         };
         let mut solver = Solver::new(&mut problem, state.clone(), solver_options);
-        initial_rms.get_or_insert(solver.rms());
+        initial_rms.get_or_insert(solver.rms);
         while let Some(iteration) = solver.step(&mut problem) {
             iterations += 1;
             let (stages, rms) = (options.stages.len(), iteration.rms);
@@ -211,10 +211,10 @@ fn descend(
                 return Err(BodyFitError::Cancelled);
             }
         }
-        state = solver.point().clone();
-        let termination = solver.termination().unwrap_or(Termination::NotFinite);
-        let deviations = report::deviations(solver.equations(), problem.shape_unit(), problem.first_size());
-        end = Some((deviations, problem.metres_per_px(), solver.rms(), termination));
+        state = solver.point.clone();
+        let termination = solver.termination.unwrap_or(Termination::NotFinite);
+        let deviations = report::deviations(&solver.equations, problem.shape_unit(), problem.first_size());
+        end = Some((deviations, problem.mean_metres_per_px, solver.rms, termination));
     }
     let Some((mut deviations, metres_per_px, final_rms, termination)) = end else {
         return Err(BodyFitError::NoStages);

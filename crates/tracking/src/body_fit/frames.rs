@@ -85,7 +85,6 @@ const TURNED: f64 = -0.5;
 /// poorly and those in which the track turned the body round are no candidates.
 ///
 /// `candidates` are in the order of their frames, with poses of `model`.
-#[must_use]
 pub fn choose(model: &Model, candidates: &[PosedFrame], fitted: usize, held_out: usize) -> Choice {
     let mut choice = Choice::default();
     let mut good: Vec<usize> = (0..candidates.len()).filter(|&one| !candidates[one].is_lost).collect();
@@ -146,7 +145,6 @@ fn larger_part(model: &Model, all: &[Kinematics]) -> Vec<usize> {
 }
 
 /// `count` of these frames, evenly spread with the first and the last among them; all, if there are no more.
-#[must_use]
 pub fn spread(frames: &[usize], count: usize) -> Vec<usize> {
     let last = frames.len().saturating_sub(1);
     if count > last {

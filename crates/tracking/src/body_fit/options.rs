@@ -69,7 +69,6 @@ const GENERIC: [f64; 2] = [20.0, 1.0];
 impl BodyFitOptions {
     /// The choices for a real person: how much proportions count depends on whether a survey knows them for this body, and
     /// on whether joints are known.
-    #[must_use]
     pub fn for_people(model: &Model, joints_known: bool) -> Self {
         let known = Anthropometry::of(model).is_some();
         let [clothed, seen] = if known { [CLOTHED, WELL_SEEN] } else { GENERIC };
@@ -77,7 +76,6 @@ impl BodyFitOptions {
     }
 
     /// The same with proportions that count this many times as much.
-    #[must_use]
     pub fn with_proportions(mut self, factor: f64) -> Self {
         self.shape_weight *= factor;
         self

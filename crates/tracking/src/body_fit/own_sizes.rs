@@ -118,26 +118,22 @@ pub struct OwnSizes {
 
 impl OwnSizes {
     /// Whether the sizes found are to be taken.
-    #[must_use]
     pub fn is_taken(&self) -> bool {
         self.doubts.is_empty()
     }
 
     /// The person: with sizes of its own, or the body to begin with where those are doubted. To be followed on silhouettes
     /// that are [`narrowed`](super::widening::narrowed) by [`widening_px`](Self::widening_px).
-    #[must_use]
     pub fn model(&self) -> &Model {
         if self.is_taken() { &self.fit.model } else { &self.start }
     }
 
     /// The body to follow on silhouettes as they are: the person, and stouter by what silhouettes are too wide.
-    #[must_use]
     pub fn as_seen(&self) -> Model {
         if self.is_taken() { self.fit.as_seen() } else { (*self.start).clone() }
     }
 
     /// By how many pixels silhouettes are too wide all round; 0 where that, or the sizes, are doubted.
-    #[must_use]
     pub fn widening_px(&self) -> f64 {
         self.fit.widening.filter(|_| self.is_taken()).map_or(0.0, |widening| widening.believed_px())
     }

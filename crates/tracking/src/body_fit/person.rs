@@ -33,13 +33,11 @@ pub struct PersonOptions {
 
 impl PersonOptions {
     /// For a recording of this many frames a second.
-    #[must_use]
     pub fn new(fit: FitOptions, sizes: bool, frame_rate: f64) -> Self {
         Self { fit, sizes, frame_rate, followed_rate: 20.0, most_followed: 60, joints: BTreeMap::new() }
     }
 
     /// Which frames are followed to find sizes.
-    #[must_use]
     pub fn followed(&self, frames: &[usize]) -> Vec<usize> {
         let step = ((self.frame_rate / self.followed_rate).round() as usize).max(1);
         frames.iter().copied().step_by(step).take(self.most_followed).collect()

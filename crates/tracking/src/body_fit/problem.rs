@@ -40,8 +40,8 @@ pub(super) struct BodyProblem<'a> {
     references: Vec<Pose>,
     terms: Vec<Term<'a>>,
     prior: SizePrior,
-    /// Metres that a pixel covers where the body is.
-    mean_metres_per_px: f64,
+    /// Metres that a pixel covers where the body is, mean of all cameras, frames and limbs.
+    pub(super) mean_metres_per_px: f64,
     /// Standard deviation of the silhouettes' widening, pixels; `None` where it is held.
     widening_deviation_px: Option<f64>,
     silhouette_cost: f64,
@@ -59,7 +59,6 @@ struct Term<'a> {
 
 impl<'a> BodyProblem<'a> {
     /// Prepares a stage. `distances` are the distance fields of every frame's views, in their order.
-    #[must_use]
     pub(super) fn new(
         sizes: &'a Sizes,
         frames: &'a [BodyFrame],
@@ -69,7 +68,7 @@ impl<'a> BodyProblem<'a> {
         begin: &BodyState,
     ) -> Self {
         let body = sizes.model(&begin.body.log_ratios, begin.body.size);
-        let body = body.as_ref().unwrap_or(sizes.start());
+        let body = body.as_ref().unwrap_or(&sizes.start);
         let of_frame = |(frame, (body_frame, distances)): (usize, (&'a BodyFrame, &Vec<_>))| {
             let kinematics = Kinematics::new(body, &begin.poses[frame]);
             let terms =
@@ -102,31 +101,22 @@ impl<'a> BodyProblem<'a> {
     }
 
     fn pose_columns(&self) -> usize {
-        Parameters::Tangent.columns(self.sizes.start().rotation_count())
+        Parameters::Tangent.columns(self.sizes.start.rotation_count())
     }
 
     /// First column of the sizes.
-    #[must_use]
     pub(super) fn first_size(&self) -> usize {
         self.references.len() * self.pose_columns()
     }
 
     /// Squared grey levels of a prior weight of 1 at this stage's stride.
-    #[must_use]
     pub(super) fn prior_unit(&self) -> f64 {
         BACKGROUND * BACKGROUND / (self.stage.stage.stride * self.stage.stage.stride) as f64
     }
 
     /// Squared grey levels of a variance of 1 in the prior of proportions.
-    #[must_use]
     pub(super) fn shape_unit(&self) -> f64 {
         self.prior_unit() * self.options.shape_weight * self.pictures()
-    }
-
-    /// Metres that a pixel covers where the body is, mean of all cameras, frames and limbs.
-    #[must_use]
-    pub(super) fn metres_per_px(&self) -> f64 {
-        self.mean_metres_per_px
     }
 
     fn pictures(&self) -> f64 {
@@ -180,7 +170,7 @@ impl<'a> BodyProblem<'a> {
     }
 
     fn add_pose_priors(&self, poses: &[Pose], equations: &mut NormalEquations) {
-        let (options, unit, model) = (self.options, self.prior_unit(), self.sizes.start());
+        let (options, unit, model) = (self.options, self.prior_unit(), &self.sizes.start);
         let columns = self.pose_columns();
         let mut priors = NormalEquations::zeros(columns);
         for (frame, (pose, reference)) in poses.iter().zip(&self.references).enumerate() {
@@ -359,7 +349,7 @@ mod tests {
         };
         let name = |column: usize| match column.checked_sub(first_size) {
             None => format!("frame {}, pose column {}", column / columns, column % columns),
-            Some(size) => sizes.parameters().get(size).map_or_else(
+            Some(size) => sizes.parameters.get(size).map_or_else(
                 || "size, girth or widening".to_owned(),
                 |parameter| format!("{} {}", parameter.name, parameter.kind),
             ),

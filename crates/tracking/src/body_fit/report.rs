@@ -37,19 +37,16 @@ pub struct SizeEstimate {
 
 impl SizeEstimate {
     /// Deviation over the prior's: 0 seen perfectly, 1 not seen at all.
-    #[must_use]
     pub fn uncertainty(&self) -> f64 {
         self.deviation / self.prior_deviation
     }
 
     /// How far it is from what the proportions say for a body of this size and stoutness, as a logarithm in deviations.
-    #[must_use]
     pub fn oddness(&self) -> f64 {
         (self.found / self.expected).ln() / (self.prior_deviation / self.found)
     }
 
     /// Whether the silhouettes hardly say anything about it.
-    #[must_use]
     pub fn is_held_by_prior(&self) -> bool {
         self.uncertainty() > HELD_ABOVE
     }
@@ -89,7 +86,6 @@ pub struct BodyFit {
 impl BodyFit {
     /// The body that silhouettes show: stouter than the person by their widening, where that is believed. To be followed
     /// on such silhouettes.
-    #[must_use]
     pub fn as_seen(&self) -> Model {
         match self.widening.filter(|widening| widening.is_believed) {
             Some(Widening { px, metres_per_px, .. }) => widening::as_seen(&self.model, px, metres_per_px),
@@ -127,7 +123,7 @@ pub(super) fn summary(
     let model = sizes.model(&body.log_ratios, body.size)?;
     let prior = options.proportions.prior(sizes);
     let estimate = |(index, parameter): (usize, &crate::body::SizeParameter)| {
-        let (start, found) = (sizes.metres(index, sizes.start()), sizes.metres(index, &model));
+        let (start, found) = (sizes.metres(index, &sizes.start), sizes.metres(index, &model));
         let spread = prior.spreads[index];
         SizeEstimate {
             name: parameter.name.clone(),
@@ -140,7 +136,7 @@ pub(super) fn summary(
         }
     };
     Ok(BodyFit {
-        sizes: sizes.parameters().iter().enumerate().map(estimate).collect(),
+        sizes: sizes.parameters.iter().enumerate().map(estimate).collect(),
         frames: frames.iter().map(|frame| frame.frame).collect(),
         size: body.size.exp(),
         girth: body.girth.exp(),

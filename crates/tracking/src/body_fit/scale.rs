@@ -22,7 +22,6 @@ const STRIDE: usize = 4;
 
 /// The logarithm of the size of a body whose joints are known, over the model's: the median over all pairs of known
 /// joints that are a rigid link's two ends. `None` without such a pair.
-#[must_use]
 pub fn from_joints(model: &Model, joints: &[ReferenceJoints]) -> Option<f64> {
     let mut ratios = Vec::new();
     for frame in joints {
@@ -46,7 +45,6 @@ pub fn from_joints(model: &Model, joints: &[ReferenceJoints]) -> Option<f64> {
 /// The logarithm of the body's size, by the silhouettes' areas, and the poses moved to the silhouettes' places.
 ///
 /// `model` is scaled by exp(`size`) at the start. Poses keep their rotations. Frames without masks keep their place.
-#[must_use]
 pub(super) fn from_silhouettes(model: &Model, frames: &[BodyFrame], mut size: f64) -> (f64, Vec<Pose>) {
     let mut poses: Vec<Pose> = frames.iter().map(|frame| frame.start.clone()).collect();
     for _ in 0..ROUNDS {

@@ -10,7 +10,6 @@ use crate::fit::FitView;
 pub const LOOKED_AT: usize = 5;
 
 /// At most this many of some frames, spread from the first to the last.
-#[must_use]
 pub fn spread(frames: &[usize], most: usize) -> Vec<usize> {
     let wanted = most.min(frames.len());
     (0..wanted).map(|k| frames[k * (frames.len() - 1) / (wanted - 1).max(1)]).collect()
@@ -29,7 +28,6 @@ pub struct CameraSurvey {
 
 impl CameraSurvey {
     /// Whether it never can be used.
-    #[must_use]
     pub fn is_useless(&self) -> bool {
         self.good == 0
     }

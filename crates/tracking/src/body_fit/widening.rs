@@ -34,7 +34,6 @@ pub struct Widening {
 
 impl Widening {
     /// Pixels to take off, 0 where it is not believed.
-    #[must_use]
     pub fn believed_px(&self) -> f64 {
         if self.is_believed { self.px } else { 0.0 }
     }
@@ -42,14 +41,12 @@ impl Widening {
 
 /// The body as silhouettes show it that are too wide by this many pixels: all radii are larger by what those pixels are, metres.
 /// To be followed where masks stay as they are; a radius keeps a fifth of itself at least.
-#[must_use]
 pub fn as_seen(model: &Model, by_px: f64, metres_per_px: f64) -> Model {
     widened(model, &vec![metres_per_px; model.limbs().len()], by_px).into_owned()
 }
 
 /// What a camera contributes once its mask is narrower by this many pixels all round (wider, below 0). Unknown pixels stay
 /// unknown, and a mask in which nothing would be left stays as it is. Grey levels do too.
-#[must_use]
 pub fn narrowed(view: &FitView, by_px: f64) -> FitView {
     let narrow = |mask: &Mask| {
         let distances = SignedDistance::from_mask(mask);

@@ -68,7 +68,6 @@ impl FitView {
     /// camera without a lens, or data of another size, stays as it is.
     ///
     /// Many frames of one camera are quicker with one [`Rectification`] for all.
-    #[must_use]
     pub fn rectified(self) -> Self {
         if self.camera.distortion().is_none() {
             return self;

@@ -45,20 +45,23 @@ impl SolverSummary {
 /// A fit that is stepped from outside.
 #[derive(Debug)]
 pub struct Fit {
+    /// Its choices: what it was given, made to the scale of its views where that was asked for.
+    pub options: FitOptions,
+    /// Index of the stage it is in.
+    pub stage: usize,
+    /// Why it ended; `None` while it may go on.
+    pub termination: Option<Termination>,
     /// Cost at the start.
     pub initial_cost: f64,
     /// Root of the mean squared residual per pixel at the start.
     pub initial_rms: f64,
     model: Arc<Model>,
-    options: FitOptions,
     /// Its start is what the proximal prior pulls to.
     prepared: PreparedFit,
     constraints: Constraints,
-    stage: usize,
     objective: Objective,
     solver: Solver<Pose>,
     iterations: Vec<Iteration<Pose>>,
-    termination: Option<Termination>,
 }
 
 impl Fit {
@@ -148,7 +151,7 @@ impl Fit {
     fn begin_constrained(&mut self) {
         self.begin_anew();
         if self.iterations.is_empty() {
-            (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms());
+            (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms);
         }
     }
 
@@ -163,7 +166,7 @@ impl Fit {
         let (objective, solver) = begin_stage(&model, &prepared, &options, &constraints, stage, pose);
         Self {
             initial_cost: solver.cost(),
-            initial_rms: solver.rms(),
+            initial_rms: solver.rms,
             termination: objective.is_blind().then_some(Termination::NoGradient),
             model,
             options,
@@ -188,9 +191,9 @@ impl Fit {
                 return Some(record);
             }
             if self.stage + 1 == self.options.stages.len()
-                || self.solver.termination() == Some(Termination::NotFinite)
+                || self.solver.termination == Some(Termination::NotFinite)
             {
-                self.termination = self.solver.termination();
+                self.termination = self.solver.termination;
                 return None;
             }
             self.stage += 1;
@@ -201,7 +204,7 @@ impl Fit {
     /// Begins the current stage where the fit stands.
     fn begin_anew(&mut self) {
         let Self { model, prepared, options, constraints, stage, .. } = self;
-        let pose = self.solver.point();
+        let pose = &self.solver.point;
         (self.objective, self.solver) = begin_stage(model, prepared, options, constraints, *stage, pose);
     }
 
@@ -216,14 +219,9 @@ impl Fit {
         self.summary()
     }
 
-    /// Its choices: what it was given, made to the scale of its views where that was asked for.
-    pub fn options(&self) -> &FitOptions {
-        &self.options
-    }
-
     /// Where it stands.
     pub fn pose(&self) -> &Pose {
-        self.solver.point()
+        &self.solver.point
     }
 
     /// Cost where it stands, by the current stage's measure.
@@ -233,28 +231,18 @@ impl Fit {
 
     /// Root of the mean squared residual per pixel where it stands.
     pub fn rms(&self) -> f64 {
-        self.solver.rms()
-    }
-
-    /// Index of the stage it is in.
-    pub fn stage(&self) -> usize {
-        self.stage
+        self.solver.rms
     }
 
     /// Normal equations where it stands: what the cameras see of each direction.
     pub fn equations(&self) -> &NormalEquations {
-        self.solver.equations()
+        &self.solver.equations
     }
 
     /// Normal equations of what the frame says by itself where the fit stands, without any pull to another pose:
     /// in tangent columns and as if every pixel were sampled, by the current stage's measure.
     pub fn frame_equations(&mut self) -> NormalEquations {
-        self.objective.frame_equations(self.solver.point())
-    }
-
-    /// Why it ended; `None` while it may go on.
-    pub fn termination(&self) -> Option<Termination> {
-        self.termination
+        self.objective.frame_equations(&self.solver.point)
     }
 
     /// What it did so far; not ended means cancelled.

@@ -117,9 +117,15 @@ pub struct Iteration<P> {
 /// A solver that is stepped from outside.
 #[derive(Debug, Clone)]
 pub struct Solver<P> {
+    /// Where it stands.
+    pub point: P,
+    /// Normal equations where it stands.
+    pub equations: NormalEquations,
+    /// Root of the data's mean squared residual where it stands.
+    pub rms: f64,
+    /// Why it ended; `None` while it may go on.
+    pub termination: Option<Termination>,
     options: SolverOptions,
-    point: P,
-    equations: NormalEquations,
     trial: NormalEquations,
     damping: Damping,
     /// D², of Levenberg and Marquardt's method.
@@ -128,9 +134,7 @@ pub struct Solver<P> {
     /// The step that is judged where `step` is short because it was made so.
     full_step: DVector<f64>,
     memory: StepMemory,
-    rms: f64,
     done: usize,
-    termination: Option<Termination>,
 }
 
 impl<P: Clone> Solver<P> {
@@ -296,34 +300,9 @@ impl<P: Clone> Solver<P> {
         }
     }
 
-    /// Where it stands.
-    pub fn point(&self) -> &P {
-        &self.point
-    }
-
     /// Cost where it stands.
     pub fn cost(&self) -> f64 {
         self.equations.cost
-    }
-
-    /// Root of the data's mean squared residual where it stands.
-    pub fn rms(&self) -> f64 {
-        self.rms
-    }
-
-    /// Normal equations where it stands.
-    pub fn equations(&self) -> &NormalEquations {
-        &self.equations
-    }
-
-    /// Damping of the next trial.
-    pub fn damping(&self) -> f64 {
-        self.damping.value
-    }
-
-    /// Why it ended; `None` while it may go on.
-    pub fn termination(&self) -> Option<Termination> {
-        self.termination
     }
 }
 

@@ -331,7 +331,7 @@ mod tests {
                 let what = match column.checked_sub(columns) {
                     None => format!("pose column {column}"),
                     Some(size) => {
-                        let parameter = &sizes.parameters()[size];
+                        let parameter = &sizes.parameters[size];
                         format!("{} {}", parameter.name, parameter.kind)
                     }
                 };

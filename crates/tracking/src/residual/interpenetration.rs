@@ -19,7 +19,10 @@ const CROSSING_M: f64 = 1e-6;
 
 /// The pairs of limbs of a model that must not overlap.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LimbPairs(Vec<(usize, usize)>);
+pub struct LimbPairs(
+    /// By the limbs' indices.
+    pub Vec<(usize, usize)>,
+);
 
 impl LimbPairs {
     /// All pairs that lie apart at rest.
@@ -38,11 +41,6 @@ impl LimbPairs {
             }
         }
         Self(pairs)
-    }
-
-    /// The pairs, by the limbs' indices.
-    pub fn pairs(&self) -> &[(usize, usize)] {
-        &self.0
     }
 }
 
@@ -107,8 +105,8 @@ mod tests {
         let model = builtin::upper_body();
         let pairs = LimbPairs::of(&model);
         let limb = |name: &str| model.limb_index(name).unwrap();
-        assert!(pairs.pairs().contains(&(limb("torso"), limb("right forearm"))));
-        assert!(!pairs.pairs().contains(&(limb("torso"), limb("right shoulder"))));
+        assert!(pairs.0.contains(&(limb("torso"), limb("right forearm"))));
+        assert!(!pairs.0.contains(&(limb("torso"), limb("right shoulder"))));
         let cost = |pose: &Pose| {
             let columns = Parameters::Tangent.columns(model.rotation_count());
             let mut equations = NormalEquations::zeros(columns);
@@ -134,7 +132,7 @@ mod tests {
             let kinematics = Kinematics::new(&model, pose);
             let depth =
                 |&(a, b): &(usize, usize)| contact(&model, &kinematics, a, b).map_or(0.0, |o| o.depth);
-            pairs.pairs().iter().map(depth).collect()
+            pairs.0.iter().map(depth).collect()
         };
         assert!(depths(&pose).iter().filter(|&&depth| depth > 0.0).count() >= 2);
         let h = 1e-6;

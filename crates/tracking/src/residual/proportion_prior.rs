@@ -63,7 +63,7 @@ impl Default for Proportions {
 impl Proportions {
     /// The prior of a body's sizes.
     pub(crate) fn prior(&self, sizes: &Sizes) -> SizePrior {
-        let model = sizes.start();
+        let model = &sizes.start;
         let people = self.surveyed.then(|| Anthropometry::of(model)).flatten();
         let generic_girth = GirthSpread { by_stoutness: 1.0, own: self.radius };
         let of = |parameter: &crate::body::SizeParameter| {
@@ -83,7 +83,7 @@ impl Proportions {
             }
         };
         SizePrior {
-            spreads: sizes.parameters().iter().map(of).collect(),
+            spreads: sizes.parameters.iter().map(of).collect(),
             neighbours: neighbours(sizes).collect(),
             neighbour: self.neighbour,
             size: self.size,
@@ -152,11 +152,11 @@ impl BodySizes {
 
     /// The sizes of another body of the same limbs: its size the median of lengths, its girth what radii are beside that.
     pub(crate) fn of(sizes: &Sizes, body: &Model) -> Self {
-        let log_ratio = |index: usize| (sizes.metres(index, body) / sizes.metres(index, sizes.start())).ln();
+        let log_ratio = |index: usize| (sizes.metres(index, body) / sizes.metres(index, &sizes.start)).ln();
         let log_ratios: Vec<f64> = (0..sizes.count()).map(log_ratio).collect();
         let median = |kind: SizeKind| {
             let own =
-                sizes.parameters().iter().zip(&log_ratios).filter(|(parameter, _)| parameter.kind == kind);
+                sizes.parameters.iter().zip(&log_ratios).filter(|(parameter, _)| parameter.kind == kind);
             let mut own: Vec<f64> = own.map(|(_, theta)| *theta).collect();
             upper_median(&mut own)
         };
@@ -200,7 +200,7 @@ pub(crate) fn add(
 
 /// Pairs of radii: of a limb that links two others of its own rigid part, and of the one that grows from it.
 fn neighbours(sizes: &Sizes) -> impl Iterator<Item = (usize, usize)> {
-    let (model, parameters) = (sizes.start(), sizes.parameters());
+    let (model, parameters) = (&sizes.start, &sizes.parameters);
     let (limbs, owners) = (model.limbs(), model.rotation_owners());
     let radius_of = move |limb: usize| {
         parameters.iter().position(|one| one.kind == SizeKind::Radius && one.limbs.contains(&limb))
@@ -291,7 +291,7 @@ mod tests {
     fn ribs_follow_the_sides_and_nothing_else_its_neighbour() {
         let sizes = Sizes::new(Arc::new(builtin::full_body()), SizeChoice::default());
         let name = |parameter: usize| {
-            let name = &sizes.start().limbs()[sizes.parameters()[parameter].limbs[0]].name;
+            let name = &sizes.start.limbs()[sizes.parameters[parameter].limbs[0]].name;
             name.rsplit(' ').next().unwrap().to_owned()
         };
         let pairs: Vec<_> = neighbours(&sizes).map(|(a, b)| (name(a), name(b))).collect();

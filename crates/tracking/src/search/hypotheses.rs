@@ -359,7 +359,7 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        (solver.cost(), solver.point().clone())
+        (solver.cost(), solver.point.clone())
     }
 
     /// Keeps a hypothesis, or the better one of two that are the same.

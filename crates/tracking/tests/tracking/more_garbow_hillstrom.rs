@@ -62,7 +62,7 @@ fn solve(mut problem: &Problem) -> (f64, usize, Termination) {
     let start = problem.start.clone();
     let mut solver = Solver::new(&mut problem, start, options);
     let iterations = std::iter::from_fn(|| solver.step(&mut problem)).count();
-    (solver.cost(), iterations, solver.termination().unwrap())
+    (solver.cost(), iterations, solver.termination.unwrap())
 }
 
 #[test]

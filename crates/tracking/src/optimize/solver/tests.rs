@@ -59,7 +59,7 @@ fn a_step_that_was_made_short_is_not_convergence() {
             let mut problem = TwoUnknowns { evaluate: valley_at, longest };
             let mut solver = Solver::new(&mut problem, start, options);
             while solver.step(&mut problem).is_some() {}
-            let (gradient, why) = (solver.equations().jtr.amax(), solver.termination());
+            let (gradient, why) = (solver.equations.jtr.amax(), solver.termination);
             let is_there = solver.cost() < 1e-12 && gradient < 1e-6;
             assert!(is_there, "{start:?}, {longest}: {} {gradient}, {why:?}", solver.cost());
         }
@@ -86,8 +86,8 @@ fn each_test_of_convergence_is_named() {
             let mut line = TwoUnknowns { evaluate, longest: f64::INFINITY };
             let mut solver = Solver::new(&mut line, [-5.0, 7.0], options);
             while solver.step(&mut line).is_some() {}
-            let [a, b] = *solver.point();
-            assert_eq!(solver.termination(), Some(expected), "{method:?}");
+            let [a, b] = solver.point;
+            assert_eq!(solver.termination, Some(expected), "{method:?}");
             assert!((a - 1.5).abs() < 2e-2 && (b - 0.5).abs() < 2e-2, "{method:?}: {a} {b}");
         }
     }
@@ -124,7 +124,7 @@ fn levenberg_marquardt_descends_the_valley() {
         cost = iteration.cost;
     }
     assert!(rejected > 0, "the valley bends: some step must fail");
-    let [x, y] = *solver.point();
+    let [x, y] = solver.point;
     assert!((x - 1.0).abs() < 1e-5 && (y - 1.0).abs() < 1e-5, "{x} {y}");
 }
 
@@ -143,7 +143,7 @@ fn gauss_newton_takes_every_step() {
 fn a_stationary_start_says_so() {
     let mut solver = Solver::new(&mut valley(), [1.0, 1.0], options(Method::LevenbergMarquardt));
     assert!(solver.step(&mut valley()).is_none());
-    assert_eq!(solver.termination(), Some(Termination::NoGradient));
+    assert_eq!(solver.termination, Some(Termination::NoGradient));
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn run_all_runs_all() {
             let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
             let mut solver = Solver::new(&mut valley(), start, options);
             while solver.step(&mut valley()).is_some() {}
-            assert_eq!(solver.termination(), Some(Termination::StepLimit { steps: 600 }));
+            assert_eq!(solver.termination, Some(Termination::StepLimit { steps: 600 }));
         }
     }
 }
@@ -162,5 +162,5 @@ fn run_all_runs_all() {
 fn infinite_costs_end_without_losing_the_point() {
     let mut solver = Solver::new(&mut valley(), [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
     assert!(solver.step(&mut valley()).is_none());
-    assert_eq!(solver.termination(), Some(Termination::NotFinite));
+    assert_eq!(solver.termination, Some(Termination::NotFinite));
 }
