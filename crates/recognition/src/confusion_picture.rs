@@ -21,20 +21,11 @@ pub fn to_svg(confusion: &Confusion) -> String {
         side + 30
     );
     for (index, class) in confusion.classes.iter().enumerate() {
-        let middle = MARGIN + index * FIELD + FIELD / 2;
+        let (middle, before) = (MARGIN + index * FIELD + FIELD / 2, MARGIN - 8);
         let name = escaped(class);
-        let _ = writeln!(
-            out,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{name}</text>",
-            MARGIN - 8,
-            middle + 4
-        );
-        let _ = writeln!(
-            out,
-            "<text x=\"{middle}\" y=\"{}\" text-anchor=\"start\" transform=\"rotate(-45 {middle} {})\">{name}</text>",
-            MARGIN - 8,
-            MARGIN - 8
-        );
+        write_text(&mut out, [before, middle + 4], "text-anchor=\"end\"", &name);
+        let turned = format!("text-anchor=\"start\" transform=\"rotate(-45 {middle} {before})\"");
+        write_text(&mut out, [middle, before], &turned, &name);
     }
     for row in 0..count {
         let all: usize = confusion.windows[row].iter().sum();
@@ -50,31 +41,24 @@ pub fn to_svg(confusion: &Confusion) -> String {
                 "<rect x=\"{x}\" y=\"{y}\" width=\"{FIELD}\" height=\"{FIELD}\" fill=\"rgb({r},{g},{b})\" stroke=\"#dddddd\"/>"
             );
             if windows > 0 {
-                let _ = writeln!(
-                    out,
-                    "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">{:.0} %</text>",
-                    x + FIELD / 2,
-                    y + 26,
-                    100.0 * part
-                );
+                let style = format!("text-anchor=\"middle\" fill=\"{ink}\"");
+                write_text(&mut out, [x + FIELD / 2, y + 26], &style, &format!("{:.0} %", 100.0 * part));
             }
             let clips = confusion.clips[row][column];
             if clips > 0 {
-                let _ = writeln!(
-                    out,
-                    "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-size=\"11\" fill=\"{ink}\">{clips}</text>",
-                    x + FIELD / 2,
-                    y + 44
-                );
+                let style = format!("text-anchor=\"middle\" font-size=\"11\" fill=\"{ink}\"");
+                write_text(&mut out, [x + FIELD / 2, y + 44], &style, &clips.to_string());
             }
         }
     }
-    let _ = writeln!(
-        out,
-        "<text x=\"{MARGIN}\" y=\"{}\" font-size=\"11\">rows: what it was; columns: what it was called; per cent of seconds, number of clips</text>\n</svg>",
-        side + 8
-    );
+    let legend = "rows: what it was; columns: what it was called; per cent of seconds, number of clips";
+    write_text(&mut out, [MARGIN, side + 8], "font-size=\"11\"", legend);
+    out.push_str("</svg>\n");
     out
+}
+
+fn write_text(out: &mut String, [x, y]: [usize; 2], attributes: &str, words: &str) {
+    let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" {attributes}>{words}</text>");
 }
 
 fn escaped(text: &str) -> String {

@@ -37,10 +37,10 @@ pub struct Discriminant {
 }
 
 /// A row that is learnt from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<'a> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
     /// Its numbers.
-    pub row: &'a [f64],
+    pub row: Vec<f64>,
     /// The number of its class.
     pub class: usize,
     /// The number of its subject.
@@ -50,17 +50,18 @@ pub struct Sample<'a> {
 /// How much each sample counts: classes count the same, subjects within a class count the same, samples of a subject in a class count the same. The
 /// sum is the number of samples.
 #[must_use]
-pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
+pub fn balanced_weights(samples: &[Sample]) -> Vec<f64> {
     let mut counts: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    for cell in cells {
-        *counts.entry(*cell).or_default() += 1.0;
+    for sample in samples {
+        *counts.entry((sample.class, sample.subject)).or_default() += 1.0;
     }
     let mut subjects: BTreeMap<usize, f64> = BTreeMap::new();
     for (class, _) in counts.keys() {
         *subjects.entry(*class).or_default() += 1.0;
     }
-    let each = cells.len() as f64 / subjects.len().max(1) as f64;
-    cells.iter().map(|cell| each / (subjects[&cell.0] * counts[cell])).collect()
+    let each = samples.len() as f64 / subjects.len().max(1) as f64;
+    let weight = |one: &Sample| each / (subjects[&one.class] * counts[&(one.class, one.subject)]);
+    samples.iter().map(weight).collect()
 }
 
 /// How axes are learnt.
@@ -109,11 +110,11 @@ pub struct Nuisance {
 }
 
 impl Cells {
-    fn of(axes: &Discriminant, samples: &[Sample<'_>]) -> Self {
+    fn of(axes: &Discriminant, samples: &[Sample]) -> Self {
         let dimension = axes.mean.len();
         let mut rows: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
         for sample in samples {
-            let row = DVector::from_vec(axes.standardised(sample.row));
+            let row = DVector::from_vec(axes.standardised(&sample.row));
             rows.entry((sample.class, sample.subject)).or_default().push(row);
         }
         let moments = rows.into_iter().map(|(cell, rows)| {
@@ -171,7 +172,7 @@ fn shrunk(matrix: &DMatrix<f64>, shrinkage: f64) -> DMatrix<f64> {
 impl Discriminant {
     /// Learns axes from samples, of which there is one at least.
     #[must_use]
-    pub fn learn(samples: &[Sample<'_>], options: AxesOptions) -> Learnt {
+    pub fn learn(samples: &[Sample], options: AxesOptions) -> Learnt {
         let dimension = samples.first().map_or(0, |sample| sample.row.len());
         let count = samples.len().max(1) as f64;
         let column = |index: usize| samples.iter().map(move |sample| sample.row[index]);
@@ -222,21 +223,17 @@ mod tests {
 
     #[test]
     fn the_axis_is_where_classes_differ_and_not_where_they_spread() {
-        let rows: Vec<(Vec<f64>, usize, usize)> = (0..120)
-            .map(|index| {
-                let (class, subject) = (index % 2, index % 3);
-                let noise = (index as f64 * 1.7).sin();
-                (vec![class as f64 + 0.2 * noise, 10.0 * (index as f64 * 0.9).cos(), 3.0], class, subject)
-            })
-            .collect();
-        let samples: Vec<Sample<'_>> = rows
-            .iter()
-            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
-            .collect();
+        let sample = |index: usize| {
+            let (class, subject) = (index % 2, index % 3);
+            let noise = (index as f64 * 1.7).sin();
+            let row = vec![class as f64 + 0.2 * noise, 10.0 * (index as f64 * 0.9).cos(), 3.0];
+            Sample { row, class, subject }
+        };
+        let samples: Vec<Sample> = (0..120).map(sample).collect();
         let found =
             Discriminant::learn(&samples, AxesOptions { shrinkage: 0.3, strangers: 1.0 }).discriminant;
         assert_eq!(found.axes.len(), 1);
-        let places: Vec<f64> = samples.iter().map(|sample| found.project(sample.row)[0]).collect();
+        let places: Vec<f64> = samples.iter().map(|sample| found.project(&sample.row)[0]).collect();
         let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
         let flipped = !side(places[1], 1);
         assert!(places.iter().zip(&samples).all(|(place, sample)| side(*place, sample.class) != flipped));
@@ -245,18 +242,13 @@ mod tests {
     /// Classes lie apart along the first and the second number; people scatter along the second only.
     #[test]
     fn what_people_differ_by_makes_no_class() {
-        let rows: Vec<(Vec<f64>, usize, usize)> = (0..240)
-            .map(|index| {
-                let (class, subject) = (index % 2, index / 2 % 4);
-                let [a, b] = [1.7, 0.9].map(|f| 0.2 * (index as f64 * f).sin());
-                let person = [1.5, -1.5, 0.6, -0.6][subject];
-                (vec![class as f64 + a, class as f64 + person + b], class, subject)
-            })
-            .collect();
-        let samples: Vec<Sample<'_>> = rows
-            .iter()
-            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
-            .collect();
+        let sample = |index: usize| {
+            let (class, subject) = (index % 2, index / 2 % 4);
+            let [a, b] = [1.7, 0.9].map(|f| 0.2 * (index as f64 * f).sin());
+            let person = [1.5, -1.5, 0.6, -0.6][subject];
+            Sample { row: vec![class as f64 + a, class as f64 + person + b], class, subject }
+        };
+        let samples: Vec<Sample> = (0..240).map(sample).collect();
         let weight = |strangers: f64| {
             let axes =
                 Discriminant::learn(&samples, AxesOptions { shrinkage: 0.01, strangers }).discriminant.axes;
@@ -273,7 +265,9 @@ mod tests {
 
     #[test]
     fn subjects_with_many_samples_count_as_one() {
-        let weights = balanced_weights(&[(0, 0), (0, 0), (0, 0), (0, 1), (1, 0)]);
+        let cells = [(0, 0), (0, 0), (0, 0), (0, 1), (1, 0)];
+        let weights =
+            balanced_weights(&cells.map(|(class, subject)| Sample { row: Vec::new(), class, subject }));
         let expected = [5.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 5.0 / 4.0, 5.0 / 2.0];
         assert!(weights.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{weights:?}");
     }

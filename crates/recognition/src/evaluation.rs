@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::augment::{TrackerNoise, noisy, unit};
 use crate::features::{RATE, body_size};
 use crate::joints::{Joint, JointMotion, Joints, MotionError};
-use crate::learn::{LearnError, NamedMotion};
+use crate::learn::{LearnError, NamedMotion, distinct};
 use crate::observed::{Observed, WINDOW};
 use crate::recognizer::{Method, Recognizer, largest};
 
@@ -128,8 +128,7 @@ impl Tally {
         classes: &[String],
         motions: &[NamedMotion],
     ) -> Result<(), LearnError> {
-        let seen: Result<Vec<Observed>, LearnError> = motions.iter().map(observe).collect();
-        let seen = seen?;
+        let seen = motions.iter().map(observe).collect::<Result<Vec<Observed>, LearnError>>()?;
         for (motion, seen) in motions.iter().zip(&seen) {
             self.name(recognizer, classes, motion, seen);
         }
@@ -230,14 +229,6 @@ impl Tally {
     }
 }
 
-/// All classes of a recognizer and of motions, in their order.
-fn all_classes<'a>(known: &[String], others: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut all: Vec<String> = known.iter().cloned().chain(others.map(str::to_owned)).collect();
-    all.sort();
-    all.dedup();
-    all
-}
-
 /// Names motions that a recognizer may or may not know, as they are or as a tracker would have found them; the noise's deviation is in metres of an adult.
 ///
 /// # Errors
@@ -249,15 +240,14 @@ pub fn evaluate(
 ) -> Result<Evaluation, LearnError> {
     let motions: Vec<NamedMotion> =
         motions.iter().zip(0..).map(|(motion, number)| tracked(motion, noise, number)).collect();
-    let classes = all_classes(&recognizer.classes, motions.iter().map(|motion| &*motion.class));
+    let classes = distinct(recognizer.classes.iter().chain(motions.iter().map(|motion| &motion.class)));
     let mut tally = Tally::new(classes.len());
     tally.add(recognizer, &classes, &motions)?;
     Ok(tally.finish(classes))
 }
 
 fn observe(named: &NamedMotion) -> Result<Observed, LearnError> {
-    let fail = |error| LearnError::Motion { name: named.name.clone(), error };
-    Observed::new(&named.motion).map_err(fail)
+    Observed::new(&named.motion).map_err(LearnError::of(named))
 }
 
 /// The motion as a tracker would have found it.
@@ -286,8 +276,7 @@ pub fn joined(motions: &[&NamedMotion]) -> Result<Vec<(NamedMotion, Vec<String>)
         group.push(motions[index]);
         length += motions[index].motion.seconds();
         if length >= JOINED_S || place + 1 == order.len() {
-            let (motion, truth) =
-                join(&group).map_err(|error| LearnError::Motion { name: group[0].name.clone(), error })?;
+            let (motion, truth) = join(&group).map_err(LearnError::of(group[0]))?;
             takes.push((NamedMotion { motion, ..group[0].clone() }, truth));
             group.clear();
             length = 0.0;
@@ -330,17 +319,11 @@ fn heading(joints: &Joints) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::walker;
+    use crate::tests::named;
 
     #[test]
     fn joined_motions_go_on_where_they_ended() {
-        let named = |speed: f64, class: &str| NamedMotion {
-            name: class.to_owned(),
-            class: class.to_owned(),
-            subject: "a".to_owned(),
-            motion: walker(1.0, speed),
-        };
-        let (fast, slow) = (named(2.0, "fast"), named(0.5, "slow"));
+        let (fast, slow) = (named("", "fast", "a", 1.0, 2.0), named("", "slow", "a", 1.0, 0.5));
         let (motion, truth) = join(&[&fast, &slow, &fast]).unwrap();
         assert_eq!((motion.frames().len(), truth.len()), (90, 90));
         assert_eq!([&truth[29], &truth[30], &truth[60]], ["fast", "slow", "fast"]);

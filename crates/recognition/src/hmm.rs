@@ -1,11 +1,6 @@
 //! Gaussian hidden Markov models (Rabiner, "A Tutorial on Hidden Markov Models", 1989).
 //!
 //! In state i an observation has the density bᵢ(x) = Πⱼ N(xⱼ; μᵢⱼ, σ²ᵢⱼ); πᵢ begins a sequence, aᵢⱼ leads from state i to j.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `learn` | Baum-Welch from weighted sequences |
-//! | `network` | a model a class, and going from one to another: Viterbi segmentation, beliefs |
 
 use serde::{Deserialize, Serialize};
 

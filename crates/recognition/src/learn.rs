@@ -1,5 +1,7 @@
 //! From named motions to a [`Recognizer`].
 
+use std::collections::BTreeSet;
+
 use nalgebra::DVector;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -76,15 +78,18 @@ pub enum LearnError {
     Motion { name: String, error: MotionError },
 }
 
+impl LearnError {
+    /// What is wrong with a motion.
+    pub(crate) fn of(named: &NamedMotion) -> impl Fn(MotionError) -> Self {
+        |error| Self::Motion { name: named.name.clone(), error }
+    }
+}
+
 /// A motion and its copies, measured once to be learnt from many times.
 #[derive(Debug, Clone)]
-pub struct Prepared {
-    /// What it is called.
-    pub name: String,
-    /// Its class.
-    pub class: String,
-    /// Who moves.
-    pub subject: String,
+pub struct Prepared<'a> {
+    /// The motion.
+    pub named: &'a NamedMotion,
     /// The motion as it is, first, and its copies.
     pub seen: Vec<Observed>,
 }
@@ -100,11 +105,14 @@ const PLANE_STEP: usize = 5;
 ///
 /// # Errors
 /// The joints do not lie as a person's.
-pub fn prepare(named: &NamedMotion, options: &LearnOptions, number: u64) -> Result<Prepared, LearnError> {
-    let fail = |error| LearnError::Motion { name: named.name.clone(), error };
+pub fn prepare<'a>(
+    named: &'a NamedMotion,
+    options: &LearnOptions,
+    number: u64,
+) -> Result<Prepared<'a>, LearnError> {
     let mut random = Pcg64Mcg::seed_from_u64(options.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let size = body_size(&named.motion);
-    let mut seen = vec![Observed::new(&named.motion).map_err(fail)?];
+    let mut seen = vec![Observed::new(&named.motion).map_err(LearnError::of(named))?];
     for copy in 0..options.copies {
         let speed = SPEEDS[(unit(&mut random) * SPEEDS.len() as f64) as usize];
         let noise = TrackerNoise {
@@ -114,42 +122,22 @@ pub fn prepare(named: &NamedMotion, options: &LearnOptions, number: u64) -> Resu
         };
         let changed = augment::faster(&named.motion, speed);
         let changed = augment::noisy(&changed, noise, options.seed + 1000 * number + copy as u64);
-        seen.push(Observed::new(&changed).map_err(fail)?);
+        seen.push(Observed::new(&changed).map_err(LearnError::of(named))?);
     }
-    Ok(Prepared {
-        name: named.name.clone(),
-        class: named.class.clone(),
-        subject: named.subject.clone(),
-        seen,
-    })
+    Ok(Prepared { named, seen })
+}
+
+/// All of some motions.
+pub(crate) fn prepare_all<'a>(
+    motions: &'a [NamedMotion],
+    options: &LearnOptions,
+) -> Result<Vec<Prepared<'a>>, LearnError> {
+    motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect()
 }
 
 /// Names without repetition, in their order.
-fn numbered<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut all: Vec<String> = Vec::new();
-    for name in names {
-        if !all.iter().any(|known| known == name) {
-            all.push(name.to_owned());
-        }
-    }
-    all.sort();
-    all
-}
-
-/// Rows with the number of their class and of their subject.
-struct Table {
-    rows: Vec<Vec<f64>>,
-    cells: Vec<(usize, usize)>,
-}
-
-impl Table {
-    fn samples(&self) -> Vec<Sample<'_>> {
-        self.rows
-            .iter()
-            .zip(&self.cells)
-            .map(|(row, &(class, subject))| Sample { row, class, subject })
-            .collect()
-    }
+pub(crate) fn distinct<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    names.collect::<BTreeSet<_>>().into_iter().cloned().collect()
 }
 
 impl Recognizer {
@@ -158,46 +146,40 @@ impl Recognizer {
     /// # Errors
     /// One class only, or joints that do not lie as a person's.
     pub fn learn(motions: &[NamedMotion], options: &LearnOptions) -> Result<Self, LearnError> {
-        let prepared: Result<Vec<Prepared>, LearnError> =
-            motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
-        let prepared = prepared?;
-        Self::learn_prepared(&prepared.iter().collect::<Vec<_>>(), options)
+        Self::learn_prepared(&prepare_all(motions, options)?.iter().collect::<Vec<_>>(), options)
     }
 
     /// The same from motions that were measured before.
     ///
     /// # Errors
     /// One class only.
-    pub fn learn_prepared(motions: &[&Prepared], options: &LearnOptions) -> Result<Self, LearnError> {
-        let classes = numbered(motions.iter().map(|motion| &*motion.class));
-        let subjects = numbered(motions.iter().map(|motion| &*motion.subject));
+    pub fn learn_prepared(motions: &[&Prepared<'_>], options: &LearnOptions) -> Result<Self, LearnError> {
+        let classes = distinct(motions.iter().map(|motion| &motion.named.class));
+        let subjects = distinct(motions.iter().map(|motion| &motion.named.subject));
         if classes.len() < 2 {
             return Err(LearnError::Classes { found: classes.len() });
         }
         let number = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
-        let cell = |motion: &Prepared| (number(&classes, &motion.class), number(&subjects, &motion.subject));
-        let table = |of: &dyn Fn(&Observed) -> Vec<Vec<f64>>| {
-            let mut table = Table { rows: Vec::new(), cells: Vec::new() };
-            for motion in motions {
-                for seen in &motion.seen {
-                    table.rows.extend(of(seen));
-                    table.cells.resize(table.rows.len(), cell(motion));
-                }
+        let samples = |of: &dyn Fn(&Observed) -> Vec<Vec<f64>>| -> Vec<Sample> {
+            let mut samples = Vec::new();
+            for Prepared { named, seen } in motions {
+                let (class, subject) = (number(&classes, &named.class), number(&subjects, &named.subject));
+                samples.extend(seen.iter().flat_map(of).map(|row| Sample { row, class, subject }));
             }
-            table
+            samples
         };
         let seconds =
-            table(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
-        let shorts = table(&|seen| seen.short.clone());
-        let learnt = Discriminant::learn(&seconds.samples(), options.axes);
-        let short = Discriminant::learn(&shorts.samples(), options.axes).discriminant;
-        let weights = balanced_weights(&seconds.cells);
-        let novelty = Novelty::learn(&learnt, &seconds.samples(), &weights, options.axes);
+            samples(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
+        let shorts = samples(&|seen| seen.short.clone());
+        let learnt = Discriminant::learn(&seconds, options.axes);
+        let short = Discriminant::learn(&shorts, options.axes).discriminant;
+        let weights = balanced_weights(&seconds);
+        let novelty = Novelty::learn(&learnt, &seconds, &weights, options.axes);
         let Learnt { discriminant: long, whitening, .. } = learnt;
-        let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
-        let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
-        let white = |row: &Vec<f64>| &whitening * DVector::from_vec(long.standardised(row));
-        let white: Vec<Vec<f64>> = seconds.rows.iter().map(|row| white(row).as_slice().to_vec()).collect();
+        let places: Vec<Vec<f64>> = seconds.iter().map(|one| long.project(&one.row)).collect();
+        let numbers: Vec<usize> = seconds.iter().map(|one| one.class).collect();
+        let white = |one: &Sample| &whitening * DVector::from_vec(long.standardised(&one.row));
+        let white: Vec<Vec<f64>> = seconds.iter().map(|one| white(one).as_slice().to_vec()).collect();
         let machine = |rows: &[Vec<f64>], cost: f64| {
             let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
             SupportVectors::learn(rows, &numbers, &costs, classes.len())
@@ -221,19 +203,19 @@ impl Recognizer {
 
 /// A model a class.
 fn models(
-    motions: &[&Prepared],
-    shorts: &Table,
+    motions: &[&Prepared<'_>],
+    shorts: &[Sample],
     axes: &Discriminant,
     class_count: usize,
     options: &HmmOptions,
 ) -> Vec<HiddenMarkov> {
-    let weights = balanced_weights(&shorts.cells);
-    let rows: Vec<Vec<f64>> = shorts.rows.iter().map(|row| axes.project(row)).collect();
+    let weights = balanced_weights(shorts);
+    let rows: Vec<Vec<f64>> = shorts.iter().map(|one| axes.project(&one.row)).collect();
     let mut sequences: Vec<Vec<Weighted<'_>>> = vec![Vec::new(); class_count];
     let mut first = 0;
     for seen in motions.iter().flat_map(|motion| &motion.seen) {
         let past = first + seen.short.len();
-        sequences[shorts.cells[first].0].push((&rows[first..past], weights[first]));
+        sequences[shorts[first].class].push((&rows[first..past], weights[first]));
         first = past;
     }
     sequences.iter().map(|sequences| HiddenMarkov::learn(sequences, options)).collect()
@@ -243,12 +225,12 @@ fn models(
 type Weighted<'a> = (&'a [Vec<f64>], f64);
 
 /// The plane of frames, and where classes lie on it.
-fn plane(motions: &[&Prepared], classes: &[String]) -> (PrincipalComponents, Vec<PlaneCloud>) {
+fn plane(motions: &[&Prepared<'_>], classes: &[String]) -> (PrincipalComponents, Vec<PlaneCloud>) {
     let frames: Vec<(usize, Vec<f64>)> = motions
         .iter()
         .filter_map(|motion| Some((motion, motion.seen.first()?)))
         .flat_map(|(motion, seen)| {
-            let class = classes.iter().position(|class| *class == motion.class).unwrap_or(0);
+            let class = classes.iter().position(|class| *class == motion.named.class).unwrap_or(0);
             seen.frames().into_iter().step_by(PLANE_STEP).map(move |row| (class, row))
         })
         .collect();
@@ -286,7 +268,7 @@ mod tests {
         let named = &standing_and_walking()[2];
         let options = LearnOptions { copies: 3, ..LearnOptions::default() };
         let [prepared, again, other] = [5, 5, 6].map(|number| prepare(named, &options, number).unwrap());
-        assert_eq!((prepared.seen.len(), &*prepared.class, &*prepared.subject), (4, "walk", "a"));
+        assert_eq!((prepared.seen.len(), prepared.named), (4, named));
         assert_eq!(prepared.seen[0].short, Observed::new(&named.motion).unwrap().short);
         for copy in 1..4 {
             assert_eq!(prepared.seen[copy].short, again.seen[copy].short);

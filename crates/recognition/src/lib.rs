@@ -1,25 +1,6 @@
 //! Names of motions: walking, running, boxing, from nothing but joints over time. Whoever has found the joints, from silhouettes or otherwise,
 //! this crate knows nothing of it (section 6.6 of P. Kaimakis, "Markerless Motion Capture", 2004).
 //!
-//! A motion goes through these rooms:
-//!
-//! | file | holds |
-//! |---|---|
-//! | [`joints`] | [`JointMotion`]: the sixteen joints that all sources have, frame by frame |
-//! | [`features`] | what is measured apart from place, heading and size |
-//! | [`observed`] | a motion as windows of a second, and as short windows that follow each other |
-//! | [`principal`] | principal components: the plane that motions are drawn on |
-//! | [`discriminant`] | axes that tell classes apart and not people |
-//! | [`hmm`] | a Gaussian hidden Markov model a class; Viterbi segmentation of long takes |
-//! | [`svm`] | support vector machines of windows of a second |
-//! | [`nearest`] | nearest neighbours, the baseline |
-//! | [`novelty`] | what is nothing known |
-//! | [`recognizer`] | all of these as one [`Recognizer`] |
-//! | [`learn`], [`augment`] | learning from named motions and changed copies of them |
-//! | [`recognition`] | a take's frames and stretches by name |
-//! | [`evaluation`], [`confusion_picture`] | how often names are right |
-//! | [`model_file`] | a recognizer as a small JSON |
-//!
 //! Everything is deterministic: the same motions give the same bits.
 
 pub mod augment;
@@ -49,23 +30,26 @@ pub use recognizer::{Method, Recognizer};
 mod tests {
     use glam::DVec3;
 
-    use crate::NamedMotion;
     use crate::joints::{JOINT_COUNT, JointMotion, Joints};
+    use crate::{LearnOptions, NamedMotion, Recognizer};
+
+    /// Somebody's [`walker`].
+    pub(crate) fn named(name: &str, class: &str, subject: &str, seconds: f64, speed: f64) -> NamedMotion {
+        let [name, class, subject] = [name, class, subject].map(str::to_owned);
+        NamedMotion { name, class, subject, motion: walker(seconds, speed) }
+    }
 
     /// Two people who stand, and walk.
     pub(crate) fn standing_and_walking() -> Vec<NamedMotion> {
-        let named = |speed: f64, class: &str, subject: &str| NamedMotion {
-            name: format!("{class} {subject}"),
-            class: class.to_owned(),
-            subject: subject.to_owned(),
-            motion: walker(1.5, speed),
-        };
-        vec![
-            named(0.0, "stand", "a"),
-            named(0.1, "stand", "b"),
-            named(1.0, "walk", "a"),
-            named(1.3, "walk", "b"),
-        ]
+        let all = [("stand", "a", 0.0), ("stand", "b", 0.1), ("walk", "a", 1.0), ("walk", "b", 1.3)];
+        let one = |(class, subject, speed)| named(&format!("{class} {subject}"), class, subject, 1.5, speed);
+        all.map(one).into()
+    }
+
+    /// What is learnt from them.
+    pub(crate) fn learnt() -> Recognizer {
+        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
+        Recognizer::learn(&standing_and_walking(), &options).unwrap()
     }
 
     /// A stick figure that walks forward (z) at 30 frames a second, this many metres a second, stepping twice a second.

@@ -1,5 +1,7 @@
 //! A recognizer as a file: `backlit-motions 2`, JSON. Numbers have six digits, which changes no name.
 
+use std::ops::RangeInclusive;
+
 use serde::Deserialize;
 use serde_json::{Number, Value, json};
 use thiserror::Error;
@@ -80,8 +82,7 @@ impl Recognizer {
         let count = self.classes.len();
         size("classes", count, 2..=MOST[0])?;
         size("plane.mean", self.plane.mean.len(), FRAME_FEATURES..=FRAME_FEATURES)?;
-        size("plane.components", self.plane.components.len(), 2..=2)?;
-        table("plane.components", &self.plane.components, FRAME_FEATURES)?;
+        table("plane.components", &self.plane.components, 2..=2, FRAME_FEATURES)?;
         size("clouds", self.clouds.len(), count..=count)?;
         let short = axes("short", &self.short)?;
         let long = axes("long", &self.long)?;
@@ -95,27 +96,25 @@ impl Recognizer {
                 ("means", &model.means, short),
                 ("variances", &model.variances, short),
             ] {
-                size(&at(field), rows.len(), states..=states)?;
-                table(&at(field), rows, width)?;
+                table(&at(field), rows, states..=states, width)?;
             }
             let all = model.start.iter().chain(model.transitions.iter().flatten());
             range(&at("transitions"), all, 0.0..=1.0)?;
             range(&at("variances"), model.variances.iter().flatten(), 1e-9..=1e9)?;
         }
-        size("machine.planes", self.machine.planes.len(), count..=count)?;
-        table("machine.planes", &self.machine.planes, long + 1)?;
-        size("wide_machine.planes", self.wide_machine.planes.len(), count..=count)?;
-        table("wide_machine.planes", &self.wide_machine.planes, MEASURE_COUNT + 1)?;
-        size("novelty.means", self.novelty.means.len(), count..=count)?;
-        table("novelty.means", &self.novelty.means, MEASURE_COUNT)?;
-        size("novelty.whitening", self.novelty.whitening.len(), MEASURE_COUNT..=MEASURE_COUNT)?;
-        table("novelty.whitening", &self.novelty.whitening, MEASURE_COUNT)?;
+        for (field, rows, rows_count, width) in [
+            ("machine.planes", &self.machine.planes, count, long + 1),
+            ("wide_machine.planes", &self.wide_machine.planes, count, MEASURE_COUNT + 1),
+            ("novelty.means", &self.novelty.means, count, MEASURE_COUNT),
+            ("novelty.whitening", &self.novelty.whitening, MEASURE_COUNT, MEASURE_COUNT),
+        ] {
+            table(field, rows, rows_count..=rows_count, width)?;
+        }
         range("novelty.threshold", [&self.novelty.threshold].into_iter(), 1e-9..=1e9)?;
         range("switch_penalty", [&self.switch_penalty].into_iter(), 0.0..=1e6)?;
         if let Some(known) = &self.exemplars {
             let windows = known.places.len();
-            size("exemplars.places", windows, 0..=MOST[3])?;
-            table("exemplars.places", &known.places, long)?;
+            table("exemplars.places", &known.places, 0..=MOST[3], long)?;
             size("exemplars.classes", known.classes.len(), windows..=windows)?;
             size("exemplars.weights", known.weights.len(), windows..=windows)?;
             if let Some(class) = known.classes.iter().find(|class| **class >= count) {
@@ -131,7 +130,7 @@ fn field(field: &str, found: String, expected: String) -> ModelError {
     ModelError::Field { field: field.to_owned(), found, expected }
 }
 
-fn size(name: &str, found: usize, expected: std::ops::RangeInclusive<usize>) -> Result<(), ModelError> {
+fn size(name: &str, found: usize, expected: RangeInclusive<usize>) -> Result<(), ModelError> {
     if expected.contains(&found) {
         return Ok(());
     }
@@ -140,7 +139,14 @@ fn size(name: &str, found: usize, expected: std::ops::RangeInclusive<usize>) -> 
     Err(field(name, format!("{found} entries"), expected))
 }
 
-fn table(name: &str, rows: &[Vec<f64>], width: usize) -> Result<(), ModelError> {
+/// Checks how many rows there are and how long each is.
+fn table(
+    name: &str,
+    rows: &[Vec<f64>],
+    count: RangeInclusive<usize>,
+    width: usize,
+) -> Result<(), ModelError> {
+    size(name, rows.len(), count)?;
     rows.iter()
         .enumerate()
         .try_for_each(|(index, row)| size(&format!("{name}[{index}]"), row.len(), width..=width))
@@ -149,7 +155,7 @@ fn table(name: &str, rows: &[Vec<f64>], width: usize) -> Result<(), ModelError> 
 fn range<'a>(
     name: &str,
     mut values: impl Iterator<Item = &'a f64>,
-    expected: std::ops::RangeInclusive<f64>,
+    expected: RangeInclusive<f64>,
 ) -> Result<(), ModelError> {
     match values.find(|value| !expected.contains(*value)) {
         None => Ok(()),
@@ -166,8 +172,7 @@ fn axes(name: &str, found: &Discriminant) -> Result<usize, ModelError> {
         size(&format!("{name}.{part}"), length, MEASURE_COUNT..=MEASURE_COUNT)?;
     }
     range(&format!("{name}.deviation"), found.deviation.iter(), 1e-9..=1e9)?;
-    size(&format!("{name}.axes"), found.axes.len(), 1..=MOST[1])?;
-    table(&format!("{name}.axes"), &found.axes, MEASURE_COUNT)?;
+    table(&format!("{name}.axes"), &found.axes, 1..=MOST[1], MEASURE_COUNT)?;
     size(&format!("{name}.origin"), found.origin.len(), found.axes.len()..=found.axes.len())?;
     Ok(found.axes.len())
 }
@@ -192,22 +197,15 @@ fn shorten(value: &mut Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::learn::{LearnOptions, NamedMotion};
-    use crate::tests::standing_and_walking;
-
-    fn small() -> (Recognizer, Vec<NamedMotion>) {
-        let motions = standing_and_walking();
-        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
-        (Recognizer::learn(&motions, &options).unwrap(), motions)
-    }
+    use crate::tests::{learnt, standing_and_walking};
 
     #[test]
     fn what_is_written_is_read_and_names_the_same() {
-        let (learnt, motions) = small();
+        let learnt = learnt();
         let text = learnt.to_text();
         let read = Recognizer::from_text(&text).unwrap();
         assert_eq!(read.to_text(), text);
-        for named in &motions {
+        for named in &standing_and_walking() {
             let [a, b] = [&learnt, &read].map(|model| model.recognise(&named.motion).unwrap());
             for (a, b) in a.frames.iter().zip(&b.frames) {
                 assert_eq!((a.class, a.frame), (b.class, b.frame));
@@ -219,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_broken_file_says_where() {
-        let text = small().0.to_text();
+        let text = learnt().to_text();
         for cut in (0..text.len() - 3).step_by(text.len() / 40) {
             let message = Recognizer::from_text(&text[..cut]).unwrap_err().to_string();
             assert!(message.contains("line"), "{message}");

@@ -28,9 +28,9 @@ pub struct Novelty {
 impl Novelty {
     /// Learns from windows, their weights and the axes that were learnt from them.
     #[must_use]
-    pub fn learn(learnt: &Learnt, samples: &[Sample<'_>], weights: &[f64], options: AxesOptions) -> Self {
+    pub fn learn(learnt: &Learnt, samples: &[Sample], weights: &[f64], options: AxesOptions) -> Self {
         let all = learnt.cells.without(None, options);
-        let standardised = |sample: &Sample<'_>| learnt.discriminant.standardised(sample.row);
+        let standardised = |sample: &Sample| learnt.discriminant.standardised(&sample.row);
         let mut known: Vec<(f64, f64)> = Vec::new();
         let subjects = samples.iter().map(|sample| sample.subject + 1).max().unwrap_or(0);
         for subject in 0..subjects {
@@ -90,22 +90,15 @@ mod tests {
 
     /// Two classes about (0, 0) and about (20, 0), three people who lie 0.5 apart along the second measure.
     fn learnt(people: usize) -> (Novelty, Discriminant) {
-        let rows: Vec<([f64; 2], usize, usize)> = (0..300)
-            .map(|index| {
-                let at = f64::from(index);
-                let (class, subject) = (index as usize % 2, index as usize / 2 % people);
-                let place = 20.0 * class as f64 + 1.4 * (1.3 * at).sin();
-                ([place, 0.5 * subject as f64 + 1.4 * (2.1 * at).cos()], class, subject)
-            })
-            .collect();
-        let samples: Vec<Sample<'_>> = rows
-            .iter()
-            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
-            .collect();
-        let cells: Vec<(usize, usize)> = samples.iter().map(|s| (s.class, s.subject)).collect();
+        let sample = |index: usize| {
+            let (class, subject, at) = (index % 2, index / 2 % people, index as f64);
+            let place = 20.0 * class as f64 + 1.4 * (1.3 * at).sin();
+            Sample { row: vec![place, 0.5 * subject as f64 + 1.4 * (2.1 * at).cos()], class, subject }
+        };
+        let samples: Vec<Sample> = (0..300).map(sample).collect();
         let options = AxesOptions { shrinkage: 0.0, strangers: 1.0 };
         let axes = Discriminant::learn(&samples, options);
-        (Novelty::learn(&axes, &samples, &balanced_weights(&cells), options), axes.discriminant)
+        (Novelty::learn(&axes, &samples, &balanced_weights(&samples), options), axes.discriminant)
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A motion as classifiers see it: windows of a second, and short windows that follow each other.
 
-use crate::features::{Channels, Normalised, frame_features, window_measures};
+use crate::features::{Channels, Normalised, window_measures};
 use crate::joints::{JointMotion, MotionError};
 
 /// A window of a second, frames at [`crate::features::RATE`].
@@ -19,7 +19,8 @@ pub struct Observed {
     normalised: Normalised,
     /// Measures of the short windows, one every [`STEP`] frames.
     pub short: Vec<Vec<f64>>,
-    length: usize,
+    /// Frames at [`crate::features::RATE`].
+    pub length: usize,
 }
 
 impl Observed {
@@ -30,22 +31,10 @@ impl Observed {
     pub fn new(motion: &JointMotion) -> Result<Self, MotionError> {
         let normalised = Normalised::new(motion)?;
         let channels = Channels::new(&normalised);
-        let length = normalised.len();
+        let length = normalised.joints.len();
         let steps = length.saturating_sub(SHORT) / STEP + 1;
         let short = |step: usize| window_measures(&channels, step * STEP, (step * STEP + SHORT).min(length));
         Ok(Self { short: (0..steps).map(short).collect(), channels, normalised, length })
-    }
-
-    /// Frames at [`crate::features::RATE`].
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.length
-    }
-
-    /// Whether there is no frame; there always is one.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.length == 0
     }
 
     /// Measures of the second that begins at a frame; a motion shorter than that is measured whole.
@@ -86,7 +75,7 @@ impl Observed {
     /// The numbers of every frame, for principal components.
     #[must_use]
     pub fn frames(&self) -> Vec<Vec<f64>> {
-        frame_features(&self.normalised)
+        self.normalised.frame_features()
     }
 }
 
@@ -100,9 +89,9 @@ mod tests {
         for frames in [12, 18, 29, 30, 31, 44, 100] {
             let motion = walker(f64::from(frames) / 30.0, 1.0);
             let seen = Observed::new(&motion).unwrap();
-            assert_eq!(seen.len(), frames as usize);
+            assert_eq!(seen.length, frames as usize);
             let starts = seen.window_starts();
-            let last = seen.len().saturating_sub(WINDOW);
+            let last = seen.length.saturating_sub(WINDOW);
             assert_eq!((starts[0], starts[starts.len() - 1]), (0, last), "{frames}");
             assert!(starts.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] <= HOP));
             for start in starts {
@@ -110,7 +99,7 @@ mod tests {
                 assert!(!short.is_empty() && short.end <= seen.short.len(), "{frames}: {short:?}");
                 assert!(seen.window(start).iter().all(|x| x.is_finite()));
             }
-            for frame in 0..seen.len() {
+            for frame in 0..seen.length {
                 assert!(seen.step_of(frame) < seen.short.len());
             }
         }

@@ -71,7 +71,7 @@ impl Recognizer {
         let apart: Vec<[f64; 2]> = seen.short.iter().map(|row| first_two(&self.short.project(row))).collect();
         let frames = (0..motion.frames().len()).map(|index| {
             let at = (index as f64 * RATE / motion.frame_rate()) as usize;
-            let at = at.min(seen.len() - 1);
+            let at = at.min(seen.length - 1);
             let step = seen.step_of(at);
             let class = names[step];
             FrameName {
@@ -105,12 +105,6 @@ impl Recognizer {
     #[must_use]
     pub fn clip_strangeness(&self, seen: &Observed) -> f64 {
         median(seen.window_starts().into_iter().map(|start| self.strangeness(seen, start)).collect())
-    }
-
-    /// Whether a motion as a whole is nothing known.
-    #[must_use]
-    pub fn is_unknown(&self, seen: &Observed) -> bool {
-        self.clip_strangeness(seen) > 1.0
     }
 }
 
@@ -176,9 +170,7 @@ mod tests {
 
     #[test]
     fn every_method_names_frames_whose_places_follow_each_other() {
-        let motions = crate::tests::standing_and_walking();
-        let options = crate::LearnOptions { copies: 1, ..crate::LearnOptions::default() };
-        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        let (motions, learnt) = (crate::tests::standing_and_walking(), crate::tests::learnt());
         for method in Method::ALL {
             for named in &motions {
                 let found = learnt.recognise_by(&named.motion, method).unwrap();

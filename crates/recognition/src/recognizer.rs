@@ -212,20 +212,14 @@ impl Recognizer {
     /// By short window, the number of the class that a take's evidence makes it, and the probability of each class. Hidden Markov models by
     /// themselves cut the take by their best walk; otherwise each moment has its own likeliest class, given all moments.
     pub(crate) fn names(&self, seen: &Observed, method: Method) -> (Vec<usize>, Vec<Vec<f64>>) {
-        let (evidence, network) = (self.evidence(seen, method), self.network());
+        let evidence = self.evidence(seen, method);
+        let network = Network { models: &self.models, switch_penalty: self.switch_penalty };
         let beliefs = network.beliefs(&evidence);
         let names = match method {
             Method::Hmm => network.segment(&evidence),
-            Method::Svm | Method::Nearest | Method::Combined => {
-                beliefs.iter().map(|row| largest(row)).collect()
-            }
+            _ => beliefs.iter().map(|row| largest(row)).collect(),
         };
         (names, beliefs)
-    }
-
-    /// All classes' models as one.
-    fn network(&self) -> Network<'_> {
-        Network::new(&self.models, self.switch_penalty)
     }
 }
 
@@ -237,13 +231,7 @@ pub(crate) fn largest(values: &[f64]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::learn::LearnOptions;
-    use crate::tests::{standing_and_walking, walker};
-
-    fn learnt() -> Recognizer {
-        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
-        Recognizer::learn(&standing_and_walking(), &options).unwrap()
-    }
+    use crate::tests::{learnt, standing_and_walking, walker};
 
     #[test]
     fn every_method_gives_probabilities() {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Evaluation, Tally, all_classes, tracked};
+use super::{Evaluation, Tally, tracked};
 use crate::augment::TrackerNoise;
-use crate::learn::{LearnError, LearnOptions, NamedMotion, Prepared, prepare};
+use crate::learn::{LearnError, LearnOptions, NamedMotion, Prepared, distinct, prepare_all};
 use crate::recognizer::Recognizer;
 
 /// What is left out of what is learnt from, part after part, to be named.
@@ -100,14 +100,12 @@ pub fn leave_out(
     noise: Option<TrackerNoise>,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<Evaluation, LearnError> {
-    let prepared: Result<Vec<Prepared>, LearnError> =
-        motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
-    let prepared = prepared?;
-    let classes = all_classes(&[], motions.iter().map(|motion| &*motion.class));
+    let prepared = prepare_all(motions, options)?;
+    let classes = distinct(motions.iter().map(|motion| &motion.class));
     let folds = left_out.folds(motions);
     let mut tally = Tally::new(classes.len());
     for (done, fold) in folds.iter().enumerate() {
-        let others: Vec<&Prepared> = fold.learnt.iter().map(|&number| &prepared[number]).collect();
+        let others: Vec<&Prepared<'_>> = fold.learnt.iter().map(|&number| &prepared[number]).collect();
         let recognizer = Recognizer::learn_prepared(&others, options)?;
         let own = fold.named.iter().map(|&number| tracked(&motions[number], noise, number as u64));
         tally.add(&recognizer, &classes, &own.collect::<Vec<_>>())?;
@@ -119,7 +117,7 @@ pub fn leave_out(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::walker;
+    use crate::tests;
 
     #[test]
     fn a_recording_is_a_name_without_its_clip() {
@@ -129,12 +127,7 @@ mod tests {
 
     #[test]
     fn a_class_that_others_have_recorded_is_left_out_whole_and_others_by_recording() {
-        let named = |name: &str, class: &str, subject: &str| NamedMotion {
-            name: name.to_owned(),
-            class: class.to_owned(),
-            subject: subject.to_owned(),
-            motion: walker(1.0, 1.0),
-        };
+        let named = |name: &str, class: &str, subject: &str| tests::named(name, class, subject, 1.0, 1.0);
         let mut all: Vec<NamedMotion> = (0..4).map(|i| named(&format!("b{i}"), "walk", "b")).collect();
         all.extend([named("a1a", "walk", "a"), named("a2a", "box", "a"), named("a2b", "box", "a")]);
         let part = |left_out: LeftOut, index: usize| left_out.part(&all[index], &all);

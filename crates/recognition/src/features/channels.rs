@@ -51,39 +51,22 @@ pub(super) struct Side {
     pub(super) knee_rate: Row,
 }
 
-/// The joints of a side, and what of x is outward.
-const SIDES: [([Joint; 7], f64); 2] = [
-    (
-        [
-            Joint::LeftShoulder,
-            Joint::LeftElbow,
-            Joint::LeftWrist,
-            Joint::LeftHip,
-            Joint::LeftKnee,
-            Joint::LeftAnkle,
-            Joint::LeftToe,
-        ],
-        1.0,
-    ),
-    (
-        [
-            Joint::RightShoulder,
-            Joint::RightElbow,
-            Joint::RightWrist,
-            Joint::RightHip,
-            Joint::RightKnee,
-            Joint::RightAnkle,
-            Joint::RightToe,
-        ],
-        -1.0,
-    ),
+/// The joints of the left side.
+const LEFT: [Joint; 7] = [
+    Joint::LeftShoulder,
+    Joint::LeftElbow,
+    Joint::LeftWrist,
+    Joint::LeftHip,
+    Joint::LeftKnee,
+    Joint::LeftAnkle,
+    Joint::LeftToe,
 ];
 
 impl Channels {
     /// The channels of a motion.
     #[must_use]
     pub fn new(motion: &Normalised) -> Self {
-        let hip: Vec<DVec3> = (0..motion.len()).map(|frame| motion.hip(frame)).collect();
+        let hip: Vec<DVec3> = (0..motion.joints.len()).map(|frame| motion.hip(frame)).collect();
         let joint = |joint: Joint| places(motion, joint);
         let (neck, head) = (joint(Joint::Neck), joint(Joint::Head));
         let trunk = difference(&neck, &hip);
@@ -101,16 +84,15 @@ impl Channels {
             head_lean: skull.iter().map(|v| v.z.atan2(v.y)).collect(),
             between_hands: lengths(&difference(&joint(Joint::LeftWrist), &joint(Joint::RightWrist))),
             between_feet: lengths(&difference(&joint(Joint::LeftAnkle), &joint(Joint::RightAnkle))),
-            sides: SIDES.map(|(joints, outward)| side(motion, &hip, &neck, joints, outward)),
+            sides: [
+                side(motion, &hip, &neck, LEFT, 1.0),
+                side(motion, &hip, &neck, LEFT.map(Joint::mirrored), -1.0),
+            ],
         }
-    }
-
-    /// How many frames there are.
-    pub(super) fn len(&self) -> usize {
-        self.hip_height.len()
     }
 }
 
+/// What one side does; `outward` is the sign of its x.
 fn side(motion: &Normalised, hips: &[DVec3], neck: &[DVec3], joints: [Joint; 7], outward: f64) -> Side {
     let [shoulder, elbow, wrist, hip, knee, ankle, toe] = joints.map(|joint| places(motion, joint));
     let knee_angle = bends(&hip, &knee, &ankle);

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::{RATE, smoothing};
-use crate::joints::{Joint, JointMotion, Joints, MotionError};
+use crate::joints::{JOINT_COUNT, Joint, JointMotion, Joints, MotionError};
 
 /// Thigh, calf and trunk of a body of size one.
 const BODY: f64 = 1.35;
@@ -16,6 +16,27 @@ const BODY: f64 = 1.35;
 const TOE_HEIGHT: f64 = 0.03;
 /// Deviation of the smoothing of positions, seconds: white noise of a tracker goes, steps and punches stay.
 const SMOOTHING_S: f64 = 2.0 / 30.0;
+
+/// Joints whose velocities count.
+const MOVING: [Joint; 9] = [
+    Joint::Head,
+    Joint::LeftWrist,
+    Joint::RightWrist,
+    Joint::LeftElbow,
+    Joint::RightElbow,
+    Joint::LeftKnee,
+    Joint::RightKnee,
+    Joint::LeftAnkle,
+    Joint::RightAnkle,
+];
+/// Numbers of a frame.
+pub const FRAME_FEATURES: usize = 3 * JOINT_COUNT + 3 * MOVING.len() + 5;
+/// Weight of a velocity of a joint against a position, seconds.
+const VELOCITY_S: f64 = 0.25;
+/// Weight of the root's velocity, seconds.
+const ROOT_VELOCITY_S: f64 = 0.5;
+/// Weight of turning, seconds a radian.
+const YAW_S: f64 = 0.2;
 
 /// A motion in the body's own frame: x to the left, y up from the floor, z forward, at [`RATE`] frames a second.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +76,7 @@ impl Normalised {
         let mut smooth = motion.clone();
         if deviation > 0.3 {
             let of = |joint: usize| motion.frames().iter().map(move |frame| frame[joint]);
-            let columns: Vec<Vec<DVec3>> = (0..crate::joints::JOINT_COUNT)
+            let columns: Vec<Vec<DVec3>> = (0..JOINT_COUNT)
                 .map(|joint| smoothing::gaussian(&of(joint).collect::<Vec<_>>(), deviation))
                 .collect();
             let mut index = 0;
@@ -101,16 +122,26 @@ impl Normalised {
         middle_of_hips(&self.joints[frame])
     }
 
-    /// How many frames there are.
+    /// Every frame as [`FRAME_FEATURES`] numbers, for principal components: joints relative to the hips, velocities of the ends of
+    /// limbs, the root's own height, velocity and turning. Units are sizes of the body (about metres) and seconds, brought to
+    /// like weight by fixed factors and not by their spread, so that what hardly moves stays small.
     #[must_use]
-    pub fn len(&self) -> usize {
-        self.joints.len()
-    }
-
-    /// Whether there is no frame; there always is one.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
+    pub fn frame_features(&self) -> Vec<Vec<f64>> {
+        let count = self.joints.len();
+        let relative = |joint: Joint| -> Vec<DVec3> {
+            (0..count).map(|frame| self.joints[frame][joint as usize] - self.hip(frame)).collect()
+        };
+        let velocities = MOVING.map(|joint| smoothing::derivative(&relative(joint), RATE));
+        let features = |frame: usize| {
+            let hip = self.hip(frame);
+            let places = self.joints[frame].iter().map(|&place| place - hip);
+            let moving = velocities.iter().map(|velocity| VELOCITY_S * velocity[frame]);
+            let root = ROOT_VELOCITY_S * self.velocity[frame];
+            let mut all: Vec<f64> = places.chain(moving).chain([root]).flat_map(|v| v.to_array()).collect();
+            all.extend([YAW_S * self.yaw_rate[frame], hip.y / self.leg]);
+            all
+        };
+        (0..count).map(features).collect()
     }
 }
 
@@ -182,7 +213,7 @@ mod tests {
         let turn = DQuat::from_rotation_y(2.3);
         let moved = motion.map(|p| p.map(|p| 17.0 * (turn * p) + DVec3::new(5.0, -3.0, 2.0)));
         let other = Normalised::new(&moved).unwrap();
-        for frame in 0..plain.len() {
+        for frame in 0..plain.joints.len() {
             for joint in 0..16 {
                 let far = plain.joints[frame][joint].distance(other.joints[frame][joint]);
                 assert!(far < 1e-9, "frame {frame} joint {joint}: {far}");

@@ -16,14 +16,11 @@ const TRANSFORM: usize = 90;
 /// What is measured between two frames, [`MEASURE_COUNT`] numbers; `first < past ≤` the channels' length.
 #[must_use]
 pub fn window_measures(channels: &Channels, first: usize, past: usize) -> Vec<f64> {
-    let window = Window { channels, first, past: past.min(channels.len()) };
+    let window = Window { channels, first, past: past.min(channels.hip_height.len()) };
     let mut out = Vec::with_capacity(MEASURE_COUNT);
-    window.root(&mut out);
-    window.feet(&mut out);
-    window.legs(&mut out);
-    window.trunk(&mut out);
-    window.hands(&mut out);
-    window.swings(&mut out);
+    for part in [Window::root, Window::feet, Window::legs, Window::trunk, Window::hands, Window::swings] {
+        part(&window, &mut out);
+    }
     out
 }
 

@@ -8,17 +8,13 @@ use super::{HiddenMarkov, log_sum};
 /// The models of all classes as one.
 #[derive(Debug, Clone, Copy)]
 pub struct Network<'a> {
-    models: &'a [HiddenMarkov],
-    switch_penalty: f64,
+    /// One a class.
+    pub models: &'a [HiddenMarkov],
+    /// Nats that leaving a class costs, more than none.
+    pub switch_penalty: f64,
 }
 
-impl<'a> Network<'a> {
-    /// Joins the classes' models; leaving a class costs this many nats, more than none.
-    #[must_use]
-    pub fn new(models: &'a [HiddenMarkov], switch_penalty: f64) -> Self {
-        Self { models, switch_penalty }
-    }
-
+impl Network<'_> {
     /// The classes of the best walk, one a moment. `evidence[t][class][state]` is what the moment says for the state, nats: as a rule ln b.
     #[must_use]
     pub fn segment(&self, evidence: &[Vec<Vec<f64>>]) -> Vec<usize> {
@@ -89,27 +85,20 @@ impl<'a> Network<'a> {
             let sum = log_sum(logs.iter().copied());
             all[t] = logs.iter().map(|log| (log - sum).exp()).collect();
             let seen = |class: usize, state: usize| evidence[t][class][state] + after[class][state];
-            let entering = log_sum(
-                self.models
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(class, model)| {
-                        (0..model.state_count()).map(move |state| (class, state, model.start[state]))
-                    })
-                    .map(|(class, state, start)| seen(class, state) + start.ln()),
-            ) - self.switch_penalty;
-            after = self
-                .models
-                .iter()
-                .enumerate()
-                .map(|(class, model)| {
-                    let from = |row: &Vec<f64>| {
-                        let within = row.iter().enumerate().map(|(to, p)| p.ln() + seen(class, to));
-                        log_sum(within.chain([entering]))
-                    };
-                    model.transitions.iter().map(from).collect()
-                })
-                .collect();
+            let models = || self.models.iter().enumerate();
+            let starts = models().flat_map(|(class, model)| {
+                model.start.iter().enumerate().map(move |(state, start)| (class, state, start))
+            });
+            let starts = starts.map(|(class, state, start)| seen(class, state) + start.ln());
+            let entering = log_sum(starts) - self.switch_penalty;
+            let before = models().map(|(class, model)| {
+                let from = |row: &Vec<f64>| {
+                    let within = row.iter().enumerate().map(|(to, p)| p.ln() + seen(class, to));
+                    log_sum(within.chain([entering]))
+                };
+                model.transitions.iter().map(from).collect()
+            });
+            after = before.collect();
         }
         all
     }
@@ -147,7 +136,7 @@ mod tests {
     #[test]
     fn a_take_is_cut_where_its_motion_changes() {
         let models = [two_states(-1.0, 0.0), two_states(3.0, 4.0)];
-        let network = Network::new(&models, 6.0);
+        let network = Network { models: &models, switch_penalty: 6.0 };
         let values: Vec<f64> = (0..40).map(|t| if (12..30).contains(&t) { 3.4 } else { -0.6 }).collect();
         let walk = network.segment(&evidence(&models, &values));
         let expected: Vec<usize> = (0..40).map(|t| usize::from((12..30).contains(&t))).collect();
@@ -157,7 +146,7 @@ mod tests {
             assert!((belief.iter().sum::<f64>() - 1.0).abs() < 1e-9 && belief[*class] > 0.9, "{belief:?}");
         }
         let one_off = [vec![-0.6; 9], vec![3.4], vec![-0.6; 9]].concat();
-        let dear = Network::new(&models, 60.0);
+        let dear = Network { models: &models, switch_penalty: 60.0 };
         assert!(dear.segment(&evidence(&models, &one_off)).iter().all(|&class| class == 0));
     }
 
@@ -165,7 +154,7 @@ mod tests {
     #[test]
     fn beliefs_are_the_sum_over_all_walks() {
         let models = [two_states(-1.0, 0.5), two_states(0.0, 2.0)];
-        let network = Network::new(&models, 1.0);
+        let network = Network { models: &models, switch_penalty: 1.0 };
         let evidence = evidence(&models, &[0.1, 0.9, 0.2]);
         let mut sums = vec![vec![0.0; 2]; 3];
         for code in 0..64_usize {
