@@ -65,10 +65,10 @@ impl InitialisationRun {
         let Some(method) = self.methods.pop_front().filter(|_| !cancel.is_cancelled()) else { return false };
         on_message(InitialisationMessage::Begun(method));
         let began = Instant::now();
-        let inputs =
-            InitialisationInputs { model: &self.model, views: &self.views, start: self.start.as_ref() };
+        let (model, views, start) = (&self.model, &self.views, self.start.as_ref());
+        let inputs = InitialisationInputs { model, views, start, cancel };
         let on_attempt = &mut |attempt: Attempt<'_>| on_message(InitialisationMessage::Attempt(attempt));
-        let result = self.options.run(method, &inputs, cancel, on_attempt);
+        let result = self.options.run(method, &inputs, on_attempt);
         if cancel.is_cancelled() {
             return false;
         }

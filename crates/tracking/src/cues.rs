@@ -8,7 +8,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `source` | the trait that every cue implements, what it is shown of a frame, and points of limbs that a camera sees |
-//! | `coverage` | [`Coverage`]: which limbs have a boundary of their own, in which camera; [`LimbHold`]: what held which limb |
+//! | `coverage` | which limbs have a boundary of their own, in which camera; [`LimbHold`]: what held which limb |
 //! | `options` | [`CueOptions`]: which cues pull, at what, how strongly |
 //! | `keypoints` | 2-D keypoints, and how far each is from its joint, learnt over frames |
 //! | `picture` | [`GreyPicture`]: grey levels between pixels, pyramids |
@@ -71,10 +71,10 @@ mod stereo;
 mod watch;
 
 pub use crate::residual::cue::{Cue, CueError, CuePull, CueSet, CueTarget};
-pub use coverage::{Coverage, CoverageOptions, CoverageView, LimbHold};
+pub use coverage::{CoverageOptions, LimbHold, WatchedCamera};
 pub use flow::follow_point;
 pub use keypoints::KeypointOffsets;
 pub use options::{CueOptions, CueReach, CueStrength};
 pub use picture::{GreyPicture, GreyPictureError};
 pub use source::{CameraCues, FrameCues, JointKeypoint};
-pub use watch::{CueMemory, CueWatch, WatchedCamera};
+pub use watch::{CueMemory, CueWatch};

@@ -44,6 +44,8 @@ pub struct InitialisationInputs<'a> {
     pub views: &'a [FitView],
     /// A start; `None` where none is known.
     pub start: Option<&'a Pose>,
+    /// Stops whatever is tried.
+    pub cancel: &'a CancelToken,
 }
 
 /// One thing that was tried on the way, whatever tried it.
@@ -144,18 +146,16 @@ pub enum InitialisationError {
     Cancelled,
 }
 
+/// What a way to begin gives.
+pub type Initialised = Result<InitialisationResult, InitialisationError>;
+
 /// A way to come by the first pose.
 pub trait Initialisation {
     /// Looks for poses and tells of every attempt; templates, the search and growing tell of theirs when they have ended.
     ///
     /// # Errors
     /// Returns an error if nothing can be tried, or if it is cancelled.
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError>;
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised;
 }
 
 /// The ways to begin that the program knows.
@@ -259,24 +259,18 @@ impl InitialisationOptions {
         &self,
         method: InitialisationMethod,
         inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
         on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
+    ) -> Initialised {
         use InitialisationError as Error;
-        let result = self.method(method).hypotheses(inputs, cancel, on_attempt);
+        let result = self.method(method).hypotheses(inputs, on_attempt);
         match result {
-            _ if cancel.is_cancelled() => Err(Error::Cancelled),
+            _ if inputs.cancel.is_cancelled() => Err(Error::Cancelled),
             Err(
                 Error::WithoutStart(WithoutStartError::Apart { .. })
                 | Error::Templates(
                     TemplateError::NowhereInside | TemplateError::Place(WithoutStartError::Apart { .. }),
                 ),
-            ) => Ok(InitialisationResult {
-                model: Arc::clone(inputs.model),
-                hypotheses: Vec::new(),
-                before: None,
-                evaluations: Some(0),
-            }),
+            ) => Ok(inputs.result(Vec::new(), 0)),
             result => result,
         }
     }
@@ -284,10 +278,10 @@ impl InitialisationOptions {
 
 impl InitialisationInputs<'_> {
     /// The given start, or a body that stands in the hull and faces every way.
-    fn starts(&self, cancel: &CancelToken) -> Result<Vec<Pose>, WithoutStartError> {
+    fn starts(&self) -> Result<Vec<Pose>, WithoutStartError> {
         match self.start {
             Some(start) => Ok(vec![start.clone()]),
-            None => standing(self.model, self.views, None, HEADINGS, cancel),
+            None => standing(self.model, self.views, None, HEADINGS, self.cancel),
         }
     }
 
@@ -297,20 +291,14 @@ impl InitialisationInputs<'_> {
     }
 
     /// Refines a rough pose: all stages but the widest, without any pull to it where two cameras hold its depth.
-    fn refined(
-        &self,
-        rough: Pose,
-        evaluations: usize,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
+    fn refined(&self, rough: Pose, evaluations: usize, on_attempt: OnAttempt<'_>) -> Initialised {
         let mut options = FitOptions::default().at_scale(self.model, self.views, &rough);
         options.stages.drain(..options.skip_when_tracking.min(options.stages.len() - 1));
         if self.views.len() > 1 {
             options.proximal_weight = 0.0;
         }
         let from_rough = InitialisationInputs { start: Some(&rough), ..*self };
-        let result = Downhill(options).hypotheses(&from_rough, cancel, on_attempt)?;
+        let result = Downhill(options).hypotheses(&from_rough, on_attempt)?;
         let evaluations = result.evaluations.map(|own| own + evaluations);
         Ok(InitialisationResult { before: Some(rough), evaluations, ..result })
     }
@@ -320,13 +308,8 @@ impl InitialisationInputs<'_> {
 struct Downhill(FitOptions);
 
 impl Initialisation for Downhill {
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
-        let starts = inputs.starts(cancel)?;
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
+        let starts = inputs.starts()?;
         let count = starts.len();
         let (mut hypotheses, mut evaluations) = (Vec::with_capacity(count), 0);
         for (index, start) in starts.into_iter().enumerate() {
@@ -334,7 +317,7 @@ impl Initialisation for Downhill {
             let (model, views) = (Arc::clone(inputs.model), inputs.views.to_vec());
             let mut fit = Fit::new(model, views, start, self.0.clone())?;
             let stages = fit.options.stages.clone();
-            let summary = fit.run(cancel, |record| {
+            let summary = fit.run(inputs.cancel, |record| {
                 on_attempt(Attempt::Iteration { record, stage: &stages[record.stage] });
             });
             evaluations += summary.iterations.len() + stages.len();
@@ -351,36 +334,26 @@ impl Initialisation for Downhill {
 struct Particles(InitialisationOptions);
 
 impl Initialisation for Particles {
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
         let Self(InitialisationOptions { particles, particles_no_start, .. }) = self;
         let options = if inputs.start.is_some() { particles } else { particles_no_start };
-        let starts = inputs.starts(cancel)?;
+        let starts = inputs.starts()?;
         let (model, views) = (Arc::clone(inputs.model), inputs.views.to_vec());
         let mut filter = ParticleFilter::new(model, views, &starts, options.clone())?;
         let partitions = filter.parts().to_vec();
-        let best = filter.run(cancel, |generation| {
+        let best = filter.run(inputs.cancel, |generation| {
             let partition = &partitions[generation.part];
             on_attempt(Attempt::Generation { generation, partition, layers: options.layers });
         });
-        inputs.refined(best.pose, best.evaluations, cancel, on_attempt)
+        inputs.refined(best.pose, best.evaluations, on_attempt)
     }
 }
 
 impl Initialisation for TemplateOptions {
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
-        let placed = place(inputs.model, inputs.views, self, cancel)?;
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
+        let placed = place(inputs.model, inputs.views, self, inputs.cancel)?;
         placed.steps.iter().for_each(|step| on_attempt(Attempt::Template(step)));
-        inputs.refined(placed.pose, placed.evaluations, cancel, on_attempt)
+        inputs.refined(placed.pose, placed.evaluations, on_attempt)
     }
 }
 
@@ -388,13 +361,8 @@ impl Initialisation for TemplateOptions {
 struct Search;
 
 impl Initialisation for Search {
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
-        let InitialisationInputs { model, views, start } = *inputs;
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
+        let InitialisationInputs { model, views, start, cancel } = *inputs;
         let Some(start) = start else {
             let found = without_start(model, views, &WithoutStartOptions::default(), cancel)?;
             found.rounds.iter().for_each(|round| on_attempt(Attempt::Round(round)));
@@ -409,13 +377,8 @@ impl Initialisation for Search {
 }
 
 impl Initialisation for AcquireOptions {
-    fn hypotheses(
-        &self,
-        inputs: &InitialisationInputs<'_>,
-        cancel: &CancelToken,
-        on_attempt: OnAttempt<'_>,
-    ) -> Result<InitialisationResult, InitialisationError> {
-        let acquired = acquire(inputs.model, inputs.views, self, cancel)?;
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
+        let acquired = acquire(inputs.model, inputs.views, self, inputs.cancel)?;
         let (count, scale) = (acquired.rounds.len(), acquired.scale);
         for (index, round) in acquired.rounds.iter().enumerate() {
             on_attempt(Attempt::Growth { round, index, count, scale });

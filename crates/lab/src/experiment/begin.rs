@@ -90,10 +90,9 @@ impl BeginTrial {
         inputs: &InitialisationInputs<'_>,
         error_mm: impl Fn(&Pose) -> f64,
         is_found: impl Fn(f64) -> bool,
-        cancel: &CancelToken,
     ) -> Result<Self, ExperimentError> {
         let began = Instant::now();
-        let result = options.choices.run(method, inputs, cancel, &mut |_| {})?;
+        let result = options.choices.run(method, inputs, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
         let before_mm = result.before.as_ref().map(&error_mm);
         let error_mm = result.pose().map_or(f64::INFINITY, error_mm);
@@ -122,13 +121,12 @@ pub fn run(
                 return Err(ExperimentError::Option { option: "cameras", value, expected });
             };
             let given = (!options.no_start).then_some(&start.start);
-            let inputs = InitialisationInputs { model: &start.model, views, start: given };
+            let inputs = InitialisationInputs { model: &start.model, views, start: given, cancel };
             let error = |pose: &Pose| leaf_error_mm(&start.model, pose, &start.truth);
             for (index, &method) in options.methods.iter().enumerate() {
                 on_progress(Progress { done, total });
                 done += 1;
-                let trial =
-                    BeginTrial::run(options, method, &inputs, error, |error| error < SUCCESS_MM, cancel)?;
+                let trial = BeginTrial::run(options, method, &inputs, error, |error| error < SUCCESS_MM)?;
                 let degrees = given.map(|_| start.degrees);
                 trials.entry((cameras, degrees, index)).or_default().push(trial);
             }

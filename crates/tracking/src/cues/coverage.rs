@@ -12,6 +12,8 @@
 //! hold: an upper arm whose forearm is seen, a chest of whose neck and shoulders two are held. All others are *covered*: an
 //! arm before the trunk, one that points at the camera from there, and one that a fit has lost into the trunk or the air.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -52,80 +54,52 @@ impl Default for CoverageOptions {
     }
 }
 
-/// What one camera sees, as coverage asks for it.
-#[derive(Debug, Clone, Copy)]
-pub struct CoverageView<'a> {
+/// One camera of a frame, as cues ask for it.
+#[derive(Debug, Clone)]
+pub struct WatchedCamera {
     /// An ideal pinhole.
-    pub camera: &'a Camera,
+    pub camera: Arc<Camera>,
     /// Its silhouette; without one the body alone says what covers what.
-    pub mask: Option<&'a Mask>,
+    pub mask: Option<Arc<Mask>>,
 }
 
 /// Which parts of the body are held by silhouettes, at one pose.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coverage {
-    /// By rotation, the share of its outline that each camera sees.
-    shares: Vec<Vec<f64>>,
+pub(super) struct Coverage {
     /// By rotation, how many cameras see it.
     cameras: Vec<usize>,
     /// By rotation, whether silhouettes hold it.
     held: Vec<bool>,
+    /// How many cameras must see a part.
     enough: usize,
     rotation_of: Vec<usize>,
 }
 
 impl Coverage {
     /// Looks at a pose through all cameras that have a silhouette.
-    #[must_use]
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         kinematics: &Kinematics,
-        views: &[CoverageView<'_>],
+        views: &[WatchedCamera],
         renderer: RendererKind,
         options: &CoverageOptions,
     ) -> Self {
-        let mut shares = vec![Vec::with_capacity(views.len()); model.rotation_count()];
+        let mut cameras = vec![0; model.rotation_count()];
         for view in views {
-            let of_view = shares_of(model, kinematics, *view, renderer, options.margin_m);
-            for (shares, share) in shares.iter_mut().zip(of_view) {
-                shares.push(share);
+            let shares = shares_of(model, kinematics, view, renderer, options.margin_m);
+            for (cameras, share) in cameras.iter_mut().zip(shares) {
+                *cameras += usize::from(share > 0.0 && share >= options.seen_share);
             }
         }
-        let is_seen = |share: &&f64| **share > 0.0 && **share >= options.seen_share;
-        let cameras: Vec<usize> = shares.iter().map(|shares| shares.iter().filter(is_seen).count()).collect();
         let enough = options.enough_cameras.min(views.len()).max(1);
         let held = held_parts(model, cameras.iter().map(|cameras| *cameras >= enough).collect());
-        Self {
-            shares,
-            cameras,
-            held,
-            enough,
-            rotation_of: model.limbs().iter().map(|limb| limb.rotation).collect(),
-        }
-    }
-
-    /// How many cameras must see a part.
-    #[must_use]
-    pub fn enough(&self) -> usize {
-        self.enough
+        let rotation_of = model.limbs().iter().map(|limb| limb.rotation).collect();
+        Self { cameras, held, enough, rotation_of }
     }
 
     /// Whether silhouettes hold neither the limb nor any that turns with it.
-    #[must_use]
-    pub fn is_covered(&self, limb: usize) -> bool {
+    pub(super) fn is_covered(&self, limb: usize) -> bool {
         !self.held[self.rotation_of[limb]]
-    }
-
-    /// How many cameras see a boundary of its own.
-    #[must_use]
-    pub fn cameras_that_see(&self, limb: usize) -> usize {
-        self.cameras[self.rotation_of[limb]]
-    }
-
-    /// The share of its outline that a camera sees, 0 to 1.
-    #[must_use]
-    pub fn share(&self, limb: usize, camera: usize) -> f64 {
-        self.shares[self.rotation_of[limb]].get(camera).copied().unwrap_or(0.0)
     }
 }
 
@@ -149,11 +123,11 @@ fn held_parts(model: &Model, mut held: Vec<bool>) -> Vec<bool> {
 fn shares_of(
     model: &Model,
     kinematics: &Kinematics,
-    view: CoverageView<'_>,
+    view: &WatchedCamera,
     renderer: RendererKind,
     margin: f64,
 ) -> Vec<f64> {
-    let CoverageView { camera, mask } = view;
+    let (camera, mask) = (&*view.camera, view.mask.as_deref());
     let drawn = View::new(model, kinematics, camera, renderer, Ramp::Half);
     let eye = Eye { model, camera, mask, drawn: &drawn, margin };
     let mut counts = vec![[0.0; 2]; model.rotation_count()];
@@ -274,8 +248,12 @@ impl LimbHold {
 
     /// Says of every part what held it at a fitted pose, in the order of the rotations. A cue holds a part where enough of
     /// its pulls agree with the pose: a keypoint in as many cameras as a silhouette needs, four points of the others.
-    #[must_use]
-    pub fn of_pose(model: &Model, kinematics: &Kinematics, coverage: &Coverage, set: &CueSet) -> Vec<Self> {
+    pub(super) fn of_pose(
+        model: &Model,
+        kinematics: &Kinematics,
+        coverage: &Coverage,
+        set: &CueSet,
+    ) -> Vec<Self> {
         let mut counts = vec![[0; Cue::ALL.len()]; model.rotation_count()];
         for pull in &set.pulls {
             let believed = set.distance(pull, model, kinematics).is_some_and(|(_, share)| share >= BELIEVED);
@@ -285,14 +263,13 @@ impl LimbHold {
                 counts[model.limbs()[pull.limb].rotation][cue] += 1;
             }
         }
-        let keypoints_needed = coverage.enough();
         let holds = |(cue, count): (Cue, usize)| {
-            let needed = if cue == Cue::Keypoints { keypoints_needed } else { FEWEST };
+            let needed = if cue == Cue::Keypoints { coverage.enough } else { FEWEST };
             (count >= needed).then_some(cue)
         };
         let of_part = |(&limb, counts): (&usize, [usize; Cue::ALL.len()])| Self {
             limb,
-            cameras: coverage.cameras_that_see(limb),
+            cameras: coverage.cameras[coverage.rotation_of[limb]],
             by_silhouettes: !coverage.is_covered(limb),
             cues: Cue::ALL.into_iter().zip(counts).filter_map(holds).collect(),
         };
@@ -306,7 +283,7 @@ mod tests {
 
     use crate::body::{Pose, builtin};
     use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
-    use crate::render::prediction;
+    use crate::fixtures;
 
     use super::*;
 
@@ -319,32 +296,24 @@ mod tests {
         Camera::new("c", [180, 260], pinhole, Distortion::None, place).unwrap()
     }
 
-    fn posed(model: &Model, turns: &[(&str, DQuat)]) -> Kinematics {
+    fn posed(model: &Model, turns: &[(&str, DQuat)]) -> Pose {
         let mut pose = Pose::rest(model);
         pose.root = DVec3::new(0.0, 0.0, 0.92);
         for (name, turn) in turns {
             pose.rotations[model.limbs()[model.limb_index(name).unwrap()].rotation] = *turn;
         }
-        Kinematics::new(model, &pose)
+        pose
     }
 
-    fn mask(model: &Model, kinematics: &Kinematics, camera: &Camera) -> Mask {
-        let view = View::new(model, kinematics, camera, RendererKind::Capsule, Ramp::Half);
-        let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
-        let labels = prediction::covered(&view).into_iter().map(label).collect();
-        Mask::new(camera.width(), camera.height(), labels).unwrap()
-    }
-
-    fn covered(model: &Model, kinematics: &Kinematics, truth: &Kinematics, angles: &[f64]) -> Vec<String> {
-        let cameras: Vec<Camera> = angles.iter().map(|angle| camera(*angle)).collect();
-        let masks: Vec<Mask> = cameras.iter().map(|camera| mask(model, truth, camera)).collect();
-        let views: Vec<CoverageView<'_>> = cameras
-            .iter()
-            .zip(&masks)
-            .map(|(camera, mask)| CoverageView { camera, mask: Some(mask) })
-            .collect();
+    fn covered(model: &Model, pose: &Pose, truth: &Pose, angles: &[f64]) -> Vec<String> {
+        let view = |angle: &f64| {
+            let camera = Arc::new(camera(*angle));
+            WatchedCamera { mask: Some(Arc::new(fixtures::mask(model, truth, &camera))), camera }
+        };
+        let views: Vec<WatchedCamera> = angles.iter().map(view).collect();
         let options = CoverageOptions::default();
-        let coverage = Coverage::new(model, kinematics, &views, RendererKind::Capsule, &options);
+        let coverage =
+            Coverage::new(model, &Kinematics::new(model, pose), &views, RendererKind::Capsule, &options);
         let name = |&owner: &usize| model.limbs()[owner].name.clone();
         let owners = model.rotation_owners().iter();
         owners.filter(|owner| coverage.is_covered(**owner)).map(name).collect()
@@ -413,7 +382,13 @@ mod tests {
         assert!(both.contains(&"left upper arm".to_owned()), "{both:?}");
         let one = covered(&model, &truth, &truth, &[0.0]);
         assert!(!one.contains(&"left upper arm".to_owned()), "{one:?}");
-        let nobody = Coverage::new(&model, &truth, &[], RendererKind::Capsule, &CoverageOptions::default());
+        let nobody = Coverage::new(
+            &model,
+            &Kinematics::new(&model, &truth),
+            &[],
+            RendererKind::Capsule,
+            &CoverageOptions::default(),
+        );
         assert!(nobody.is_covered(0));
     }
 }

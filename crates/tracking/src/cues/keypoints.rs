@@ -32,7 +32,7 @@ const BOUNDARY_MISTAKEN: f64 = 0.12;
 /// Longest offset, in deviations of the prior.
 const LONGEST: f64 = 3.0;
 
-/// How far keypoints lie from their joints, learnt from frame to frame.
+/// Keypoints of another tool, and how far they lie from their joints, learnt from frame to frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeypointOffsets {
     by_limb: Vec<OffsetEquations>,
@@ -53,16 +53,7 @@ impl KeypointOffsets {
         Self { by_limb: vec![zero; limbs], deviation }
     }
 
-    /// What was learnt of every limb: nine numbers of products, three of forces.
-    fn numbers(&self) -> Vec<[f64; 12]> {
-        let one = |OffsetEquations { products, forces }: &OffsetEquations| {
-            let (p, f) = (products.to_cols_array(), forces);
-            [p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], f.x, f.y, f.z]
-        };
-        self.by_limb.iter().map(one).collect()
-    }
-
-    /// Goes on from such numbers ([`CueMemory::offsets`]).
+    /// Goes on from [`CueMemory::offsets`].
     pub fn remember(&mut self, numbers: &[[f64; 12]]) {
         for (normal, numbers) in self.by_limb.iter_mut().zip(numbers) {
             let (products, forces) = numbers.split_at(9);
@@ -84,27 +75,10 @@ impl KeypointOffsets {
         ((products + prior).inverse() * forces).clamp_length_max(LONGEST * self.deviation)
     }
 
-    /// Learns from a frame's keypoints at its fitted pose.
-    fn learn(&mut self, frame: &CueFrame<'_>) {
-        for (camera, cues) in frame.cameras.iter().zip(&frame.cues.cameras) {
-            for keypoint in &cues.keypoints {
-                if !is_usable(keypoint, frame) || frame.coverage.is_covered(keypoint.limb) {
-                    continue;
-                }
-                let Some((residual, [across, down])) = linearised(frame, camera, keypoint) else {
-                    continue;
-                };
-                if residual.length() > FARTHEST {
-                    continue;
-                }
-                let weight = keypoint.score.min(1.0) / (DEVIATION * DEVIATION);
-                let equations = &mut self.by_limb[keypoint.limb];
-                for (row, residual) in [(across, residual.x), (down, residual.y)] {
-                    equations.products += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
-                    equations.forces += row * (weight * residual);
-                }
-            }
-        }
+    /// Whether a keypoint is nowhere near its joint.
+    fn is_far(&self, frame: &CueFrame<'_>, camera: &Camera, keypoint: &JointKeypoint) -> bool {
+        let most = BOUNDARY_MISTAKEN + self.offset(keypoint.limb).length();
+        linearised(frame, camera, keypoint).is_some_and(|(off, _)| off.length() > most)
     }
 }
 
@@ -135,25 +109,7 @@ fn linearised(
     Some(((keypoint.pixel - pixel) * metres, [across, down]))
 }
 
-/// Keypoints of another tool, with the offsets that were learnt of them.
-#[derive(Debug)]
-pub(super) struct KeypointSource {
-    offsets: KeypointOffsets,
-}
-
-impl KeypointSource {
-    pub(super) fn new(limbs: usize, deviation: f64) -> Self {
-        Self { offsets: KeypointOffsets::new(limbs, deviation) }
-    }
-
-    /// Whether a keypoint is nowhere near its joint.
-    fn is_far(&self, frame: &CueFrame<'_>, camera: &Camera, keypoint: &JointKeypoint) -> bool {
-        let most = BOUNDARY_MISTAKEN + self.offsets.offset(keypoint.limb).length();
-        linearised(frame, camera, keypoint).is_some_and(|(off, _)| off.length() > most)
-    }
-}
-
-impl CueSource for KeypointSource {
+impl CueSource for KeypointOffsets {
     fn cue(&self) -> Cue {
         Cue::Keypoints
     }
@@ -173,7 +129,7 @@ impl CueSource for KeypointSource {
             if frame.options.reach == CueReach::Covered && is_held() {
                 return None;
             }
-            let arm = limbs[limb].direction * limbs[limb].length + self.offsets.offset(limb);
+            let arm = limbs[limb].direction * limbs[limb].length + self.offset(limb);
             let target = CueTarget::Pixel { camera: index, arm, pixel: keypoint.pixel };
             let strength = CueStrength { weight: strength.weight * keypoint.score.min(1.0), ..strength };
             Some(strength.pull(Cue::Keypoints, limb, target, metres_per_px))
@@ -183,14 +139,36 @@ impl CueSource for KeypointSource {
     }
 
     fn learn(&mut self, frame: &CueFrame<'_>) {
-        self.offsets.learn(frame);
+        for (camera, cues) in frame.cameras.iter().zip(&frame.cues.cameras) {
+            for keypoint in &cues.keypoints {
+                if !is_usable(keypoint, frame) || frame.coverage.is_covered(keypoint.limb) {
+                    continue;
+                }
+                let Some((residual, [across, down])) = linearised(frame, camera, keypoint) else {
+                    continue;
+                };
+                if residual.length() > FARTHEST {
+                    continue;
+                }
+                let weight = keypoint.score.min(1.0) / (DEVIATION * DEVIATION);
+                let equations = &mut self.by_limb[keypoint.limb];
+                for (row, residual) in [(across, residual.x), (down, residual.y)] {
+                    equations.products += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
+                    equations.forces += row * (weight * residual);
+                }
+            }
+        }
     }
 
     fn store(&self, memory: &mut CueMemory) {
-        memory.offsets = self.offsets.numbers();
+        let one = |OffsetEquations { products, forces }: &OffsetEquations| {
+            let (p, f) = (products.to_cols_array(), forces);
+            [p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], f.x, f.y, f.z]
+        };
+        memory.offsets = self.by_limb.iter().map(one).collect();
     }
 
     fn restore(&mut self, _: &Model, memory: &CueMemory) {
-        self.offsets.remember(&memory.offsets);
+        self.remember(&memory.offsets);
     }
 }

@@ -13,8 +13,8 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 
-use super::coverage::Coverage;
-use super::options::{CueOptions, CueStrength};
+use super::coverage::{Coverage, WatchedCamera};
+use super::options::{CueOptions, CueReach, CueStrength};
 use super::picture::GreyPicture;
 use super::watch::CueMemory;
 use crate::body::{Kinematics, Model, Pose};
@@ -100,7 +100,24 @@ pub(super) struct CueFrame<'a> {
     pub(super) drawn: Vec<OnceLock<View>>,
 }
 
-impl CueFrame<'_> {
+impl<'a> CueFrame<'a> {
+    pub(super) fn new(
+        model: &'a Arc<Model>,
+        options: &'a CueOptions,
+        renderer: RendererKind,
+        cameras: &'a [WatchedCamera],
+        cues: &'a FrameCues,
+        pose: &'a Pose,
+    ) -> Self {
+        let kinematics = Kinematics::new(model, pose);
+        let coverage = Coverage::new(model, &kinematics, cameras, renderer, &options.coverage);
+        let is_pulled = |&limb: &usize| options.reach == CueReach::All || coverage.is_covered(limb);
+        let limbs = (0..model.limbs().len()).filter(is_pulled).collect();
+        let drawn = cameras.iter().map(|_| OnceLock::new()).collect();
+        let cameras = cameras.iter().map(|watched| &*watched.camera).collect();
+        Self { model, options, renderer, cameras, cues, pose, kinematics, coverage, limbs, drawn }
+    }
+
     /// A camera's picture, if it is of the camera's size.
     pub(super) fn picture(&self, camera: usize) -> Option<&GreyPicture> {
         picture_of(self.cameras[camera], self.cues, camera).map(|picture| &**picture)

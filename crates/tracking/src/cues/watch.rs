@@ -1,36 +1,29 @@
 //! Cues from frame to frame: what a frame's fit is to be pulled by, and what is learnt of where it ended.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use super::coverage::{Coverage, CoverageView, LimbHold};
+use super::coverage::{LimbHold, WatchedCamera};
 use super::edges::EdgeSource;
 use super::flow::FlowSource;
-use super::keypoints::KeypointSource;
-use super::options::{CueOptions, CueReach};
+use super::keypoints::KeypointOffsets;
+use super::options::CueOptions;
 use super::source::{CueFrame, CueSource, FrameCues, pictures_of};
 use super::stereo::StereoSource;
-use crate::body::{Kinematics, Model, Pose};
+use crate::body::{Model, Pose};
 use crate::camera::Camera;
 use crate::numbers::OptionError;
 use crate::render::RendererKind;
 use crate::residual::cue::CueSet;
-use crate::silhouette::Mask;
 
-/// One camera of a frame, as cues ask for it.
-#[derive(Debug, Clone)]
-pub struct WatchedCamera {
-    /// An ideal pinhole.
-    pub camera: Arc<Camera>,
-    /// Its silhouette, if it has one.
-    pub mask: Option<Arc<Mask>>,
-}
-
-/// Everything that cues remember from frame to frame.
+/// Everything that cues remember from frame to frame, and what pulls in the one at hand.
 #[derive(Debug)]
 pub struct CueWatch {
     model: Arc<Model>,
     options: CueOptions,
     renderer: RendererKind,
+    cameras: Vec<WatchedCamera>,
+    cues: FrameCues,
+    set: Arc<CueSet>,
     /// Each group is asked camera by camera, one group after the other.
     groups: [Vec<Box<dyn CueSource>>; 3],
 }
@@ -51,23 +44,25 @@ impl CueWatch {
     /// Returns an error if an option is out of range.
     pub fn new(model: Arc<Model>, options: CueOptions, renderer: RendererKind) -> Result<Self, OptionError> {
         options.check()?;
-        let keypoints = KeypointSource::new(model.limbs().len(), options.offset_m);
+        let keypoints = KeypointOffsets::new(model.limbs().len(), options.offset_m);
         let groups: [Vec<Box<dyn CueSource>>; 3] = [
             vec![Box::new(keypoints)],
             vec![Box::new(FlowSource::default())],
             vec![Box::new(EdgeSource::default()), Box::new(StereoSource)],
         ];
-        Ok(Self { model, options, renderer, groups })
+        let (cameras, cues, set) = (Vec::new(), FrameCues::default(), Arc::default());
+        Ok(Self { model, options, renderer, cameras, cues, set, groups })
     }
 
     /// What pulls in a frame whose fit begins at `start`. `cues` are in the order of the cameras; pictures that are not of
     /// their camera's size are not looked at.
-    #[must_use]
-    pub fn look(&self, cameras: &[WatchedCamera], cues: &FrameCues, start: &Pose) -> CueSet {
-        let frame = frame(&self.model, &self.options, self.renderer, cameras, cues, start);
+    pub fn look(&mut self, cameras: Vec<WatchedCamera>, cues: FrameCues, start: &Pose) -> &Arc<CueSet> {
+        (self.cameras, self.cues) = (cameras, cues);
+        let frame =
+            CueFrame::new(&self.model, &self.options, self.renderer, &self.cameras, &self.cues, start);
         let mut pulls = Vec::new();
         for group in &self.groups {
-            for camera in 0..cameras.len() {
+            for camera in 0..self.cameras.len() {
                 for source in group {
                     let strength = self.options.strength(source.cue());
                     if strength.weight > 0.0 {
@@ -76,24 +71,26 @@ impl CueWatch {
                 }
             }
         }
-        CueSet { cameras: cameras.iter().map(|watched| Arc::clone(&watched.camera)).collect(), pulls }
+        let cameras = self.cameras.iter().map(|watched| Arc::clone(&watched.camera)).collect();
+        self.set = Arc::new(CueSet { cameras, pulls });
+        &self.set
     }
 
-    /// Learns from where a frame's fit ended, if that `is_good`, and says what held it there, part by part. What is not good
+    /// What pulls in the frame that was [looked](Self::look) at last.
+    #[must_use]
+    pub fn set(&self) -> &Arc<CueSet> {
+        &self.set
+    }
+
+    /// Learns from where that frame's fit ended, if that `is_good`, and says what held it there, part by part. What is not good
     /// is no beginning for the next frame's flow either.
-    pub fn learn(
-        &mut self,
-        cameras: &[WatchedCamera],
-        cues: &FrameCues,
-        set: &CueSet,
-        pose: &Pose,
-        is_good: bool,
-    ) -> Vec<LimbHold> {
-        let frame = frame(&self.model, &self.options, self.renderer, cameras, cues, pose);
+    pub fn learn(&mut self, pose: &Pose, is_good: bool) -> Vec<LimbHold> {
+        let cues = std::mem::take(&mut self.cues);
+        let frame = CueFrame::new(&self.model, &self.options, self.renderer, &self.cameras, &cues, pose);
         for source in self.groups.iter_mut().flatten() {
             if is_good { source.learn(&frame) } else { source.forget_last_frame() }
         }
-        LimbHold::of_pose(&self.model, &frame.kinematics, &frame.coverage, set)
+        LimbHold::of_pose(&self.model, &frame.kinematics, &frame.coverage, &self.set)
     }
 
     /// What it has learnt so far.
@@ -115,49 +112,4 @@ impl CueWatch {
         let pictures = pictures_of(&plain, cues);
         self.groups.iter_mut().flatten().for_each(|source| source.see_before(&pictures));
     }
-
-    /// Which parts silhouettes hold at a pose.
-    #[must_use]
-    pub fn coverage(&self, kinematics: &Kinematics, cameras: &[WatchedCamera]) -> Coverage {
-        coverage(&self.model, &self.options, self.renderer, kinematics, cameras)
-    }
-}
-
-fn frame<'a>(
-    model: &'a Arc<Model>,
-    options: &'a CueOptions,
-    renderer: RendererKind,
-    cameras: &'a [WatchedCamera],
-    cues: &'a FrameCues,
-    pose: &'a Pose,
-) -> CueFrame<'a> {
-    let kinematics = Kinematics::new(model, pose);
-    let coverage = coverage(model, options, renderer, &kinematics, cameras);
-    let is_pulled = |&limb: &usize| options.reach == CueReach::All || coverage.is_covered(limb);
-    CueFrame {
-        cameras: cameras.iter().map(|watched| &*watched.camera).collect(),
-        limbs: (0..model.limbs().len()).filter(is_pulled).collect(),
-        drawn: cameras.iter().map(|_| OnceLock::new()).collect(),
-        model,
-        options,
-        renderer,
-        cues,
-        pose,
-        kinematics,
-        coverage,
-    }
-}
-
-fn coverage(
-    model: &Model,
-    options: &CueOptions,
-    renderer: RendererKind,
-    kinematics: &Kinematics,
-    cameras: &[WatchedCamera],
-) -> Coverage {
-    let views: Vec<CoverageView<'_>> = cameras
-        .iter()
-        .map(|watched| CoverageView { camera: &watched.camera, mask: watched.mask.as_deref() })
-        .collect();
-    Coverage::new(model, kinematics, &views, renderer, &options.coverage)
 }

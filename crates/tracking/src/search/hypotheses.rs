@@ -88,8 +88,6 @@ pub struct SearchResult {
     pub hypotheses: Vec<Hypothesis>,
     /// Every one that was refined to the end, worse ones and doubles too, in the order in which they were.
     pub tried: Vec<Hypothesis>,
-    /// Iterations of all refinements, rejected ones included.
-    pub iterations: usize,
     /// Evaluations of Λ with its derivatives: one an iteration, and one where each refinement begins.
     pub evaluations: usize,
 }
@@ -144,7 +142,6 @@ pub(super) struct Search<'a> {
     pub(super) objectives: Vec<(Stage, Objective)>,
     pub(super) hypotheses: Vec<Hypothesis>,
     tried: Vec<Hypothesis>,
-    pub(super) iterations: usize,
     pub(super) evaluations: usize,
 }
 
@@ -168,8 +165,8 @@ fn run(
         search.try_the_other_way(prepared, &chains, subject);
     }
     search.hypotheses.truncate(effort.kept.max(1));
-    let Search { hypotheses, tried, iterations, evaluations, .. } = search;
-    SearchResult { hypotheses, tried, iterations, evaluations }
+    let Search { hypotheses, tried, evaluations, .. } = search;
+    SearchResult { hypotheses, tried, evaluations }
 }
 
 impl<'a> Search<'a> {
@@ -198,7 +195,6 @@ impl<'a> Search<'a> {
             objectives: options.stages.iter().map(objective).collect(),
             hypotheses: Vec::new(),
             tried: Vec::new(),
-            iterations: 0,
             evaluations: 0,
         }
     }
@@ -250,7 +246,6 @@ impl<'a> Search<'a> {
         if judged(&other.hypotheses[0].pose) < RIVAL * of_best {
             other.sweep(chains, self.effort.pairs_above * subject);
         }
-        self.iterations += other.iterations;
         self.evaluations += other.evaluations;
         for hypothesis in other.hypotheses {
             let cost = (1.0 + LEAST_BETTER) * judged(&hypothesis.pose)
@@ -288,7 +283,7 @@ impl<'a> Search<'a> {
         for &chain in chains {
             let proposals = self.reseeder.propose(&self.hypotheses[0].pose, chain, &[]);
             let origin = Origin::Chain { limb: self.reseeder.name(chain) };
-            self.refine_best(proposals.into_iter().map(|proposal| proposal.pose).collect(), &origin);
+            self.refine_best(proposals.into_iter().map(|(_, pose)| pose).collect(), &origin);
         }
     }
 
@@ -304,13 +299,13 @@ impl<'a> Search<'a> {
                 }
                 let base = &self.hypotheses[0].pose;
                 let mut poses = Vec::new();
-                for half in self.reseeder.propose(base, first, &[second]) {
-                    poses.extend(self.reseeder.propose(&half.pose, second, &[]).into_iter().next());
+                for (_, half) in self.reseeder.propose(base, first, &[second]) {
+                    poses.extend(self.reseeder.propose(&half, second, &[]).into_iter().next());
                 }
-                poses.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+                poses.sort_by(|a, b| a.0.total_cmp(&b.0));
                 poses.truncate(self.effort.pairs);
                 let limbs = [self.reseeder.name(first), self.reseeder.name(second)];
-                let poses = poses.into_iter().map(|proposal| proposal.pose).collect();
+                let poses = poses.into_iter().map(|(_, pose)| pose).collect();
                 self.refine_best(poses, &Origin::Pair { limbs });
             }
         }
@@ -353,7 +348,6 @@ impl<'a> Search<'a> {
         let mut solver = Solver::new(objective, pose, options);
         self.evaluations += 1;
         while solver.step(objective).is_some() {
-            self.iterations += 1;
             self.evaluations += 1;
             if self.cancel.is_cancelled() {
                 break;

@@ -29,13 +29,6 @@ const SAME_M: f64 = 0.10;
 /// Pull of every rotation towards the start, per rad², in fully wrong coarse pixels.
 const PULL: f32 = 0.2;
 
-/// A proposed pose and its sketch cost.
-#[derive(Debug, Clone)]
-pub(super) struct Proposal {
-    pub(super) pose: Pose,
-    pub(super) cost: f32,
-}
-
 struct PartialChain {
     pose: Pose,
     skeleton: LimbPositions,
@@ -98,15 +91,15 @@ impl Reseeder<'_> {
         order.sort_by_key(|&chain| self.parts.chains[chain].rotations.len());
         let mut pose = trunk.clone();
         for (index, &chain) in order.iter().enumerate() {
-            if let Some(best) = self.propose(&pose, chain, &order[index + 1..]).into_iter().next() {
-                pose = best.pose;
+            if let Some((_, best)) = self.propose(&pose, chain, &order[index + 1..]).into_iter().next() {
+                pose = best;
             }
         }
         pose
     }
 
-    /// The best places of a chain, best first; other chains in `absent` are not drawn.
-    pub(super) fn propose(&self, base: &Pose, chain: usize, absent: &[usize]) -> Vec<Proposal> {
+    /// The best places of a chain by their sketch costs, best first; other chains in `absent` are not drawn.
+    pub(super) fn propose(&self, base: &Pose, chain: usize, absent: &[usize]) -> Vec<(f32, Pose)> {
         let mut without: Vec<usize> = absent.to_vec();
         without.push(chain);
         let (skeleton, canvas) = self.drawn(base, &without);
@@ -125,7 +118,7 @@ impl Reseeder<'_> {
             candidates.sort_by(|a, b| a.ranked.total_cmp(&b.ranked));
             beam = self.pick(&beam, &candidates, rotation, is_last);
         }
-        beam.into_iter().map(|partial| Proposal { pose: partial.pose, cost: partial.cost }).collect()
+        beam.into_iter().map(|partial| (partial.cost, partial.pose)).collect()
     }
 
     /// Rates the turns of a rotation on one partial chain.

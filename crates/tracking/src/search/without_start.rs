@@ -29,7 +29,7 @@ use glam::{DQuat, DVec3};
 use thiserror::Error;
 
 pub(crate) use self::place::{Stance, SubjectPlace, mask_of, reduced, turn_whole};
-use self::rounds::Rounds;
+use self::rounds::{Judged, Rounds};
 use super::SearchOptions;
 use super::chains::Chains;
 use super::hypotheses::Hypothesis;
@@ -131,6 +131,10 @@ impl Heights {
     pub fn ratio(&self) -> f64 {
         self.subject_m / self.body_m
     }
+
+    fn scale(self) -> f64 {
+        self.ratio().clamp(LARGEST_SCALE.recip(), LARGEST_SCALE)
+    }
 }
 
 /// What silhouettes leave open.
@@ -194,15 +198,58 @@ pub fn without_start(
     cancel: &CancelToken,
 ) -> Result<WithoutStartResult, WithoutStartError> {
     choices.check()?;
-    let seen = with_subject(model, views, &choices.fit)?;
-    let body_m = Stance::new(model, &Chains::new(model)).height();
-    let place = SubjectPlace::of(&seen, choices.up, body_m, cancel)?;
-    let heights = (seen.len() > 1).then(|| Heights { subject_m: place.height(), body_m });
-    let in_place = InPlace { seen: &seen, choices, place: &place, heights, cancel };
-    let Some(heights) = heights.filter(|_| choices.scale_body) else { return in_place.search(model, 1.0) };
-    let scale = heights.ratio().clamp(LARGEST_SCALE.recip(), LARGEST_SCALE);
-    let scaled = model.scaled(scale).map_err(|error| WithoutStartError::Scale { scale, error })?;
-    in_place.search(&Arc::new(scaled), scale)
+    let (seen, _, place, heights) = located(model, views, choices.up, &choices.fit, cancel)?;
+    let (scale, scaled) = match heights.filter(|_| choices.scale_body) {
+        Some(heights) => {
+            let scale = heights.scale();
+            (scale, model.scaled(scale).map_err(|error| WithoutStartError::Scale { scale, error })?.into())
+        }
+        None => (1.0, Arc::clone(model)),
+    };
+    let stance = Stance::new(&scaled, &Chains::new(&scaled));
+    let standing = stance.pose(&scaled, place.middle(), place.up, place.to_cameras);
+    let smaller = reduced(&scaled, &seen, &standing);
+    let options = choices.fit.clone().at_scale(&scaled, &smaller, &standing);
+    let prepared = PreparedFit::new(&scaled, smaller, &standing, &options, Sketch::reach_px)?;
+    let rounds = Rounds {
+        model: &scaled,
+        prepared: &prepared,
+        options: &options,
+        choices,
+        place: &place,
+        stance,
+        cancel,
+        evaluations: AtomicUsize::new(0),
+    };
+    let Judged { hypotheses, facings, doubt, rounds: all } = rounds.run()?;
+    let one_camera = (seen.len() == 1).then_some(Doubt::OneCamera);
+    Ok(WithoutStartResult {
+        scale,
+        heights,
+        hypotheses,
+        facings,
+        rounds: all,
+        up: place.up,
+        doubts: one_camera.into_iter().chain(doubt).collect(),
+        evaluations: rounds.evaluations.into_inner(),
+        model: scaled,
+    })
+}
+
+/// The views that show somebody, how the body stands, where the subject is, and how tall both are.
+fn located(
+    model: &Model,
+    views: &[FitView],
+    up: Option<DVec3>,
+    options: &FitOptions,
+    cancel: &CancelToken,
+) -> Result<(Vec<FitView>, Stance, SubjectPlace, Option<Heights>), WithoutStartError> {
+    let seen = with_subject(model, views, options)?;
+    let stance = Stance::new(model, &Chains::new(model));
+    let place = SubjectPlace::of(&seen, up, stance.height(), cancel)?;
+    let heights = Heights { subject_m: place.height(), body_m: stance.height() };
+    let heights = (seen.len() > 1).then_some(heights);
+    Ok((seen, stance, place, heights))
 }
 
 /// By how much a body is to be larger to stand as tall as the hull of the silhouettes is, no more than twice; 1 with one camera. A
@@ -216,11 +263,8 @@ pub fn hull_scale(
     up: Option<DVec3>,
     cancel: &CancelToken,
 ) -> Result<f64, WithoutStartError> {
-    let seen = with_subject(model, views, &FitOptions::default())?;
-    let body_m = Stance::new(model, &Chains::new(model)).height();
-    let place = SubjectPlace::of(&seen, up, body_m, cancel)?;
-    let ratio = place.height() / body_m;
-    Ok(if seen.len() > 1 { ratio.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE) } else { 1.0 })
+    let (_, _, _, heights) = located(model, views, up, &FitOptions::default(), cancel)?;
+    Ok(heights.map_or(1.0, |heights| heights.scale()))
 }
 
 /// The views that show somebody, at least one.
@@ -253,9 +297,7 @@ pub fn standing(
     headings: usize,
     cancel: &CancelToken,
 ) -> Result<Vec<Pose>, WithoutStartError> {
-    let seen = with_subject(model, views, &FitOptions::default())?;
-    let stance = Stance::new(model, &Chains::new(model));
-    let place = SubjectPlace::of(&seen, up, stance.height(), cancel)?;
+    let (_, stance, place, _) = located(model, views, up, &FitOptions::default(), cancel)?;
     // Between a body on the hull's floor and one under its top.
     let height = 0.5 * (place.bottom + stance.below + place.top - stance.above);
     let middle = place.middle_at(height);
@@ -266,51 +308,6 @@ pub fn standing(
         stance.pose(model, middle, place.up, ahead)
     };
     Ok((0..headings).map(pose).collect())
-}
-
-/// A search whose place is known.
-struct InPlace<'a> {
-    seen: &'a [FitView],
-    choices: &'a WithoutStartOptions,
-    place: &'a SubjectPlace,
-    heights: Option<Heights>,
-    cancel: &'a CancelToken,
-}
-
-impl InPlace<'_> {
-    /// The search with the body as it is; `scale` is what it was scaled by.
-    fn search(&self, model: &Arc<Model>, scale: f64) -> Result<WithoutStartResult, WithoutStartError> {
-        let Self { choices, place, cancel, .. } = *self;
-        let stance = Stance::new(model, &Chains::new(model));
-        let middle = place.middle();
-        let standing = stance.pose(model, middle, place.up, place.to_cameras);
-        let seen = reduced(model, self.seen, &standing);
-        let options = choices.fit.clone().at_scale(model, &seen, &standing);
-        let prepared = PreparedFit::new(model, seen, &standing, &options, Sketch::reach_px)?;
-        let rounds = Rounds {
-            model,
-            prepared: &prepared,
-            options: &options,
-            choices,
-            place,
-            stance,
-            cancel,
-            evaluations: AtomicUsize::new(0),
-        };
-        let judged = rounds.run()?;
-        let one_camera = (self.seen.len() == 1).then_some(Doubt::OneCamera);
-        Ok(WithoutStartResult {
-            model: Arc::clone(model),
-            scale,
-            heights: self.heights,
-            hypotheses: judged.hypotheses,
-            facings: judged.facings,
-            rounds: judged.rounds,
-            up: place.up,
-            doubts: one_camera.into_iter().chain(judged.doubt).collect(),
-            evaluations: rounds.evaluations.into_inner(),
-        })
-    }
 }
 
 impl WithoutStartOptions {

@@ -199,12 +199,12 @@ pub(super) fn heads(
 /// Where a head may be, and how far these places lie from one another: a grid in the box about the hull; before one camera
 /// the silhouette itself, as far away as the body's height says.
 fn candidates(place: &SubjectPlace) -> (Vec<DVec3>, f64) {
-    let points = place.points();
+    let points = &place.points;
     let (low, high) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| {
         (low.min(*point), high.max(*point))
     });
     let step = (high - low).max_element() / CELLS;
-    if place.is_flat() || step.is_nan() || step <= 0.0 {
+    if place.is_flat || step.is_nan() || step <= 0.0 {
         return (points.to_vec(), step.max(1e-3));
     }
     let counts = ((high - low) / step).ceil().max(DVec3::ONE).to_array().map(|count| count as usize);

@@ -2,16 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use super::frame_masks::FrameMasks;
 use super::lost::Lost;
 use super::motion::FrameBelief;
-use crate::body::{Model, Pose};
+use crate::body::{Kinematics, Model, Pose};
 use crate::cues::LimbHold;
-use crate::fit::FitView;
+use crate::fit::{Evidence, FitView};
 use crate::optimize::Termination;
-use crate::render::RendererKind;
+use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::search::Hypothesis;
-use crate::silhouette::Overlap;
+use crate::silhouette::{Label, Overlap};
 
 /// What the tracker found in one frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +75,7 @@ impl FrameEstimate {
 
     /// Measures the overlap again with what the frame's cameras saw, as after smoothing has moved the pose.
     pub fn measure_overlap(&mut self, model: &Model, renderer: RendererKind, views: &[FitView]) {
-        self.overlap = FrameMasks::of(views).overlap(model, &self.pose, renderer);
+        self.overlap = overlaps(model, &self.pose, renderer, views);
     }
 
     /// Without what only the filter, smoothing and tuning need: what was foretold, and what the frame says by itself. That is two
@@ -94,6 +93,24 @@ impl FrameEstimate {
     pub fn is_lost(&self) -> bool {
         self.lost_because.is_some()
     }
+}
+
+/// Overlap of a pose with the mask of every camera that sees somebody.
+pub(super) fn overlaps(
+    model: &Model,
+    pose: &Pose,
+    renderer: RendererKind,
+    views: &[FitView],
+) -> Vec<Option<Overlap>> {
+    let kinematics = Kinematics::new(model, pose);
+    let of_view = |view: &FitView| match &view.evidence {
+        Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => {
+            let drawn = View::new(model, &kinematics, &view.camera, renderer, Ramp::Half);
+            Overlap::of_covered(mask, &prediction::covered(&drawn)).ok()
+        }
+        _ => None,
+    };
+    views.iter().map(of_view).collect()
 }
 
 /// Overlap of all cameras together.

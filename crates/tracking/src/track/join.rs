@@ -126,20 +126,8 @@ mod tests {
         let estimate = |(frame, x, cost): (usize, f64, f64)| {
             let mut pose = Pose::rest(&builtin::single_limb());
             pose.root = DVec3::new(x, 0.0, 0.0);
-            let estimate = FrameEstimate {
-                frame,
-                pose,
-                cost: Some(cost),
-                rms: Some(0.0),
-                overlap: Vec::new(),
-                empty_cameras: Vec::new(),
-                iterations: 1,
-                lost_because: None,
-                termination: None,
-                belief: None,
-                hypotheses: Vec::new(),
-                holds: Vec::new(),
-            };
+            let known = FrameEstimate::of_pose(frame, pose);
+            let estimate = FrameEstimate { cost: Some(cost), rms: Some(0.0), iterations: 1, ..known };
             (frame, estimate)
         };
         Track { frames: frames.into_iter().map(estimate).collect() }

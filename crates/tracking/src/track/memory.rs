@@ -2,14 +2,13 @@
 
 use thiserror::Error;
 
-use super::cued::Cued;
+use super::cued::watched;
 use super::estimate::FrameEstimate;
-use super::last_frame::LastFrame;
 use super::lost::{LastResort, UsualCost};
 use super::motion::{KalmanOptions, Motion, MotionError, MotionFilter, Predicted};
 use super::tracker::Tracker;
 use crate::body::{Model, Parameters, Pose, PoseError};
-use crate::cues::{CueMemory, FrameCues};
+use crate::cues::{CueMemory, CueWatch, FrameCues};
 use crate::filter::Belief;
 use crate::fit::FitView;
 use crate::numbers::Brief;
@@ -32,6 +31,37 @@ pub struct TrackerMemory {
     pub filter: Option<FilterMemory>,
     /// What cues have learnt; `None` without them.
     pub cues: Option<CueMemory>,
+}
+
+/// The frame before, and where its motion leads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LastFrame {
+    /// Its number.
+    pub frame: usize,
+    /// As it was fitted, before any filter.
+    pub pose: Pose,
+    /// Whether the subject was lost there.
+    pub lost: bool,
+    /// Tangent units per second, where the motion goes on from the frame before that.
+    pub velocity: Option<Vec<f64>>,
+}
+
+impl LastFrame {
+    /// Where the motion leads in this many seconds, negative backwards.
+    pub(super) fn leads_to(&self, seconds: f64) -> Pose {
+        match &self.velocity {
+            Some(velocity) => {
+                let step: Vec<f64> = velocity.iter().map(|value| value * seconds).collect();
+                self.pose.retract(Parameters::Tangent, &step)
+            }
+            None => self.pose.clone(),
+        }
+    }
+
+    /// The velocity that leads to a pose in this many seconds.
+    pub(super) fn velocity_to(&self, pose: &Pose, seconds: f64) -> Vec<f64> {
+        pose.local(&self.pose).into_iter().map(|value| value / seconds).collect()
+    }
 }
 
 /// What a Kalman filter believes after a frame.
@@ -86,7 +116,7 @@ impl Tracker {
             last_resort: self.last_resort,
             has_start: self.start.is_some(),
             filter: self.filter.as_ref().and_then(MotionFilter::memory),
-            cues: self.cues.as_ref().map(Cued::memory),
+            cues: self.cues.as_ref().map(CueWatch::memory),
         })
     }
 
@@ -103,7 +133,7 @@ impl Tracker {
             return Err(MemoryError::Filter { with: filter.is_some() });
         }
         match (cues, &mut self.cues) {
-            (Some(memory), Some(cued)) => cued.remember(memory),
+            (Some(memory), Some(watch)) => watch.remember(&memory),
             (None, None) => {}
             (cues, _) => return Err(MemoryError::Cues { with: cues.is_some() }),
         }
@@ -120,8 +150,9 @@ impl Tracker {
     /// one's.
     #[must_use]
     pub fn with_pictures_before(mut self, views: &[FitView], cues: FrameCues) -> Self {
-        if let Some(cued) = &mut self.cues {
-            cued.see_before(views, cues);
+        if let Some(watch) = &mut self.cues {
+            let (cameras, cues) = watched(views, cues);
+            watch.see_before(&cameras, &cues);
         }
         self
     }

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::attempt::{Attempt, FittedPose, rms};
-use super::cued::Cued;
-use super::estimate::{FrameEstimate, iou};
-use super::frame_masks::FrameMasks;
-use super::last_frame::LastFrame;
+use super::cued::watched;
+use super::estimate::{FrameEstimate, iou, overlaps};
 use super::lost::{LastResort, Lost, UsualCost};
+use super::memory::LastFrame;
 use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
@@ -18,6 +17,7 @@ use crate::fit::{Fit, FitError, FitOptions, FitView};
 use crate::numbers::OptionError;
 use crate::residual::learnt_prior::LearntPrior;
 use crate::search::{self, SearchOptions, WithoutStartError, WithoutStartOptions};
+use crate::silhouette::Overlap;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
@@ -52,7 +52,7 @@ pub struct Tracker {
     search: WhenToSearch,
     pub(super) filter: Option<MotionFilter>,
     frame_seconds: f64,
-    pub(super) cues: Option<Cued>,
+    pub(super) cues: Option<CueWatch>,
 }
 
 impl Tracker {
@@ -124,8 +124,7 @@ impl Tracker {
     /// # Errors
     /// An option out of range, by field.
     pub fn with_cues(mut self, options: CueOptions) -> Result<Self, OptionError> {
-        let watch = CueWatch::new(Arc::clone(&self.model), options, self.options.renderer)?;
-        self.cues = Some(Cued::new(watch));
+        self.cues = Some(CueWatch::new(Arc::clone(&self.model), options, self.options.renderer)?);
         Ok(self)
     }
 
@@ -181,65 +180,68 @@ impl Tracker {
         cues: FrameCues,
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, FitError> {
-        let masks = FrameMasks::of(&views);
         let led = self.last.as_ref().filter(|last| last.velocity.is_some());
         let step_seconds = led.map(|last| self.seconds_between(last.frame, frame).abs());
         self.options.prior = self.options.prior.take().map(|prior| LearntPrior { step_seconds, ..prior });
         let mut predicted = self.predict(frame);
         let start = self.start_of(frame);
-        if let Some(cued) = &mut self.cues {
-            cued.begin(&views, cues, &start);
+        if let Some(watch) = &mut self.cues {
+            let (cameras, cues) = watched(&views, cues);
+            watch.look(cameras, cues, &start);
         }
         let begins = self.last.as_ref().is_none_or(|last| last.lost);
-        let again = (!begins).then(|| views.clone());
-        let in_hull = (self.search != WhenToSearch::Never).then(|| views.clone());
         let found = if self.start.is_none() {
-            match self.find(views, None, cancel) {
+            match self.find(&views, None, cancel) {
                 Err(WithoutStartError::Fit(error)) => Err(error),
-                Err(_) => return Ok(self.lost(frame, start, &masks, predicted, Lost::NoStart)),
+                Err(_) => return Ok(self.lost(frame, start, &views, predicted, Lost::NoStart)),
                 Ok(found) => {
                     self.start = Some(found.summary.pose.clone());
                     Ok(found)
                 }
             }
         } else if begins {
-            self.fit_widely(views, &start, &masks, cancel)
+            self.fit_widely(&views, &start, cancel)
         } else {
-            self.follow(views, start.clone(), cancel)
+            self.follow(&views, start.clone(), cancel)
         };
         let found = match found {
             Ok(found) => found,
             Err(FitError::NoData { .. }) => {
-                return Ok(self.lost(frame, start, &masks, predicted, Lost::Nobody));
+                return Ok(self.lost(frame, start, &views, predicted, Lost::Nobody));
             }
             Err(error) => return Err(error),
         };
-        let mut attempt = self.attempt(found, &masks);
-        if let Some(views) = again.filter(|_| attempt.lost.is_some() && !cancel.is_cancelled()) {
-            let wider = self.attempt(self.fit_widely(views, &start, &masks, cancel)?, &masks);
+        let mut attempt = self.attempt(found, &views);
+        if !begins && attempt.lost.is_some() && !cancel.is_cancelled() {
+            let wider = self.attempt(self.fit_widely(&views, &start, cancel)?, &views);
             if wider.is_better(&attempt) {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
                 predicted = Err(Begins::FoundElsewhere);
             }
         }
-        if let Some(views) = in_hull.filter(|_| !cancel.is_cancelled())
+        if self.search != WhenToSearch::Never
+            && !cancel.is_cancelled()
             && self.last_resort.is_due(attempt.lost.is_some())
-            && let Ok(found) = self.find(views, Some(&start), cancel)
+            && let Ok(found) = self.find(&views, Some(&start), cancel)
         {
-            let found = self.attempt(found, &masks);
+            let found = self.attempt(found, &views);
             if found.is_better(&attempt) {
                 attempt = found;
                 predicted = Err(Begins::FoundElsewhere);
             }
         }
-        Ok(self.keep(frame, attempt, predicted, &masks, cancel))
+        Ok(self.keep(frame, attempt, predicted, &views, cancel))
     }
 
-    fn attempt(&self, found: FittedPose, masks: &FrameMasks) -> Attempt {
-        let overlap = masks.overlap(&self.model, &found.summary.pose, self.options.renderer);
+    fn attempt(&self, found: FittedPose, views: &[FitView]) -> Attempt {
+        let overlap = self.overlaps(&found.summary.pose, views);
         let lost = self.usual.judge(rms(&found.summary), iou(&overlap));
         Attempt { found, overlap, lost }
+    }
+
+    fn overlaps(&self, pose: &Pose, views: &[FitView]) -> Vec<Option<Overlap>> {
+        overlaps(&self.model, pose, self.options.renderer, views)
     }
 
     /// Learns from a frame's fit. A Kalman filter weighs it against what was foretold; the next frame's fit starts from it as
@@ -249,7 +251,7 @@ impl Tracker {
         frame: usize,
         attempt: Attempt,
         mut predicted: Result<Predicted, Begins>,
-        masks: &FrameMasks,
+        views: &[FitView],
         cancel: &CancelToken,
     ) -> FrameEstimate {
         let goes_on = predicted != Err(Begins::FoundElsewhere);
@@ -263,7 +265,7 @@ impl Tracker {
                 Ok(prior) => {
                     fit.go_on_with(prior);
                     summary = fit.run(cancel, |_| {});
-                    overlap = masks.overlap(&self.model, &summary.pose, self.options.renderer);
+                    overlap = self.overlaps(&summary.pose, views);
                 }
                 Err(error) => predicted = Err(Begins::Broken(error)),
             }
@@ -272,7 +274,7 @@ impl Tracker {
             let seen = lost.is_none().then(|| fit.frame_equations()).map(|own| (own.jtj, own.jtr));
             filter.learn(&summary.pose, seen, predicted)
         });
-        let holds = self.cues.as_mut().map(|cued| cued.learn(&summary.pose, lost.is_some()));
+        let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
@@ -296,39 +298,32 @@ impl Tracker {
         &mut self,
         frame: usize,
         pose: Pose,
-        masks: &FrameMasks,
+        views: &[FitView],
         predicted: Result<Predicted, Begins>,
         because: Lost,
     ) -> FrameEstimate {
-        let names = || masks.cameras.iter().map(|camera| camera.name().to_owned()).collect();
+        let names = || views.iter().map(|view| view.camera.name().to_owned()).collect();
         let empty = if because == Lost::Nobody { names() } else { Vec::new() };
         let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
-        if let Some(cued) = &mut self.cues {
-            cued.learn(&pose, true);
+        if let Some(watch) = &mut self.cues {
+            watch.learn(&pose, false);
         }
         let estimate = FrameEstimate {
-            frame,
-            overlap: masks.overlap(&self.model, &pose, self.options.renderer),
-            pose,
-            cost: None,
-            rms: None,
+            overlap: self.overlaps(&pose, views),
             empty_cameras: empty,
-            iterations: 0,
             lost_because: Some(because),
-            termination: None,
             belief,
-            hypotheses: Vec::new(),
-            holds: Vec::new(),
+            ..FrameEstimate::of_pose(frame, pose)
         };
         self.advance(frame, estimate.pose.clone(), true, false);
         estimate
     }
 
     /// Fits a frame near the one before, without the widest stages.
-    fn follow(&self, views: Vec<FitView>, start: Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
+    fn follow(&self, views: &[FitView], start: Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
         let model = Arc::clone(&self.model);
-        let options = self.options.clone().near_at_scale(&model, &views, &start);
-        let fit = self.pulled(Fit::new(model, views, start, options)?)?;
+        let options = self.options.clone().near_at_scale(&model, views, &start);
+        let fit = self.pulled(Fit::new(model, views.to_vec(), start, options)?)?;
         Ok(FittedPose::run(fit, Vec::new(), cancel))
     }
 
@@ -336,14 +331,14 @@ impl Tracker {
     /// in `before`.
     fn find(
         &self,
-        views: Vec<FitView>,
+        views: &[FitView],
         before: Option<&Pose>,
         cancel: &CancelToken,
     ) -> Result<FittedPose, WithoutStartError> {
         let sides = before.and_then(|pose| Sides::of(&self.model, &Kinematics::new(&self.model, pose)));
         let faces = sides.map(|sides| sides.ahead);
         let choices = WithoutStartOptions { faces, ..WithoutStartOptions::for_fit(&self.options) };
-        let found = search::without_start(&self.model, &views, &choices, cancel)?;
+        let found = search::without_start(&self.model, views, &choices, cancel)?;
         let fitted = self.follow(views, found.pose().clone(), cancel)?;
         Ok(FittedPose { hypotheses: found.hypotheses, ..fitted })
     }
@@ -351,46 +346,37 @@ impl Tracker {
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.
     fn fit_widely(
         &self,
-        views: Vec<FitView>,
+        views: &[FitView],
         start: &Pose,
-        masks: &FrameMasks,
         cancel: &CancelToken,
     ) -> Result<FittedPose, FitError> {
-        let (model, options) = (&self.model, self.options.clone());
         if self.search == WhenToSearch::Always {
-            return self.search(views, start, options, cancel);
+            return self.search(views, start, cancel);
         }
-        let again = (self.search == WhenToSearch::WhenPoor).then(|| views.clone());
-        let fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
+        let fit = Fit::new(Arc::clone(&self.model), views.to_vec(), start.clone(), self.options.clone())?;
         let found = FittedPose::run(self.pulled(fit)?, Vec::new(), cancel);
-        let overlap = || iou(&masks.overlap(model, &found.summary.pose, options.renderer));
         let is_poor = || {
-            overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
+            iou(&self.overlaps(&found.summary.pose, views)).is_some_and(|iou| iou < SEARCH_BELOW_IOU)
                 || self.usual.judge(rms(&found.summary), None).is_some()
         };
-        match again.filter(|_| is_poor()) {
-            Some(views) => self.search(views, start, options, cancel),
-            None => Ok(found),
+        if self.search == WhenToSearch::WhenPoor && is_poor() {
+            return self.search(views, start, cancel);
         }
+        Ok(found)
     }
 
-    fn search(
-        &self,
-        views: Vec<FitView>,
-        start: &Pose,
-        options: FitOptions,
-        cancel: &CancelToken,
-    ) -> Result<FittedPose, FitError> {
+    fn search(&self, views: &[FitView], start: &Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
         // A track knows which way its body faces; a first frame's start may not.
         let effort = SearchOptions { turned: self.last.is_none(), ..SearchOptions::default() };
-        let (fit, found) = search::fit_best(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
+        let (model, views, options) = (Arc::clone(&self.model), views.to_vec(), self.options.clone());
+        let (fit, found) = search::fit_best(model, views, start, options, &effort, cancel)?;
         Ok(FittedPose::run(self.pulled(fit)?, found, cancel))
     }
 
     /// A fit of the frame at hand with its cues, if there are any.
     fn pulled(&self, fit: Fit) -> Result<Fit, FitError> {
         match &self.cues {
-            Some(cued) => cued.pull(fit),
+            Some(watch) => fit.with_cues(Arc::clone(watch.set())),
             None => Ok(fit),
         }
     }

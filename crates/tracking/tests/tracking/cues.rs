@@ -134,8 +134,8 @@ fn offsets_of_keypoints_are_learnt() {
         let watched: Vec<WatchedCamera> = views(&model, &pose, &cameras).into_iter().map(mask).collect();
         let cues = keypoints(&model, &pose, &cameras, off);
         for _ in 0..20 {
-            let set = watch.look(&watched, &cues, &pose);
-            watch.learn(&watched, &cues, &set, &pose, true);
+            watch.look(watched.clone(), cues.clone(), &pose);
+            watch.learn(&pose, true);
         }
         let mut offsets = KeypointOffsets::new(model.limbs().len(), options.offset_m);
         offsets.remember(&watch.memory().offsets);
@@ -258,8 +258,8 @@ fn keypoints_that_make_no_sense_do_not_pull() {
         vec![bad(99, 20.0, 0.9), bad(3, f64::NAN, 0.9), bad(3, 20.0, f64::NAN), bad(3, 20.0, 0.1)];
     let cues = CameraCues { keypoints, picture: None };
     let cues = FrameCues { cameras: vec![cues; 5] };
-    let watch = CueWatch::new(Arc::clone(&model), CueOptions::default(), RendererKind::Capsule).unwrap();
-    let watched: Vec<WatchedCamera> =
+    let mut watch = CueWatch::new(Arc::clone(&model), CueOptions::default(), RendererKind::Capsule).unwrap();
+    let watched =
         cameras.iter().map(|camera| WatchedCamera { camera: Arc::clone(camera), mask: None }).collect();
-    assert_eq!(watch.look(&watched, &cues, &pose).pulls, []);
+    assert_eq!(watch.look(watched, cues, &pose).pulls, []);
 }

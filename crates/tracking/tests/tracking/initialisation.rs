@@ -14,7 +14,8 @@ fn every_attempt_is_told_and_telling_changes_nothing() {
     for given in [Some(&start.start), None] {
         for method in Method::COMPARED {
             let (options, cancel) = (InitialisationOptions::default(), CancelToken::new());
-            let inputs = InitialisationInputs { model: &start.model, views: &start.views[&2], start: given };
+            let (model, views) = (&start.model, &start.views[&2]);
+            let inputs = InitialisationInputs { model, views, start: given, cancel: &cancel };
             let (mut kinds, mut lowest) = ([0; 6], f64::INFINITY);
             let mut count = |attempt: Attempt<'_>| {
                 let kind = match attempt {
@@ -35,8 +36,8 @@ fn every_attempt_is_told_and_telling_changes_nothing() {
                 };
                 kinds[kind] += 1;
             };
-            let result = options.run(method, &inputs, &cancel, &mut count).unwrap();
-            assert_eq!(result, options.run(method, &inputs, &cancel, &mut |_| {}).unwrap());
+            let result = options.run(method, &inputs, &mut count).unwrap();
+            assert_eq!(result, options.run(method, &inputs, &mut |_| {}).unwrap());
             let begins = if given.is_some() { 1 } else { 8 };
             let particles = if given.is_some() { &options.particles } else { &options.particles_no_start };
             let expected = match (method, given) {

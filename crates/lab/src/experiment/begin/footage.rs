@@ -62,10 +62,10 @@ pub fn run(
                     done += 1;
                     let given = level.map(|level| scene.start(level, frames.seed.wrapping_add(frame as u64)));
                     let (model, views) = (footage.take().model(), &scene.views[..]);
-                    let inputs = InitialisationInputs { model, views, start: given.as_ref() };
+                    let inputs = InitialisationInputs { model, views, start: given.as_ref(), cancel };
                     let error = |pose: &Pose| error_mm(model, pose, &scene.joints);
                     let is_found = |error: f64| error <= scene.fitted_mm + frames.within_mm;
-                    trials.push(BeginTrial::run(options, method, &inputs, error, is_found, cancel)?);
+                    trials.push(BeginTrial::run(options, method, &inputs, error, is_found)?);
                 }
             }
         }

@@ -36,9 +36,10 @@ pub(crate) struct SubjectPlace {
     /// Lowest and highest point, along `up`.
     pub(crate) bottom: f64,
     pub(crate) top: f64,
-    /// Points of the subject's surface.
-    points: Vec<DVec3>,
-    is_flat: bool,
+    /// Points of the subject's surface; before one camera, of a plane.
+    pub(crate) points: Vec<DVec3>,
+    /// Whether one camera alone has said where the subject is.
+    pub(crate) is_flat: bool,
 }
 
 impl SubjectPlace {
@@ -110,16 +111,6 @@ impl SubjectPlace {
             points,
             is_flat: views.len() == 1,
         }
-    }
-
-    /// Points of the subject's surface; before one camera, of a plane.
-    pub(crate) fn points(&self) -> &[DVec3] {
-        &self.points
-    }
-
-    /// Whether one camera alone has said where the subject is.
-    pub(crate) fn is_flat(&self) -> bool {
-        self.is_flat
     }
 
     pub(crate) fn height(&self) -> f64 {
