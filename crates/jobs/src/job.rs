@@ -13,42 +13,28 @@ pub enum Turn {
     Done,
 }
 
-/// Work that is done in short steps.
+/// Work that is done in short steps; a closure is a job too.
 pub trait Job<O>: Send {
     /// Does a little, and sends what came of it.
     fn step(&mut self, out: &Outbox<O>) -> Turn;
 }
 
-/// Work that is done in one step, see [`once`].
-#[derive(Debug)]
-pub struct Once<F>(Option<F>);
-
-/// A job of one step and one output.
-pub const fn once<O, F: FnOnce(&CancelToken) -> O + Send>(work: F) -> Once<F> {
-    Once(Some(work))
-}
-
-impl<O, F: FnOnce(&CancelToken) -> O + Send> Job<O> for Once<F> {
+impl<O, F: FnMut(&Outbox<O>) -> Turn + Send> Job<O> for F {
     fn step(&mut self, out: &Outbox<O>) -> Turn {
-        if let Some(work) = self.0.take() {
-            out.send(work(out.cancel()));
-        }
-        Turn::Done
+        self(out)
     }
 }
 
-/// Work that is done in one step, see [`one_step`].
-#[derive(Debug)]
-pub struct OneStep<F>(Option<F>);
-
-/// A job of one step, which sends what it likes.
-pub const fn one_step<O, F: FnOnce(&Outbox<O>) + Send>(work: F) -> OneStep<F> {
-    OneStep(Some(work))
+/// A job of one step and one output.
+pub fn once<O>(work: impl FnOnce(&CancelToken) -> O + Send) -> impl Job<O> {
+    one_step(move |out: &Outbox<O>| out.send(work(out.cancel())))
 }
 
-impl<O, F: FnOnce(&Outbox<O>) + Send> Job<O> for OneStep<F> {
-    fn step(&mut self, out: &Outbox<O>) -> Turn {
-        if let Some(work) = self.0.take() {
+/// A job of one step, which sends what it likes.
+pub fn one_step<O>(work: impl FnOnce(&Outbox<O>) + Send) -> impl Job<O> {
+    let mut work = Some(work);
+    move |out: &Outbox<O>| {
+        if let Some(work) = work.take() {
             work(out);
         }
         Turn::Done

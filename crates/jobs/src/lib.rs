@@ -6,13 +6,13 @@
 //!
 //! Jobs work in steps. What the screen waits for, the 3-D scene, files, and what takes its time have a thread each, so
 //! neither a drag nor the copy of unsaved work waits for a tracker; each thread does a step of its most urgent job, see
-//! [`Priority`]. An inline pool does the same without threads, for tests that are the same every time.
+//! [`priority()`]. An inline pool does the same without threads, for tests that are the same every time.
 //!
 //! ```
-//! use backlit_jobs::{News, Pool, Priority, Task, once};
+//! use backlit_jobs::{Crew, News, Pool, Task, once, priority};
 //!
 //! let pool = Pool::inline();
-//! let mut square: Task<u64, u64> = Task::new(Priority::screen(0));
+//! let mut square: Task<u64, u64> = Task::new(priority(Crew::Screen, 0));
 //! assert!(square.ask(&pool, 12, |&side| once(move |_| side * side)));
 //! assert!(!square.ask(&pool, 12, |&side| once(move |_| side * side)), "it is under way");
 //! pool.turn();
@@ -30,5 +30,5 @@ mod tests;
 pub use job::{Job, Turn, once, one_step};
 pub use outbox::{Failure, News, Outbox};
 pub use pool::Pool;
-pub use priority::Priority;
+pub use priority::{Crew, priority};
 pub use task::Task;

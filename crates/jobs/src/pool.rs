@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 
 use backlit_cancel::CancelToken;
 
-use super::priority::{Crew, Priority};
+use super::priority::Crew;
 use super::{Task, Turn};
 
 /// What is called for every message, on the thread of its job.
@@ -24,9 +24,9 @@ impl Pool {
     /// The system gives no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let mut owner = Owner::new(Arc::new(wake));
-        for crew in Crew::ALL {
+        for (crew, name) in Crew::ALL {
             let shared = owner.shared.clone();
-            let thread = std::thread::Builder::new().name(crew.thread_name().to_owned());
+            let thread = std::thread::Builder::new().name(name.to_owned());
             // Should one be refused, dropping the owner ends the others.
             owner.threads.push(thread.spawn(move || while shared.wait_for_turn(crew) {})?);
         }
@@ -41,7 +41,7 @@ impl Pool {
     /// Does a step of the most urgent job of each crew, on this thread. A pool with threads does nothing.
     pub fn turn(&self) {
         if self.0.threads.is_empty() {
-            for crew in Crew::ALL {
+            for (crew, _) in Crew::ALL {
                 self.0.shared.turn(crew);
             }
         }
@@ -100,13 +100,13 @@ impl Drop for Owner {
 /// Where a job stands: the most urgent first, of the same priority the one that was asked for first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct QueuePosition {
-    priority: Priority,
+    priority: u8,
     number: u64,
 }
 
 impl QueuePosition {
     fn is_kept(self) -> bool {
-        self.priority.crew() == Crew::Saving
+        Crew::of(self.priority) == Crew::Saving
     }
 }
 
@@ -144,12 +144,7 @@ impl Shared {
     }
 
     /// Queues a job, in the place of the one that it supersedes or behind those of its priority.
-    pub(super) fn put(
-        &self,
-        priority: Priority,
-        supersedes: Option<QueuePosition>,
-        slot: Slot,
-    ) -> QueuePosition {
+    pub(super) fn put(&self, priority: u8, supersedes: Option<QueuePosition>, slot: Slot) -> QueuePosition {
         let mut queue = self.lock();
         queue.next_number += 1;
         let place = supersedes.unwrap_or(QueuePosition { priority, number: queue.next_number });
@@ -217,7 +212,7 @@ impl Shared {
 
 impl Queue {
     fn next(&mut self, crew: Crew) -> Option<(QueuePosition, Slot)> {
-        let place = self.waiting.keys().copied().find(|place| place.priority.crew() == crew)?;
+        let place = self.waiting.keys().copied().find(|place| Crew::of(place.priority) == crew)?;
         let (place, slot) = self.waiting.remove_entry(&place)?;
         self.stepping.insert(place, slot.cancel.clone());
         Some((place, slot))

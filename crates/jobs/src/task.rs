@@ -7,13 +7,13 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use backlit_cancel::CancelToken;
 
 use super::pool::{Pool, QueuePosition, RunTurn, Shared, Slot};
-use super::priority::{Crew, Priority};
+use super::priority::Crew;
 use super::{Failure, Job, News, Outbox, Turn};
 
 /// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is saved. By default it has
-/// the priority with the code `PRIORITY`.
+/// the [priority](crate::priority()) `PRIORITY`.
 pub struct Task<Inputs, Output, const PRIORITY: u8 = 0> {
-    priority: Priority,
+    priority: u8,
     inputs: Option<Inputs>,
     work: Option<Pending<Output>>,
     failure: Option<Failure>,
@@ -30,13 +30,13 @@ struct Pending<O> {
 
 impl<I, O, const P: u8> Default for Task<I, O, P> {
     fn default() -> Self {
-        Self::new(Priority::of_code(P))
+        Self::new(P)
     }
 }
 
 impl<I, O, const P: u8> Task<I, O, P> {
     /// A task that has nothing to do yet.
-    pub const fn new(priority: Priority) -> Self {
+    pub const fn new(priority: u8) -> Self {
         Self { priority, inputs: None, work: None, failure: None }
     }
 
@@ -59,6 +59,19 @@ impl<I, O, const P: u8> Task<I, O, P> {
             all.push(news);
         }
         all
+    }
+
+    /// What was sent since the last call; `failed` is told if the job broke down.
+    pub fn outputs(&mut self, mut failed: impl FnMut(&Failure)) -> Vec<O> {
+        let output = |news| match news {
+            News::Output(output) => Some(output),
+            News::Ended => None,
+            News::Failed(failure) => {
+                failed(&failure);
+                None
+            }
+        };
+        self.poll().into_iter().filter_map(output).collect()
     }
 
     /// Asks the job to end soon; its last outputs still arrive. To ask for the same again stays free: who wants it again
@@ -127,7 +140,7 @@ impl<I, O: Send + 'static, const P: u8> Task<I, O, P> {
         let cancel = CancelToken::new();
         let out = Outbox::new(cancel.clone(), sender, shared.wake.clone());
         // What is to be saved is under way also when its task is gone.
-        let open = (self.priority.crew() == Crew::Saving).then(|| shared.open.clone());
+        let open = (Crew::of(self.priority) == Crew::Saving).then(|| shared.open.clone());
         let run = run(job(&inputs), out, open);
         if self.work.as_ref().is_some_and(|work| !Arc::ptr_eq(&work.shared, shared)) {
             self.forget();
@@ -146,7 +159,7 @@ impl<I, O: Send + 'static, const P: u8> Task<I, O, P> {
 
 impl<I, O, const P: u8> Drop for Task<I, O, P> {
     fn drop(&mut self) {
-        if self.priority.crew() != Crew::Saving {
+        if Crew::of(self.priority) != Crew::Saving {
             self.forget();
         }
     }

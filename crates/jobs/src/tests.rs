@@ -5,75 +5,67 @@ use std::time::{Duration, Instant};
 
 use super::*;
 
-/// Sends the numbers of a range; breaks down at thirteen.
-struct Count {
-    from: u32,
-    to: u32,
-}
+const SCREEN: u8 = priority(Crew::Screen, 6);
+const LONG: u8 = priority(Crew::Long, 2);
+const SAVING: u8 = priority(Crew::Saving, 0);
 
-impl Job<u32> for Count {
-    fn step(&mut self, out: &Outbox<u32>) -> Turn {
-        assert!(self.from != 13, "thirteen");
-        out.send(self.from);
-        self.from += 1;
-        if self.from == self.to || out.cancel().is_cancelled() { Turn::Done } else { Turn::Again }
+/// Sends the numbers of a range; breaks down at thirteen.
+fn count(&[mut from, to]: &[u32; 2]) -> impl Job<u32> + use<> {
+    move |out: &Outbox<u32>| {
+        assert!(from != 13, "thirteen");
+        out.send(from);
+        from += 1;
+        if from == to || out.cancel().is_cancelled() { Turn::Done } else { Turn::Again }
     }
 }
 
-fn count([from, to]: &[u32; 2]) -> Count {
-    Count { from: *from, to: *to }
-}
-
-/// Says that its step is under way, and stays in it until it is let go.
-struct Gate {
-    entered: Sender<()>,
-    go: Receiver<()>,
-    steps: Arc<AtomicUsize>,
-}
-
-impl Job<u32> for Gate {
-    fn step(&mut self, out: &Outbox<u32>) -> Turn {
-        self.steps.fetch_add(1, Ordering::SeqCst);
-        self.entered.send(()).unwrap();
-        self.go.recv().unwrap();
+/// Says that its step is under way, and stays in it until it is let go; its steps are counted.
+fn gate() -> (impl Job<u32>, Receiver<()>, Sender<()>, Arc<AtomicUsize>) {
+    let (entered, is_in) = channel();
+    let (open, go) = channel::<()>();
+    let steps = Arc::new(AtomicUsize::new(0));
+    let counted = steps.clone();
+    let job = move |out: &Outbox<u32>| {
+        counted.fetch_add(1, Ordering::SeqCst);
+        entered.send(()).unwrap();
+        go.recv().unwrap();
         out.send(99);
         Turn::Again
-    }
-}
-
-fn gate() -> (Gate, Receiver<()>, Sender<()>, Arc<AtomicUsize>) {
-    let (entered, is_in) = channel();
-    let (open, go) = channel();
-    let steps = Arc::new(AtomicUsize::new(0));
-    (Gate { entered, go, steps: steps.clone() }, is_in, open, steps)
+    };
+    (job, is_in, open, steps)
 }
 
 /// Never ends by itself, in one step.
-struct Endless;
-
-impl Job<u32> for Endless {
-    fn step(&mut self, out: &Outbox<u32>) -> Turn {
-        while !out.cancel().is_cancelled() {
-            std::thread::yield_now();
-        }
-        Turn::Done
-    }
+fn endless(out: &Outbox<u32>) -> Turn {
+    until(|| out.cancel().is_cancelled());
+    Turn::Done
 }
 
-/// Does two steps and writes its name for each.
-struct Write(&'static str, u32, Arc<Mutex<Vec<&'static str>>>);
+type Said = Arc<Mutex<Vec<&'static str>>>;
 
-impl Job<u32> for Write {
-    fn step(&mut self, _: &Outbox<u32>) -> Turn {
-        self.2.lock().unwrap().push(self.0);
-        self.1 += 1;
-        if self.1 == 2 { Turn::Done } else { Turn::Again }
+/// Does two steps and writes its name for each.
+fn write(name: &'static str, said: &Said) -> impl Job<u32> + use<> {
+    let (said, mut steps) = (said.clone(), 0);
+    move |_: &Outbox<u32>| {
+        said.lock().unwrap().push(name);
+        steps += 1;
+        if steps == 2 { Turn::Done } else { Turn::Again }
     }
 }
 
 type Counting = Task<[u32; 2], u32>;
-type Plain = Task<(), u32>;
-type Numbered = Task<u32, u32>;
+
+fn counting(pool: &Pool, priority: u8, range: [u32; 2]) -> Counting {
+    let mut task = Counting::new(priority);
+    assert!(task.ask(pool, range, count));
+    task
+}
+
+fn doing(pool: &Pool, priority: u8, job: impl Job<u32> + 'static) -> Task<(), u32> {
+    let mut task = Task::new(priority);
+    task.ask(pool, (), |()| job);
+    task
+}
 
 fn both_pools() -> [Pool; 2] {
     [Pool::start(|| {}).unwrap(), Pool::inline()]
@@ -104,34 +96,29 @@ fn outputs_and_end(outputs: &[u32]) -> Vec<News<u32>> {
 #[test]
 fn a_job_reports_and_ends_with_and_without_threads() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::screen(6));
-        assert!(pool.is_idle() && !task.is_busy() && task.inputs().is_none());
-        assert!(task.ask(&pool, [0, 3], count));
+        assert!(pool.is_idle());
+        let mut task = counting(&pool, SCREEN, [0, 3]);
         assert!(!pool.is_idle() && task.is_busy());
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[0, 1, 2]));
         assert!(pool.is_idle() && task.poll().is_empty() && task.failure().is_none());
+        let word = "seven".to_owned();
+        let once = once(move |cancel| word.len() as u32 + u32::from(cancel.is_cancelled()));
+        assert_eq!(wait(&pool, &mut doing(&pool, SCREEN, once)), outputs_and_end(&[5]));
     }
 }
 
 #[test]
-fn unread_news_are_not_idle() {
+fn unread_news_are_not_idle_and_those_of_superseded_work_are_dropped() {
     let pool = Pool::inline();
-    let mut task = Counting::new(Priority::screen(6));
+    let mut task = counting(&pool, SCREEN, [20, 30]);
+    pool.turn();
+    pool.turn();
     task.ask(&pool, [0, 1], count);
+    assert!(task.poll().is_empty());
     pool.turn();
     assert!(!pool.is_idle() && task.is_busy());
     assert_eq!(task.poll(), outputs_and_end(&[0]));
     assert!(pool.is_idle());
-}
-
-#[test]
-fn work_of_one_step_is_a_closure() {
-    for pool in both_pools() {
-        let mut task = Plain::new(Priority::screen(2));
-        let word = "seven".to_owned();
-        task.ask(&pool, (), |()| once(move |cancel| word.len() as u32 + u32::from(cancel.is_cancelled())));
-        assert_eq!(wait(&pool, &mut task), outputs_and_end(&[5]));
-    }
 }
 
 #[test]
@@ -142,7 +129,8 @@ fn asking_for_the_same_is_free_and_beginning_is_not() {
             made.fetch_add(1, Ordering::SeqCst);
             count(inputs)
         };
-        let mut task = Counting::new(Priority::screen(6));
+        let mut task = Counting::new(SCREEN);
+        assert!(!task.is_busy() && task.inputs().is_none());
         assert!(task.ask(&pool, [0, 2], make));
         assert!(!task.ask(&pool, [0, 2], make), "it is under way");
         assert_eq!(wait(&pool, &mut task), outputs_and_end(&[0, 1]));
@@ -159,9 +147,8 @@ fn asking_for_the_same_is_free_and_beginning_is_not() {
 #[test]
 fn new_work_supersedes_old_and_is_not_held_up_by_other_tasks() {
     let pool = Pool::start(|| {}).unwrap();
-    let (mut track, mut fit) = (Counting::new(Priority::long(2)), Counting::new(Priority::screen(6)));
-    track.ask(&pool, [100, u32::MAX], count);
-    fit.ask(&pool, [20, u32::MAX], count);
+    let mut track = counting(&pool, LONG, [100, u32::MAX]);
+    let mut fit = counting(&pool, SCREEN, [20, u32::MAX]);
     fit.ask(&pool, [0, 2], count);
     assert_eq!(wait(&pool, &mut fit), outputs_and_end(&[0, 1]));
     track.stop();
@@ -171,24 +158,11 @@ fn new_work_supersedes_old_and_is_not_held_up_by_other_tasks() {
 }
 
 #[test]
-fn outputs_of_superseded_work_are_dropped() {
-    let pool = Pool::inline();
-    let mut task = Counting::new(Priority::screen(6));
-    task.ask(&pool, [20, 30], count);
-    pool.turn();
-    pool.turn();
-    task.ask(&pool, [0, 1], count);
-    assert!(task.poll().is_empty());
-    pool.turn();
-    assert_eq!(task.poll(), outputs_and_end(&[0]));
-}
-
-#[test]
 fn a_step_under_way_is_the_last_of_superseded_and_forgotten_work() {
     let pool = Pool::start(|| {}).unwrap();
     for is_superseded in [true, false] {
         let (job, is_in, open, steps) = gate();
-        let mut task = Counting::new(Priority::screen(6));
+        let mut task = Counting::new(SCREEN);
         task.ask(&pool, [99, 99], |_| job);
         is_in.recv().unwrap();
         if !is_superseded {
@@ -206,12 +180,9 @@ fn a_step_under_way_is_the_last_of_superseded_and_forgotten_work() {
 #[test]
 fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut track = Plain::new(Priority::long(2));
-    track.ask(&pool, (), |()| Endless);
-    for priority in [Priority::screen(0), Priority::drawing(0), Priority::saving(0)] {
-        let mut task = Counting::new(priority);
-        task.ask(&pool, [0, 1], count);
-        assert_eq!(wait(&pool, &mut task), outputs_and_end(&[0]));
+    let mut track = doing(&pool, LONG, endless);
+    for crew in [Crew::Screen, Crew::Drawing, Crew::Saving] {
+        assert_eq!(wait(&pool, &mut counting(&pool, priority(crew, 0), [0, 1])), outputs_and_end(&[0]));
     }
     assert!(track.poll().is_empty() && track.is_busy());
 }
@@ -219,8 +190,7 @@ fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
 #[test]
 fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::screen(5));
-        task.ask(&pool, [12, 20], count);
+        let mut task = counting(&pool, SCREEN, [12, 20]);
         let news = wait(&pool, &mut task);
         assert!(
             matches!(&news[..], [News::Output(12), News::Failed(failure)] if failure.to_string() == "thirteen"),
@@ -238,24 +208,21 @@ fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
 
 #[test]
 fn a_panic_with_words_of_its_own_or_none_is_told() {
-    let pool = Pool::inline();
-    let mut task = Numbered::new(Priority::screen(5));
-    task.ask(&pool, 7, |number| {
-        let number = *number;
-        once(move |_| panic!("number {number}"))
-    });
+    let (pool, number) = (Pool::inline(), 7);
+    let mut task = doing(&pool, SCREEN, once(move |_| panic!("number {number}")));
     wait(&pool, &mut task);
     assert_eq!(task.failure().unwrap().to_string(), "number 7");
-    task.ask(&pool, 8, |_| once(|_| std::panic::panic_any(8)));
-    wait(&pool, &mut task);
-    assert_eq!(task.failure().unwrap().to_string(), "no reason given");
+    let mut task = doing(&pool, SCREEN, once(|_| std::panic::panic_any(8)));
+    let mut told = Vec::new();
+    pool.turn();
+    assert!(task.outputs(|failure| told.push(failure.to_string())).is_empty());
+    assert_eq!(told, ["no reason given"]);
 }
 
 #[test]
 fn what_is_forgotten_may_be_asked_for_again() {
     for pool in both_pools() {
-        let mut task = Counting::new(Priority::screen(6));
-        task.ask(&pool, [0, 2], count);
+        let mut task = counting(&pool, SCREEN, [0, 2]);
         wait(&pool, &mut task);
         task.forget();
         assert!(task.inputs().is_none() && pool.is_idle());
@@ -275,23 +242,17 @@ fn what_is_forgotten_may_be_asked_for_again() {
 fn dropping_a_task_cancels_an_endless_job() {
     let pool = Pool::start(|| {}).unwrap();
     for _ in 0..2 {
-        let mut endless = Counting::new(Priority::long(2));
-        endless.ask(&pool, [100, u32::MAX], count);
-        let mut in_one_step = Plain::new(Priority::long(0));
-        in_one_step.ask(&pool, (), |()| Endless);
+        drop((counting(&pool, LONG, [100, u32::MAX]), doing(&pool, LONG, endless)));
     }
     assert!(pool.is_idle());
-    let mut next = Counting::new(Priority::long(6));
-    next.ask(&pool, [0, 1], count);
-    assert_eq!(wait(&pool, &mut next), outputs_and_end(&[0]));
+    assert_eq!(wait(&pool, &mut counting(&pool, LONG, [0, 1])), outputs_and_end(&[0]));
 }
 
 #[test]
 fn dropping_the_pool_ends_endless_jobs_and_their_tasks_hear_of_it() {
     for pool in both_pools() {
-        let (mut track, mut basin) = (Counting::new(Priority::long(2)), Counting::new(Priority::long(6)));
-        track.ask(&pool, [100, u32::MAX], count);
-        basin.ask(&pool, [100, u32::MAX], count);
+        let mut track = counting(&pool, LONG, [100, u32::MAX]);
+        let mut basin = counting(&pool, LONG + 1, [100, u32::MAX]);
         drop(pool);
         assert_eq!(track.poll().last(), Some(&News::Ended));
         assert_eq!(basin.poll(), [News::Ended]);
@@ -304,46 +265,34 @@ fn dropping_the_pool_ends_endless_jobs_and_their_tasks_hear_of_it() {
 
 #[test]
 fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews() {
-    let pool = Pool::inline();
-    let said = Arc::new(Mutex::new(Vec::new()));
-    let mut tasks = Vec::new();
-    for (name, priority) in [
-        ("basin", Priority::long(6)),
-        ("save", Priority::saving(0)),
-        ("survey", Priority::long(0)),
-        ("scene", Priority::drawing(0)),
-        ("fit", Priority::screen(6)),
-        ("prediction", Priority::screen(0)),
-        ("another fit", Priority::screen(6)),
-    ] {
-        let mut task = Plain::new(priority);
-        task.ask(&pool, (), |()| Write(name, 0, said.clone()));
-        tasks.push(task);
-    }
-    let turn = || {
+    let (pool, said) = (Pool::inline(), Said::default());
+    let kinds = [
+        ("basin", Crew::Long, 6),
+        ("save", Crew::Saving, 0),
+        ("survey", Crew::Long, 0),
+        ("scene", Crew::Drawing, 0),
+        ("fit", Crew::Screen, 6),
+        ("prediction", Crew::Screen, 0),
+        ("another fit", Crew::Screen, 6),
+    ];
+    let mut tasks = kinds.map(|(name, crew, level)| doing(&pool, priority(crew, level), write(name, &said)));
+    let first = ["prediction", "scene", "save", "survey"];
+    for expected in [&first[..], &first, &["fit", "basin"], &["fit", "basin"]] {
         pool.turn();
-        std::mem::take(&mut *said.lock().unwrap())
-    };
-    assert_eq!(turn(), ["prediction", "scene", "save", "survey"]);
-    assert_eq!(turn(), ["prediction", "scene", "save", "survey"]);
-    assert_eq!(turn(), ["fit", "basin"]);
-    assert_eq!(turn(), ["fit", "basin"]);
-    assert_eq!(turn(), ["another fit"]);
-    assert_eq!(turn(), ["another fit"]);
-    assert!(turn().is_empty());
+        assert_eq!(std::mem::take(&mut *said.lock().unwrap()), expected);
+    }
+    (0..3).for_each(|_| pool.turn());
+    assert_eq!(*said.lock().unwrap(), ["another fit"; 2]);
     tasks.iter_mut().for_each(|task| assert_eq!(task.poll(), [News::Ended]));
     assert!(pool.is_idle());
 }
 
 #[test]
 fn superseding_work_takes_the_place_of_the_old() {
-    let pool = Pool::inline();
-    let said = Arc::new(Mutex::new(Vec::new()));
-    let mut first = Numbered::new(Priority::screen(6));
-    let mut second = Numbered::new(Priority::screen(6));
-    first.ask(&pool, 0, |_| Write("old", 0, said.clone()));
-    second.ask(&pool, 0, |_| Write("second", 0, said.clone()));
-    first.ask(&pool, 1, |_| Write("new", 0, said.clone()));
+    let (pool, said) = (Pool::inline(), Said::default());
+    let mut first = doing(&pool, SCREEN, write("old", &said));
+    let _second = doing(&pool, SCREEN, write("second", &said));
+    first.begin(&pool, (), |()| write("new", &said));
     (0..4).for_each(|_| pool.turn());
     assert_eq!(*said.lock().unwrap(), ["new", "new", "second", "second"]);
 }
@@ -351,12 +300,10 @@ fn superseding_work_takes_the_place_of_the_old() {
 #[test]
 fn what_is_to_be_saved_is_saved_without_task_and_pool() {
     for pool in both_pools() {
-        let said = Arc::new(Mutex::new(Vec::new()));
-        let mut left = Plain::new(Priority::saving(1));
-        left.ask(&pool, (), |()| Write("settings", 0, said.clone()));
+        let said = Said::default();
+        let mut left = doing(&pool, SAVING, write("settings", &said));
         for name in ["one", "two"] {
-            let mut task = Plain::new(Priority::saving(2));
-            task.ask(&pool, (), |()| Write(name, 0, said.clone()));
+            drop(doing(&pool, SAVING + 1, write(name, &said)));
         }
         drop(pool);
         assert_eq!(*said.lock().unwrap(), ["settings", "settings", "one", "one", "two", "two"]);
@@ -367,10 +314,8 @@ fn what_is_to_be_saved_is_saved_without_task_and_pool() {
 #[test]
 fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
     for pool in both_pools() {
-        let said = Arc::new(Mutex::new(Vec::new()));
-        let mut task = Plain::new(Priority::saving(0));
-        task.ask(&pool, (), |()| Write("file", 0, said.clone()));
-        drop(task);
+        let said = Said::default();
+        drop(doing(&pool, SAVING, write("file", &said)));
         until(|| {
             pool.turn();
             pool.is_idle()
@@ -382,8 +327,7 @@ fn a_pool_that_still_saves_for_a_task_that_is_gone_is_not_idle() {
 #[test]
 fn what_was_to_be_saved_is_given_up_only_when_it_is_forgotten() {
     let pool = Pool::start(|| {}).unwrap();
-    let mut task = Plain::new(Priority::saving(0));
-    task.ask(&pool, (), |()| Endless);
+    let mut task = doing(&pool, SAVING, endless);
     task.forget();
     drop((task, pool));
 }
@@ -392,12 +336,11 @@ fn what_was_to_be_saved_is_given_up_only_when_it_is_forgotten() {
 fn every_message_wakes() {
     let woken = Arc::new(AtomicUsize::new(0));
     let counter = woken.clone();
-    let pool = Pool::start(move || {
+    let wake = move || {
         counter.fetch_add(1, Ordering::SeqCst);
-    })
-    .unwrap();
-    let mut task = Counting::new(Priority::screen(6));
-    task.ask(&pool, [0, 3], count);
+    };
+    let pool = Pool::start(wake).unwrap();
+    let mut task = counting(&pool, SCREEN, [0, 3]);
     until(|| woken.load(Ordering::SeqCst) == 4);
     assert_eq!(task.poll(), outputs_and_end(&[0, 1, 2]));
 }
@@ -406,23 +349,20 @@ fn every_message_wakes() {
 fn no_thread_is_left_when_the_last_handle_is_dropped() {
     let held = Arc::new(());
     let wakes = held.clone();
-    let pool = Pool::start(move || {
+    let wake = move || {
         let _ = &wakes;
-    })
-    .unwrap();
+    };
+    let pool = Pool::start(wake).unwrap();
     let second = pool.clone();
-    let mut task = Plain::new(Priority::long(2));
-    task.ask(&pool, (), |()| {
-        once(|cancel| {
-            until(|| cancel.is_cancelled());
-            std::thread::sleep(Duration::from_millis(50));
-            1
-        })
-    });
+    let slow = |cancel: &backlit_cancel::CancelToken| {
+        until(|| cancel.is_cancelled());
+        std::thread::sleep(Duration::from_millis(50));
+        1
+    };
+    let mut task = doing(&pool, LONG, once(slow));
     drop(pool);
     assert!(Arc::strong_count(&held) > 1 && task.poll().is_empty());
-    drop(second);
-    drop(task);
+    drop((second, task));
     assert_eq!(Arc::strong_count(&held), 1);
 }
 
@@ -430,21 +370,14 @@ fn no_thread_is_left_when_the_last_handle_is_dropped() {
 fn a_job_may_hold_the_last_handle() {
     let pool = Pool::start(|| {}).unwrap();
     let (open, go) = channel::<()>();
-    let mut task = Plain::new(Priority::long(2));
     let own = pool.clone();
-    task.ask(&pool, (), |()| {
-        once(move |_| {
-            go.recv().unwrap();
-            drop(own);
-            1
-        })
-    });
+    let work = move |_: &backlit_cancel::CancelToken| {
+        go.recv().unwrap();
+        drop(own);
+        1
+    };
+    let mut task = doing(&pool, LONG, once(work));
     drop(pool);
     open.send(()).unwrap();
-    let mut news = Vec::new();
-    until(|| {
-        news.extend(task.poll());
-        !task.is_busy()
-    });
-    assert_eq!(news, outputs_and_end(&[1]));
+    assert_eq!(wait(&Pool::inline(), &mut task), outputs_and_end(&[1]));
 }
