@@ -1,26 +1,83 @@
 //! The command line: the commands of `backlit-cli`, and those that show the window.
 //!
-//! | file | holds |
-//! |---|---|
-//! | `command` | the program's arguments and their help |
-//! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
-//! | `screenshot` | `backlit screenshot` |
-//!
 //! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that cannot be understood, 130
 //! stopped by Ctrl+C.
 
-pub(crate) mod command;
-pub(crate) mod inspector;
 pub(crate) mod screenshot;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
-
+use anyhow::anyhow;
 use backlit_cli::interrupt::{self, Interrupted};
 use backlit_cli::output;
+use backlit_formats::images;
+use backlit_take::source::TakeSource;
 use backlit_tracking::processor;
-use command::{Cli, Command, no_such_command};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
+use image::DynamicImage;
+
+use crate::app::window::open_window;
+use crate::app::{Opening, PictureOptions, headless_picture};
+use screenshot::ScreenshotArguments;
+
+const ABOUT: &str =
+    "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
+
+const EXAMPLES: &str = "\
+Examples:
+  backlit                     the window, on the built-in take
+  backlit TAKE                the window, on a take of yours or a .backlit project
+  backlit import my_project --out TAKE
+  backlit track TAKE --out results
+  backlit export results --to bvh,glb --out motion
+  backlit fit TAKE --frame 12
+  backlit experiment fig5.1 --out experiments
+  backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
+  backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --out fitted.json
+
+Lengths are metres and angles radians unless a unit is given. Quaternions are w x y z. Frames count from 0.";
+
+/// The program's arguments.
+#[derive(Debug, Parser)]
+#[command(name = "backlit", version, about = ABOUT, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+struct Cli {
+    /// What to open in the window: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
+    take: Option<PathBuf>,
+    /// Debugging aid: JSON file that the window writes its state to, after each frame in which it changed [default:
+    /// what the environment variable `BACKLIT_STATE` says, or none]
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// What to do; without it the window opens.
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+/// One thing to do.
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Draw the window without a display and write its picture
+    Screenshot(ScreenshotArguments),
+    #[command(flatten)]
+    Work(Box<backlit_cli::Command>),
+}
+
+/// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending
+/// is no word, even where there is nothing.
+fn no_such_command(word: &Path) -> Option<clap::Error> {
+    if word.exists() || word.extension().is_some() || word.components().count() != 1 {
+        return None;
+    }
+    let command = Cli::command();
+    let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    let message = format!(
+        "\"{}\" is neither a command ({}) nor a take; see backlit --help\n",
+        word.display(),
+        names.join(", ")
+    );
+    Some(clap::Error::raw(ErrorKind::InvalidSubcommand, message))
+}
 
 /// Set to 256, fits use vectors of at most 256 bits: results are then the same on all x86 processors.
 const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
@@ -35,7 +92,7 @@ pub fn run() -> ExitCode {
         processor::use_narrow_vectors();
     }
     let result = match &cli.command {
-        None => inspector::run(cli.take.as_deref(), cli.state),
+        None => open(cli.take.as_deref(), cli.state),
         Some(Command::Screenshot(arguments)) => screenshot::run(arguments),
         Some(Command::Work(command)) => command.run(),
     };
@@ -65,4 +122,35 @@ fn usage(error: &clap::Error) -> ExitCode {
     // Nobody is left to hear that the terminal is gone.
     let _ = error.print();
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+}
+
+/// The picture of the window, in the working folder.
+const PICTURE: &str = "backlit-window.png";
+
+/// Names the file that the window writes its state to, where no option does.
+const STATE_VARIABLE: &str = "BACKLIT_STATE";
+
+/// Opens the window, or tracks the take and writes the window's picture if there is none. The window writes its
+/// state to `state_file`.
+///
+/// # Errors
+/// What is not there or cannot be opened, or a picture that cannot be written.
+fn open(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
+    if let Some(path) = path.filter(|path| !path.exists()) {
+        return Err(match no_such_command(path) {
+            Some(error) => error.into(),
+            None => anyhow!("{}: there is no such file or folder", path.display()),
+        });
+    }
+    let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), Opening::of);
+    let state_file = state_file
+        .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
+    let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };
+    output::complain(&format!("No window: {no_window:#}. Going on without one."));
+    backlit_cli::print_robust_track(path)?;
+    let options = PictureOptions { track: true, ..PictureOptions::default() };
+    let (picture, _) = headless_picture(opening(), &options)?;
+    let file = PathBuf::from(PICTURE);
+    images::write_png(&file, &DynamicImage::ImageRgba8(picture))?;
+    output::print(&format!("\nPicture of the window: {}\n", std::path::absolute(&file)?.display()))
 }

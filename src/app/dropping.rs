@@ -8,9 +8,10 @@ use backlit_formats::Footage;
 use backlit_formats::footage::replacement::{masks_of, read_calibration};
 use backlit_formats::pose_file::Quaternions;
 use backlit_formats::{model_file, pose_file};
-use backlit_jobs::{News, once};
+use backlit_jobs::once;
 use backlit_take::dropped::Dropped;
 use backlit_tracking::body::Model;
+use backlit_ui::style::format::file_name;
 
 use super::Inspector;
 use super::files::Files;
@@ -57,25 +58,23 @@ impl Files {
 
     /// What was dropped is read: it becomes a change that can be undone.
     pub(super) fn take_in_dropped(&mut self, inspector: &mut Inspector) {
-        for news in self.dropped.poll() {
-            match news {
-                News::Output(Ok((edit, said))) => {
-                    inspector.interrupt_fit();
-                    let state = &mut inspector.state;
-                    let revision = state.history.revision();
-                    state.edit(edit, None);
-                    let was_refused = |text: &str| text.starts_with("That cannot be done");
-                    if state.history.revision() != revision {
-                        state.notices.info(said, Some(Command::History(HistoryCommand::Undo)));
-                    } else if !state.notices.cards().any(|notice| was_refused(&notice.text)) {
-                        state.notices.info("Nothing changed: that is what is there already.", None);
-                    }
+        for read in inspector.state.notices.outputs("Reading the dropped files", &mut self.dropped) {
+            let (edit, said) = match read {
+                Ok(read) => read,
+                Err(error) => {
+                    inspector.state.notices.error(format!("{error:#}"));
+                    continue;
                 }
-                News::Output(Err(error)) => inspector.state.notices.error(format!("{error:#}")),
-                News::Ended => {}
-                News::Failed(failure) => {
-                    inspector.state.notices.failed("Reading the dropped files", &failure);
-                }
+            };
+            inspector.interrupt_fit();
+            let state = &mut inspector.state;
+            let revision = state.history.revision();
+            state.edit(edit, None);
+            let was_refused = |text: &str| text.starts_with("That cannot be done");
+            if state.history.revision() != revision {
+                state.notices.info(said, Some(Command::History(HistoryCommand::Undo)));
+            } else if !state.notices.cards().any(|notice| was_refused(&notice.text)) {
+                state.notices.info("Nothing changed: that is what is there already.", None);
             }
         }
     }
@@ -83,14 +82,10 @@ impl Files {
 
 /// Reads dropped files: the change of the document, and what is said of it.
 fn read(dropped: &Dropped, footage: &Footage, model: &Model, frame: usize) -> anyhow::Result<(Edit, String)> {
-    let name = |path: &PathBuf| {
-        path.file_name()
-            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
-    };
     Ok(match dropped {
         Dropped::Calibration(path) => {
             let calibration = read_calibration(path, footage.original().full_rig().cameras())?;
-            let said = format!("The {} cameras now come from {}.", calibration.rig.count(), name(path));
+            let said = format!("The {} cameras now come from {}.", calibration.rig.count(), file_name(path));
             (Edit::SetCalibration(Some(Arc::new(calibration))), said)
         }
         Dropped::Masks(paths) => {
@@ -105,12 +100,12 @@ fn read(dropped: &Dropped, footage: &Footage, model: &Model, frame: usize) -> an
         }
         Dropped::Pose(path) => {
             let pose = pose_file::read(path, model, Quaternions::Normalised)?;
-            let said = format!("Frame {frame} now has the pose of {}.", name(path));
+            let said = format!("Frame {frame} now has the pose of {}.", file_name(path));
             (Edit::SetPose { frame, pose, what: "Drop pose".to_owned() }, said)
         }
         Dropped::Body(path) => {
             let model = model_file::read(path)?;
-            let said = format!("The body now has the sizes of {}.", name(path));
+            let said = format!("The body now has the sizes of {}.", file_name(path));
             (Edit::SetBody(Arc::new(model)), said)
         }
         Dropped::New(_) | Dropped::Open(_) | Dropped::Unknown(..) => {

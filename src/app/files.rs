@@ -8,8 +8,9 @@ use backlit_document::edit::Edit;
 use backlit_document::history::Version;
 use backlit_document::project::{ProjectError, write_project};
 use backlit_formats::atomic;
-use backlit_jobs::{News, Task, once};
+use backlit_jobs::{Task, once};
 use backlit_take::source::TakeSource;
+use backlit_ui::style::format;
 
 use super::Inspector;
 use super::open_job::{Opened, Opening};
@@ -149,56 +150,50 @@ impl Files {
     }
 
     fn take_in_opened(&mut self, inspector: &mut Inspector) {
-        for news in self.open.poll() {
-            match news {
-                News::Output(Opened::Take(footage, source, project)) => {
+        for opened in inspector.state.notices.outputs("Opening the take", &mut self.open) {
+            match opened {
+                Opened::Take(footage, source, project) => {
                     self.dropped.forget();
                     inspector.take_opened(&footage, source, project);
                 }
-                News::Output(Opened::TakeMissing { project, why }) => {
+                Opened::TakeMissing { project, why } => {
                     let said = format!("{why}. If it has moved, say where it is now.");
                     inspector.state.notices.error_with(said, Command::File(FileCommand::FindTake));
                     inspector.state.lost_take = Some(project);
                 }
-                News::Output(Opened::Nothing(why)) => inspector.state.notices.error(why),
-                News::Ended => {}
-                News::Failed(failure) => inspector.state.notices.failed("Opening the take", &failure),
+                Opened::Nothing(why) => inspector.state.notices.error(why),
             }
         }
         inspector.state.is_opening = self.open.is_busy();
     }
 
     fn take_in_written(&mut self, state: &mut State) {
-        for news in self.save.poll() {
+        for saved in state.notices.outputs("Writing a file", &mut self.save) {
             let path = self.save.inputs().cloned().unwrap_or_default();
-            match news {
-                News::Output(Ok(version)) => {
-                    state.notices.info(format!("Saved to {}.", file_name(&path)), None);
+            match saved {
+                Ok(version) => {
+                    state.notices.info(format!("Saved to {}.", format::file_name(&path)), None);
                     state.history.mark_saved(version);
                     state.preferences.remember(path.clone());
                     state.project = Some(path);
                 }
-                News::Output(Err(error)) => {
+                Err(error) => {
                     let said = format!(
                         "Not saved: {error}. Your work is still here, and the file is as it was. {}",
                         write_advice(&error)
                     );
                     state.notices.error_with(said, Command::File(FileCommand::SaveAs));
                 }
-                News::Ended => {}
-                News::Failed(failure) => state.notices.failed("Writing a file", &failure),
             }
         }
         for task in &mut self.writes {
-            for news in task.poll() {
-                match news {
-                    News::Output(Ok(())) => {
-                        let name = task.inputs().map_or_else(String::new, |path| file_name(path));
+            for written in state.notices.outputs("Writing a file", task) {
+                match written {
+                    Ok(()) => {
+                        let name = task.inputs().map_or_else(String::new, |path| format::file_name(path));
                         state.notices.info(format!("Wrote {name}."), None);
                     }
-                    News::Output(Err(said)) => state.notices.error(said.to_string()),
-                    News::Ended => {}
-                    News::Failed(failure) => state.notices.failed("Writing a file", &failure),
+                    Err(said) => state.notices.error(said.to_string()),
                 }
             }
         }
@@ -211,10 +206,6 @@ impl Inspector {
     pub fn new_take(&mut self, paths: Vec<PathBuf>) {
         self.ask(|features, context, requests| features.new_take.open(paths, context, requests));
     }
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 impl Opening {

@@ -9,6 +9,7 @@ use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use backlit_tracking::track::WhenToSearch;
+use backlit_ui::style::format::capitalised;
 
 use super::Inspector;
 use crate::app::open_job::OpenedProject;
@@ -88,18 +89,11 @@ fn remark_on(footage: &Footage, notices: &mut Notices) {
     let left_out = notes.len().saturating_sub(MOST_NOTES);
     let shown = notes.into_iter().take(MOST_NOTES);
     for remark in take.outside().map(ToString::to_string).into_iter().chain(shown) {
-        notices.info(sentence(&remark), None);
+        notices.info(format!("{}.", capitalised(&remark)), None);
     }
     if left_out > 0 {
         notices.info(format!("The take has {left_out} more such notes: backlit track says them all."), None);
     }
-}
-
-/// With a capital letter and a full stop.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}.", letters.as_str())
 }
 
 /// A new document about a take.
@@ -118,7 +112,8 @@ fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
-        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues: cues_of(which), ..tracking };
+        let cues = if which == Demonstration::Cues { CueChoice::Keypoints } else { CueChoice::None };
+        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues, ..tracking };
         if which.begins_posed() {
             let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
             document.keys = Arc::new(truths.collect());
@@ -127,9 +122,4 @@ fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
     }
     document.cameras = Arc::new(cameras);
     document
-}
-
-/// What pulls at limbs that silhouettes do not hold, in a demonstration.
-fn cues_of(which: Demonstration) -> CueChoice {
-    if which == Demonstration::Cues { CueChoice::Keypoints } else { CueChoice::None }
 }

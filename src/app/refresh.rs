@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_formats::Footage;
 use backlit_formats::footage::MadeWith;
 use backlit_formats::footage::replacement::{Calibration, PlateFiles};
-use backlit_jobs::{News, Task, once};
+use backlit_jobs::{Task, once};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
@@ -29,41 +29,22 @@ pub(crate) struct Refresh {
 impl Inspector {
     /// Takes in what was made for the screen.
     pub(crate) fn take_in_refreshed(&mut self) {
-        let (session, notices) = (&mut self.state.session, &mut self.state.notices);
-        for news in self.refresh.frame.poll() {
-            match news {
-                News::Output(frame) => session.keep_frame(frame),
-                News::Ended => {}
-                News::Failed(failure) => notices.failed("Reading the frame", &failure),
-            }
+        let (refresh, session, notices) =
+            (&mut self.refresh, &mut self.state.session, &mut self.state.notices);
+        for frame in notices.outputs("Reading the frame", &mut refresh.frame) {
+            session.keep_frame(frame);
         }
-        for news in self.refresh.prediction.poll() {
-            match news {
-                News::Output(predicted) => {
-                    session.predict_seconds = Some(predicted.seconds);
-                    session.predicted = Some(predicted);
-                    session.generation += 1;
-                }
-                News::Ended => {}
-                News::Failed(failure) => notices.failed("Drawing the silhouettes of the pose", &failure),
-            }
+        for predicted in notices.outputs("Drawing the silhouettes of the pose", &mut refresh.prediction) {
+            session.predict_seconds = Some(predicted.seconds);
+            session.predicted = Some(predicted);
+            session.generation += 1;
         }
-        for news in self.refresh.survey.poll() {
-            match news {
-                News::Output(extents) => session.subject = extents,
-                News::Ended => {}
-                News::Failed(failure) => notices.failed("Looking through the whole take", &failure),
-            }
+        for extents in notices.outputs("Looking through the whole take", &mut refresh.survey) {
+            session.subject = extents;
         }
-        for news in self.refresh.replaced.poll() {
-            match news {
-                News::Output(footage) => self.replaced(footage),
-                News::Ended => {}
-                News::Failed(failure) => {
-                    let doing = "Reading the footage with the new cameras or plates";
-                    self.state.notices.failed(doing, &failure);
-                }
-            }
+        let doing = "Reading the footage with the new cameras or plates";
+        for footage in notices.outputs(doing, &mut refresh.replaced) {
+            self.replaced(footage);
         }
     }
 

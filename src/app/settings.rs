@@ -15,68 +15,73 @@ use crate::features::export::ExportChoices;
 use crate::features::motions::MotionsPreferences;
 use crate::features::scene::ScenePreferences;
 
-/// All that is kept. It is in the settings file as it is here.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Settings {
-    /// Dark or light.
-    pub theme: Theme,
-    /// What it is arranged for.
-    pub layout: Layout,
-    /// Whether the right panel is there.
-    pub panel: bool,
-    /// Whether the timeline has its lanes.
-    pub lanes: bool,
-    /// Whether zoom and pan go together in all views.
-    pub linked_zoom: bool,
-    /// How all camera views look.
-    pub views: ViewSettings,
-    /// Megabytes that frames which were read may take.
-    pub frames_mb: usize,
-    /// Takes that were opened last, the newest first.
-    pub recent: Vec<PathBuf>,
-    /// What the 3-D scene shows.
-    pub scene: ScenePreferences,
-    /// How the user has arranged the tiles.
-    pub kept: Kept,
-    /// What was chosen for the last export.
-    pub export: ExportChoices,
-    /// What the convergence plot shows.
-    pub curves: ConvergencePreferences,
-    /// What is chosen for the basin, and how it is shown.
-    pub basin: BasinPreferences,
-    /// How motions are named, and how that is shown.
-    pub motions: MotionsPreferences,
-    /// Names of the commands that were chosen last in the palette, the newest first.
-    pub used_commands: Vec<String>,
-    /// Whether the tour was offered.
-    pub tour_offered: bool,
-    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
-    pub generation: u32,
+macro_rules! settings {
+    ($($(#[$doc:meta])* $field:ident: $kind:ty = $first:expr, $($place:ident).+;)*) => {
+        /// All that is kept. It is in the settings file as it is here.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(default)]
+        pub struct Settings {
+            $($(#[$doc])* pub $field: $kind),*
+        }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self { $($field: $first),* }
+            }
+        }
+
+        impl Inspector {
+            /// What is kept for the next start.
+            pub fn settings(&self) -> Settings {
+                Settings { $($field: self.$($place).+.clone()),* }
+            }
+
+            /// Hands what was kept to those who use it.
+            pub(crate) fn apply_settings(&mut self, settings: Settings) {
+                $(self.$($place).+ = settings.$field;)*
+                let frames_mb = &mut self.state.preferences.frames_mb;
+                *frames_mb = (*frames_mb).clamp(*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end());
+            }
+        }
+    };
 }
 
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            theme: Theme::Dark,
-            layout: Layout::Pose,
-            panel: true,
-            lanes: true,
-            linked_zoom: false,
-            views: ViewSettings::default(),
-            frames_mb: FRAMES_MB,
-            recent: Vec::new(),
-            scene: ScenePreferences::default(),
-            kept: Kept::default(),
-            export: ExportChoices::default(),
-            curves: ConvergencePreferences::default(),
-            basin: BasinPreferences::default(),
-            motions: MotionsPreferences::default(),
-            used_commands: Vec::new(),
-            tour_offered: false,
-            generation: 0,
-        }
-    }
+// What each setting is, its type, what it is at first, and where it lives in the inspector.
+settings! {
+    /// Dark or light.
+    theme: Theme = Theme::Dark, state.preferences.theme;
+    /// What it is arranged for.
+    layout: Layout = Layout::Pose, state.preferences.layout;
+    /// Whether the right panel is there.
+    panel: bool = true, state.preferences.panel;
+    /// Whether the timeline has its lanes.
+    lanes: bool = true, features.timeline.shows_lanes;
+    /// Whether zoom and pan go together in all views.
+    linked_zoom: bool = false, features.camera_views.preferences.linked_zoom;
+    /// How all camera views look.
+    views: ViewSettings = ViewSettings::default(), features.camera_views.preferences.settings;
+    /// Megabytes that frames which were read may take.
+    frames_mb: usize = FRAMES_MB, state.preferences.frames_mb;
+    /// Takes that were opened last, the newest first.
+    recent: Vec<PathBuf> = Vec::new(), state.preferences.recent;
+    /// What the 3-D scene shows.
+    scene: ScenePreferences = ScenePreferences::default(), features.scene.preferences;
+    /// How the user has arranged the tiles.
+    kept: Kept = Kept::default(), state.preferences.kept;
+    /// What was chosen for the last export.
+    export: ExportChoices = ExportChoices::default(), features.export.preferences;
+    /// What the convergence plot shows.
+    curves: ConvergencePreferences = ConvergencePreferences::default(), features.convergence.preferences;
+    /// What is chosen for the basin, and how it is shown.
+    basin: BasinPreferences = BasinPreferences::default(), features.basin.preferences;
+    /// How motions are named, and how that is shown.
+    motions: MotionsPreferences = MotionsPreferences::default(), features.motions.preferences;
+    /// Names of the commands that were chosen last in the palette, the newest first.
+    used_commands: Vec<String> = Vec::new(), state.preferences.used_commands;
+    /// Whether the tour was offered.
+    tour_offered: bool = false, features.tour.was_offered;
+    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
+    generation: u32 = 0, state.preferences.generation;
 }
 
 impl Settings {
@@ -102,45 +107,6 @@ impl Settings {
             ..self
         }
     }
-}
-
-/// Where each field of the settings lives in the inspector.
-macro_rules! kept {
-    ($($field:ident: $($place:ident).+),* $(,)?) => {
-        impl Inspector {
-            /// What is kept for the next start.
-            pub fn settings(&self) -> Settings {
-                Settings { $($field: self.$($place).+.clone()),* }
-            }
-
-            /// Hands what was kept to those who use it.
-            pub(crate) fn apply_settings(&mut self, settings: Settings) {
-                $(self.$($place).+ = settings.$field;)*
-                let frames_mb = &mut self.state.preferences.frames_mb;
-                *frames_mb = (*frames_mb).clamp(*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end());
-            }
-        }
-    };
-}
-
-kept! {
-    theme: state.preferences.theme,
-    layout: state.preferences.layout,
-    panel: state.preferences.panel,
-    lanes: features.timeline.shows_lanes,
-    linked_zoom: features.camera_views.preferences.linked_zoom,
-    views: features.camera_views.preferences.settings,
-    frames_mb: state.preferences.frames_mb,
-    recent: state.preferences.recent,
-    scene: features.scene.preferences,
-    kept: state.preferences.kept,
-    export: features.export.preferences,
-    curves: features.convergence.preferences,
-    basin: features.basin.preferences,
-    motions: features.motions.preferences,
-    used_commands: state.preferences.used_commands,
-    tour_offered: features.tour.was_offered,
-    generation: state.preferences.generation,
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use backlit_formats::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
-use backlit_jobs::{News, Pool, Task, once};
+use backlit_jobs::{Pool, Task, once};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -116,19 +116,15 @@ impl SettingsWriter {
 
     /// Hears whether the settings were written. A failure is said once, until it works again.
     pub(crate) fn take_in(&mut self, notices: &mut Notices) {
-        for news in self.task.poll() {
-            match news {
-                News::Output(Ok(())) => self.failed = false,
-                News::Output(Err(why)) => {
-                    if !std::mem::replace(&mut self.failed, true) {
-                        let advice = write_advice(&why);
-                        notices.error(format!(
-                            "The window’s settings were not saved for the next start: {why}. {advice}"
-                        ));
-                    }
-                }
-                News::Ended => {}
-                News::Failed(failure) => notices.failed("Keeping the settings", &failure),
+        for written in notices.outputs("Keeping the settings", &mut self.task) {
+            let had_failed = std::mem::replace(&mut self.failed, written.is_err());
+            if let Err(why) = written
+                && !had_failed
+            {
+                let advice = write_advice(&why);
+                notices.error(format!(
+                    "The window’s settings were not saved for the next start: {why}. {advice}"
+                ));
             }
         }
     }

@@ -1,7 +1,6 @@
 //! `backlit screenshot`: pictures of the window or of one camera's view, without a display; a series of them too.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use anyhow::Context;
 use backlit_cli::output;
@@ -10,15 +9,15 @@ use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::ViewMode;
 use backlit_ui::style::theme::Theme;
-use clap::{Args, ValueEnum};
-use egui::Vec2;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use egui::{Vec2, vec2};
 use image::DynamicImage;
 
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture};
 use crate::context::preferences::Layout;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
-use crate::features::export::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
-use crate::features::export::{ExportOrder, Subject};
+use crate::features::export::{ExportArea, ExportChoices, ExportOrder, SeriesFormat, Subject};
 
 /// Sides of a picture, pixels.
 const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;
@@ -38,19 +37,19 @@ pub(crate) struct ScreenshotArguments {
     #[arg(long, value_enum, value_name = "NAME", conflicts_with = "take")]
     demonstration: Option<Demonstration>,
     /// Colours
-    #[arg(long, value_enum, default_value_t = ThemeWord::Dark)]
-    theme: ThemeWord,
+    #[arg(long, value_parser = one_of(&THEMES), default_value = "dark")]
+    theme: Theme,
     /// Size of the window, pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x1000")]
-    size: WindowSize,
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = window_size, default_value = "1600x1000")]
+    size: Vec2,
     /// What the window is arranged for [default: pose, or as the demonstration opens]
-    #[arg(long, value_enum)]
-    layout: Option<LayoutWord>,
+    #[arg(long, value_parser = one_of(&LAYOUTS))]
+    layout: Option<Layout>,
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
     /// Iterations of the fit to do on this frame, or the word end [default: 0; of a sequence of iterations: end]
-    #[arg(long, value_name = "I", allow_negative_numbers = true)]
+    #[arg(long, value_name = "I", value_parser = iterations, allow_negative_numbers = true)]
     iteration: Option<Iterations>,
     /// Track the whole take first, so that the timeline shows it
     #[arg(long)]
@@ -62,8 +61,8 @@ pub(crate) struct ScreenshotArguments {
     #[arg(long, value_name = "N")]
     camera: Option<usize>,
     /// What the views show
-    #[arg(long, value_enum)]
-    mode: Option<ModeWord>,
+    #[arg(long, value_parser = one_of(&MODES))]
+    mode: Option<ViewMode>,
     /// Width of a camera's picture, pixels; instead of --scale
     #[arg(long, value_name = "PIXELS", requires = "camera", conflicts_with = "scale")]
     width: Option<u32>,
@@ -77,11 +76,11 @@ pub(crate) struct ScreenshotArguments {
     #[arg(long, requires = "camera")]
     no_legend: bool,
     /// Many pictures: every iteration of the fit, or every frame
-    #[arg(long, value_enum)]
-    sequence: Option<SequenceWord>,
+    #[arg(long, value_parser = one_of(&SEQUENCES))]
+    sequence: Option<Subject>,
     /// Frames of a sequence of frames, first and last [default: all]
-    #[arg(long, value_name = "FIRST..LAST", requires = "sequence")]
-    frames: Option<FrameArgument>,
+    #[arg(long, value_name = "FIRST..LAST", value_parser = frame_range, requires = "sequence")]
+    frames: Option<[usize; 2]>,
     /// Time that each picture of an animated file stays, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 120, requires = "sequence")]
     delay: u32,
@@ -96,102 +95,57 @@ pub(crate) struct ScreenshotArguments {
     out: PathBuf,
 }
 
-/// What many pictures are of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SequenceWord {
-    Iterations,
-    Frames,
-}
+/// Words of an option, each with what it means.
+type Words<T, const N: usize> = [(&'static str, T); N];
 
-/// What a view shows.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ModeWord {
-    Footage,
-    Data,
-    Prediction,
-    Report,
-    Tinted,
-    Residual,
-    Owner,
-    Gradient,
-    Jacobian,
-}
+const THEMES: Words<Theme, 2> = [("dark", Theme::Dark), ("light", Theme::Light)];
+const LAYOUTS: Words<Layout, 3> =
+    [("pose", Layout::Pose), ("debug", Layout::Debug), ("demonstrate", Layout::Demonstrate)];
+const SEQUENCES: Words<Subject, 2> = [("iterations", Subject::Steps), ("frames", Subject::Frames)];
+const MODES: Words<ViewMode, 9> = [
+    ("footage", ViewMode::Footage),
+    ("data", ViewMode::Data),
+    ("prediction", ViewMode::Prediction),
+    ("report", ViewMode::ReportOverlay),
+    ("tinted", ViewMode::Tinted),
+    ("residual", ViewMode::Residual),
+    ("owner", ViewMode::OwnerLimb),
+    ("gradient", ViewMode::Gradient),
+    ("jacobian", ViewMode::JacobianColumn),
+];
 
-impl ModeWord {
-    const fn mode(self) -> ViewMode {
-        match self {
-            Self::Footage => ViewMode::Footage,
-            Self::Data => ViewMode::Data,
-            Self::Prediction => ViewMode::Prediction,
-            Self::Report => ViewMode::ReportOverlay,
-            Self::Tinted => ViewMode::Tinted,
-            Self::Residual => ViewMode::Residual,
-            Self::Owner => ViewMode::OwnerLimb,
-            Self::Gradient => ViewMode::Gradient,
-            Self::Jacobian => ViewMode::JacobianColumn,
-        }
-    }
+/// Reads one of some words.
+fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    words: &'static Words<T, N>,
+) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(words.map(|(word, _)| word));
+    names.try_map(|said| {
+        words.iter().find(|(word, _)| *word == said).map(|(_, meant)| *meant).ok_or("expected another word")
+    })
 }
 
 /// First and last frame.
-#[derive(Debug, Clone, Copy)]
-struct FrameArgument([usize; 2]);
-
-impl FromStr for FrameArgument {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let ends = text.split_once("..").and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-        ends.filter(|[first, last]| first <= last).map(Self).ok_or("expected FIRST..LAST, as in 0..59")
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ThemeWord {
-    Dark,
-    Light,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum LayoutWord {
-    Pose,
-    Debug,
-    Demonstrate,
+fn frame_range(text: &str) -> Result<[usize; 2], &'static str> {
+    let ends = text.split_once("..").and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    ends.filter(|[first, last]| first <= last).ok_or("expected FIRST..LAST, as in 0..59")
 }
 
 /// Pixels across and down.
-#[derive(Debug, Clone, Copy)]
-struct WindowSize {
-    width: u16,
-    height: u16,
-}
-
-impl FromStr for WindowSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side));
-        let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-        let (width, height) = sides.ok_or_else(|| {
-            format!("expected WIDTHxHEIGHT, {} to {} pixels each", SIDES.start(), SIDES.end())
-        })?;
-        Ok(Self { width, height })
-    }
+fn window_size(text: &str) -> Result<Vec2, String> {
+    let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side)).map(f32::from);
+    let sides = text.split_once('x').and_then(|(width, height)| Some(vec2(side(width)?, side(height)?)));
+    sides.ok_or_else(|| format!("expected WIDTHxHEIGHT, {} to {} pixels each", SIDES.start(), SIDES.end()))
 }
 
 /// How many iterations; `None` for all.
 #[derive(Debug, Clone, Copy)]
 struct Iterations(Option<usize>);
 
-impl FromStr for Iterations {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        if text == "end" {
-            return Ok(Self(None));
-        }
-        text.parse().ok().map(|count| Self(Some(count))).ok_or("expected a number, or end")
+fn iterations(text: &str) -> Result<Iterations, &'static str> {
+    if text == "end" {
+        return Ok(Iterations(None));
     }
+    text.parse().ok().map(|count| Iterations(Some(count))).ok_or("expected a number, or end")
 }
 
 /// Draws the window, or a part of it, and writes the picture or the pictures.
@@ -203,18 +157,11 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
     let order = order(arguments)?;
     let source = arguments.demonstration.map_or(TakeSource::BuiltIn, TakeSource::Demonstration);
     let opening = arguments.take.as_deref().map_or(Opening::Take(source), Opening::of);
-    let is_of_steps = arguments.sequence == Some(SequenceWord::Iterations);
+    let is_of_steps = arguments.sequence == Some(Subject::Steps);
     let options = PictureOptions {
-        theme: match arguments.theme {
-            ThemeWord::Dark => Theme::Dark,
-            ThemeWord::Light => Theme::Light,
-        },
-        layout: arguments.layout.map(|layout| match layout {
-            LayoutWord::Pose => Layout::Pose,
-            LayoutWord::Debug => Layout::Debug,
-            LayoutWord::Demonstrate => Layout::Demonstrate,
-        }),
-        size: Vec2::new(f32::from(arguments.size.width), f32::from(arguments.size.height)),
+        theme: arguments.theme,
+        layout: arguments.layout,
+        size: arguments.size,
         frame: arguments.frame,
         steps: arguments.iteration.map_or(if is_of_steps { None } else { Some(0) }, |count| count.0),
         track: arguments.track,
@@ -230,7 +177,7 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         Some(0) => anyhow::bail!("--camera is 0; cameras are counted from 1, as on their badges"),
         camera => camera.map(|camera| camera - 1),
     };
-    let faults = headless_export(opening, &options, camera, arguments.mode.map(ModeWord::mode), &order)?;
+    let faults = headless_export(opening, &options, camera, arguments.mode, &order)?;
     whole(&arguments.out, &faults)
 }
 
@@ -264,10 +211,8 @@ fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
         DELAYS_MS.end()
     );
     if let Some(width) = arguments.width {
-        anyhow::ensure!(
-            (16..=MAX_SIDE).contains(&width),
-            "--width is {width}; expected 16 to {MAX_SIDE} pixels"
-        );
+        let is_right = (16..=MAX_SIDE).contains(&width);
+        anyhow::ensure!(is_right, "--width is {width}; expected 16 to {MAX_SIDE} pixels");
     }
     let out = &arguments.out;
     let format = match arguments.sequence {
@@ -277,7 +222,7 @@ fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
         })?,
     };
     anyhow::ensure!(
-        arguments.frames.is_none() || arguments.sequence == Some(SequenceWord::Frames),
+        arguments.frames.is_none() || arguments.sequence == Some(Subject::Frames),
         "--frames goes with --sequence frames"
     );
     let choices = ExportChoices {
@@ -292,15 +237,9 @@ fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
         delay_ms: arguments.delay,
         repeats: !arguments.once,
         accepted_only: arguments.accepted_only,
-        motion: MotionChoices::default(),
-        folder: None,
+        ..ExportChoices::default()
     };
-    let subject = match arguments.sequence {
-        Some(SequenceWord::Iterations) => Subject::Steps,
-        Some(SequenceWord::Frames) => Subject::Frames,
-        None if is_view => Subject::View,
-        None => Subject::Window,
-    };
-    let frames = arguments.frames.map_or([0, usize::MAX], |range| range.0);
+    let subject = arguments.sequence.unwrap_or(if is_view { Subject::View } else { Subject::Window });
+    let frames = arguments.frames.unwrap_or([0, usize::MAX]);
     Ok(ExportOrder { subject, choices, frames, path: out.clone() })
 }

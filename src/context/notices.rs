@@ -1,6 +1,6 @@
 //! What the program says in passing: the newest few as cards, all of them in *Help › Messages*.
 
-use backlit_jobs::Failure;
+use backlit_jobs::{Failure, Task};
 
 use crate::context::command::Command;
 
@@ -63,9 +63,10 @@ impl Notices {
         self.push(Severity::Error, text.into(), Some(command), None);
     }
 
-    /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
-    pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
-        self.error(format!("{doing} broke down: {failure}. Your work is unharmed."));
+    /// What a task has sent since the last call. That it broke down is said, and what it was `doing`, as the beginning of a
+    /// sentence.
+    pub(crate) fn outputs<I, O, const P: u8>(&mut self, doing: &str, task: &mut Task<I, O, P>) -> Vec<O> {
+        task.outputs(|failure| self.error(broke_down(doing, failure)))
     }
 
     /// The cards on the screen, the newest last.
@@ -133,6 +134,11 @@ impl Notices {
         self.kept.push(Notice { id, severity, text, command, said, expires, is_open: true });
         self.next_id += 1;
     }
+}
+
+/// What is said of a job that broke down, and of what it was doing.
+pub(crate) fn broke_down(doing: &str, failure: &Failure) -> String {
+    format!("{doing} broke down: {failure}. Your work is unharmed.")
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The title in a pane's header with the panes that stand behind it: one row for both, whatever they are.
 
+use backlit_ui::style::format::uncapitalised;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::camera_badge;
@@ -41,7 +42,7 @@ pub(crate) fn behind(ui: &mut Ui, pane: Pane) -> Response {
             button
         }
     };
-    response.on_hover_text(format!("Show {} here", lower_case(&title)))
+    response.on_hover_text(format!("Show {} here", uncapitalised(&title)))
 }
 
 /// How wide that button is.
@@ -54,10 +55,4 @@ pub(crate) fn width_behind(ui: &Ui, pane: Pane) -> f32 {
             galley.size().x + 2.0 * ui.spacing().button_padding.x
         }
     }
-}
-
-/// A title in the middle of a sentence.
-fn lower_case(title: &str) -> String {
-    let mut letters = title.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

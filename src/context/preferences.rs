@@ -43,8 +43,8 @@ const MAX_RECENT: usize = 5;
 pub(crate) const FRAMES_MB: usize = 1024;
 pub(crate) const FRAMES_MB_CHOICES: std::ops::RangeInclusive<usize> = 64..=65_536;
 
-/// The arrangement.
-#[derive(Debug, Clone, PartialEq)]
+/// The arrangement; what it is at first is said by the settings.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Preferences {
     /// Dark or light.
     pub(crate) theme: Theme,
@@ -64,34 +64,15 @@ pub(crate) struct Preferences {
     pub(crate) generation: u32,
 }
 
-impl Default for Preferences {
-    fn default() -> Self {
-        Self {
-            theme: Theme::Dark,
-            layout: Layout::Pose,
-            panel: true,
-            frames_mb: FRAMES_MB,
-            recent: Vec::new(),
-            kept: Kept::default(),
-            used_commands: Vec::new(),
-            generation: 0,
-        }
-    }
-}
-
 impl Preferences {
     /// Puts a take at the head of the recent ones.
     pub(crate) fn remember(&mut self, path: PathBuf) {
-        self.recent.retain(|other| *other != path);
-        self.recent.insert(0, path);
-        self.recent.truncate(MAX_RECENT);
+        put_first(&mut self.recent, path);
     }
 
     /// Puts a command at the head of those that were chosen last.
     pub(crate) fn use_command(&mut self, name: &str) {
-        self.used_commands.retain(|other| other != name);
-        self.used_commands.insert(0, name.to_owned());
-        self.used_commands.truncate(MAX_RECENT);
+        put_first(&mut self.used_commands, name.to_owned());
     }
 
     /// Whether a pane is open in the layout, for a take with this number of cameras.
@@ -101,6 +82,12 @@ impl Preferences {
             None => pane.is_open_at_first(self.layout),
         }
     }
+}
+
+fn put_first<T: PartialEq>(recent: &mut Vec<T>, newest: T) {
+    recent.retain(|other| *other != newest);
+    recent.insert(0, newest);
+    recent.truncate(MAX_RECENT);
 }
 
 #[cfg(test)]

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use backlit_document::edit::Edit;
 use backlit_document::history::Gesture;
 use backlit_document::runs::{RunChange, StepRef};
-use backlit_jobs::{Failure, News, Task};
+use backlit_jobs::{Failure, Task};
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
 
 use crate::context::arrangement::Arrangement;
 use crate::context::command::{Command, FileCommand, Variants};
+use crate::context::notices::broke_down;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
@@ -246,20 +247,12 @@ impl Requests {
     /// What a task has sent since the last call. That it broke down is said, and what it was `doing`, as the beginning of a
     /// sentence.
     pub(crate) fn outputs<I, O, const P: u8>(&mut self, doing: &str, task: &mut Task<I, O, P>) -> Vec<O> {
-        let mut outputs = Vec::new();
-        for news in task.poll() {
-            match news {
-                News::Output(output) => outputs.push(output),
-                News::Ended => {}
-                News::Failed(failure) => self.failed(doing, &failure),
-            }
-        }
-        outputs
+        task.outputs(|failure| self.failed(doing, failure))
     }
 
     /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
     pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
-        self.complain(format!("{doing} broke down: {failure}. Your work is unharmed."));
+        self.complain(broke_down(doing, failure));
     }
 
     /// Has a file written; `make` makes its bytes on the thread that writes.

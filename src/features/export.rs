@@ -1,30 +1,22 @@
 //! Pictures for other people: what of the window is painted, how large, and the files it goes to. Who paints is the app's
 //! business.
-//!
-//! | file | holds |
-//! |---|---|
-//! | this | asked for, begun, stopped, told |
-//! | `choices` | [`ExportChoices`]: what the card and the command line choose, kept from start to start; `ExportOrder` |
-//! | `dialog` | the card on which an export is put together |
-//! | `job` | painting and writing, one picture a step |
-//! | `motion_card` | poses for other programs, BVH, TRC, C3D, glTF and others, and the card on which that is chosen |
-//! | `series` | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
 use std::path::{Path, PathBuf};
 
 use backlit_jobs::{News, Pool, Task};
+use backlit_ui::style::format;
 pub use choices::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
 pub(crate) use choices::{ExportOrder, Painter, PictureOf, Shot, Subject};
 use egui::Ui;
 pub(crate) use job::ExportJob;
-pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
+pub(crate) use series::{ExportError, SeriesWriter};
 
-use self::dialog::{CardAnswer, ExportDialog};
+use self::dialog::ExportDialog;
 use self::job::Exported;
-use self::motion_card::{MotionAnswer, MotionCard};
+use self::motion_card::MotionCard;
 use crate::context::command::{Command, ExportCommand};
 use crate::context::feature::Feature;
-use crate::context::file_dialog::{DialogKind, FileDialogs};
+use crate::context::file_dialog::FileDialogs;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::write_advice::write_advice;
 use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest, priority};
@@ -34,8 +26,6 @@ mod dialog;
 mod job;
 mod motion_card;
 pub(crate) mod series;
-#[cfg(test)]
-mod tests;
 
 /// The feature.
 #[derive(Debug, Default)]
@@ -145,44 +135,30 @@ impl Feature for Export {
     }
 
     fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let (closes, asked) = match &mut self.card {
-            Some(ExportCard::Pictures(dialog)) => {
-                let CardAnswer { closes, asks_for_path, order } = dialog.ui(ui, context);
-                if let Some(order) = order {
-                    self.preferences = order.choices.clone();
-                    self.order = Some(order);
-                    requests.request(DesktopRequest::Export);
-                }
-                let (is_folder, name) = dialog.wanted_name();
-                let wanted = match is_folder {
-                    true => ("Export to folder", DialogKind::Folder),
-                    false => ("Export", DialogKind::NewFile(name, &[])),
-                };
-                (closes, asks_for_path.then_some(wanted))
-            }
-            Some(ExportCard::Motion(card)) => {
-                let MotionAnswer { closes, asks_for_path, written } = card.ui(ui, context, requests);
-                if let Some((choices, path)) = written {
-                    self.folder = path.parent().map(Path::to_owned);
-                    self.preferences.motion = choices;
-                    self.preferences.folder.clone_from(&self.folder);
-                }
-                let wanted = asks_for_path.map(|path| {
-                    ("Export motion", DialogKind::NewFile(name_of(Path::new(&path)), &*motion_card::ENDINGS))
-                });
-                (closes, wanted)
-            }
+        let answer = match &mut self.card {
+            Some(ExportCard::Pictures(dialog)) => dialog.ui(ui, context),
+            Some(ExportCard::Motion(card)) => card.ui(ui, context, requests),
             None => return false,
         };
-        if let Some((title, wanted)) = asked
+        if let Some(order) = answer.order {
+            self.preferences = order.choices.clone();
+            self.order = Some(order);
+            requests.request(DesktopRequest::Export);
+        }
+        if let Some((choices, path)) = answer.written {
+            self.folder = path.parent().map(Path::to_owned);
+            self.preferences.motion = choices;
+            self.preferences.folder.clone_from(&self.folder);
+        }
+        if let Some((title, wanted)) = answer.asks
             && let Err(why) = self.dialogs.ask(context.egui, (), title, wanted)
         {
             requests.complain(why.to_string());
         }
-        if closes {
+        if answer.closes {
             self.card = None;
         }
-        !closes
+        !answer.closes
     }
 }
 
@@ -217,7 +193,7 @@ impl Export {
 
     fn ended(&mut self, requests: &mut Requests) {
         let Some(ExportProgress { path, done, total, outcome }) = self.running.take() else { return };
-        let (name, is_folder) = (name_of(&path), path.is_dir());
+        let (name, is_folder) = (format::file_name(&path), path.is_dir());
         self.folder = if is_folder { Some(path) } else { path.parent().map(Path::to_owned) };
         let pictures =
             |count: usize| if count == 1 { "1 picture".to_owned() } else { format!("{count} pictures") };
@@ -242,7 +218,38 @@ impl Export {
     }
 }
 
-/// The last part of a path.
-fn name_of(path: &Path) -> String {
-    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+#[cfg(test)]
+mod tests {
+    use backlit_document::edit::Edit;
+
+    use super::*;
+    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::context::preferences::Layout;
+
+    #[test]
+    fn there_is_no_motion_before_a_frame_has_a_pose() {
+        let (_window, mut app) = open(Layout::Pose);
+        let command = Command::Export(ExportCommand::Motion);
+        assert!(
+            app.inspector
+                .features
+                .unavailable(command, &app.inspector.context())
+                .is_some_and(|why| why.contains("No frame has a pose"))
+        );
+        app.inspector.state.edit(Edit::SetKey { frame: 0 }, None);
+        assert_eq!(app.inspector.features.unavailable(command, &app.inspector.context()), None);
+    }
+
+    #[test]
+    fn an_export_that_breaks_down_is_said_once_and_is_over() {
+        let (mut window, mut app) = open(Layout::Pose);
+        let pool = app.inspector.state.pool.clone();
+        let export = &mut app.inspector.features.export;
+        export.running =
+            Some(ExportProgress { path: "a.png".into(), done: 0, total: 1, outcome: Exported::Stopped });
+        export.task.begin(&pool, (), |()| Breaks);
+        settle(&mut window, &mut app);
+        assert_eq!(app.inspector.features.export.progress(), None);
+        assert_eq!(errors(&app), ["The export broke down: thirteen. Your work is unharmed."]);
+    }
 }

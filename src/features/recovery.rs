@@ -1,17 +1,8 @@
 //! Copies of unsaved work, for the next start.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `copies` | [`Copies`]: the files, who may write which, and which are offered |
-//! | `left` | `Left`: a copy that a window has left, in words; the note and the picture beside it |
-//! | `update` | the copy written after every change; what the user decides about what was left |
-//! | `panel` | a card for each of what was left |
 
 mod copies;
 mod left;
 mod panel;
-#[cfg(test)]
-mod tests;
 mod update;
 
 pub use copies::Copies;
@@ -72,5 +63,21 @@ impl Recovery {
     /// Whether there is any that the user has not put off.
     pub(crate) const fn is_offered(&self) -> bool {
         !self.offered.is_empty() && !self.is_put_off
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::context::preferences::Layout;
+
+    #[test]
+    fn a_copy_that_breaks_down_is_said_once() {
+        let (mut window, mut app) = open(Layout::Pose);
+        let pool = app.inspector.state.pool.clone();
+        app.inspector.features.recovery.task.begin(&pool, Version::NONE, |_| Breaks);
+        settle(&mut window, &mut app);
+        assert_eq!(errors(&app), ["Writing a file broke down: thirteen. Your work is unharmed."]);
     }
 }

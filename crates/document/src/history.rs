@@ -268,10 +268,15 @@ mod tests {
     use super::*;
     use crate::run::RunEnding;
 
-    fn moved(document: &Document, x: f64) -> Edit {
-        let mut pose = document.pose_at(0).clone();
+    fn empty() -> History {
+        History::new(Document::new(builtin::single_limb()))
+    }
+
+    fn go_to(history: &mut History, x: f64, gesture: Option<u64>) {
+        let mut pose = history.document().pose_at(0).clone();
         pose.root = DVec3::new(x, 0.0, 0.0);
-        Edit::SetPose { frame: 0, pose, what: "Move body".to_owned() }
+        let edit = Edit::SetPose { frame: 0, pose, what: "Move body".to_owned() };
+        history.apply(edit, gesture.map(Gesture)).unwrap();
     }
 
     fn root_x(history: &History) -> f64 {
@@ -280,13 +285,11 @@ mod tests {
 
     #[test]
     fn a_drag_is_one_entry() {
-        let mut history = History::new(Document::new(builtin::single_limb()));
+        let mut history = empty();
         for step in 1..=5 {
-            let edit = moved(history.document(), f64::from(step));
-            history.apply(edit, Some(Gesture(7))).unwrap();
+            go_to(&mut history, f64::from(step), Some(7));
         }
-        let edit = moved(history.document(), 9.0);
-        history.apply(edit, Some(Gesture(8))).unwrap();
+        go_to(&mut history, 9.0, Some(8));
         assert_eq!(history.undo(), Some(Undone::Edit("Move body".to_owned())));
         assert_eq!(root_x(&history), 5.0);
         history.undo();
@@ -300,10 +303,9 @@ mod tests {
 
     #[test]
     fn the_saved_mark_follows_undo_and_redo() {
-        let mut history = History::new(Document::new(builtin::single_limb()));
+        let mut history = empty();
         assert!(!history.is_dirty());
-        let edit = moved(history.document(), 1.0);
-        history.apply(edit, None).unwrap();
+        go_to(&mut history, 1.0, None);
         assert!(history.is_dirty());
         history.mark_saved(history.version());
         history.undo();
@@ -319,16 +321,15 @@ mod tests {
 
     #[test]
     fn a_drag_that_is_cancelled_leaves_nothing() {
-        let mut history = History::new(Document::new(builtin::single_limb()));
-        let edit = moved(history.document(), 1.0);
-        history.apply(edit, Some(Gesture(1))).unwrap();
+        let mut history = empty();
+        go_to(&mut history, 1.0, Some(1));
         assert!(history.cancel(Gesture(1)) && !history.cancel(Gesture(1)));
         assert_eq!((root_x(&history), history.undo_text(), history.is_dirty()), (0.0, None, false));
     }
 
     #[test]
     fn what_changes_nothing_is_no_entry() {
-        let mut history = History::new(Document::new(builtin::single_limb()));
+        let mut history = empty();
         history.apply(Edit::Pin { limb: 0, pinned: false }, None).unwrap();
         assert_eq!(history.undo_text(), None);
         assert!(history.apply(Edit::Pin { limb: 5, pinned: true }, None).is_err());
@@ -336,7 +337,7 @@ mod tests {
     }
 
     fn with_runs(numbers: std::ops::RangeInclusive<usize>) -> History {
-        let mut history = History::new(Document::new(builtin::single_limb()));
+        let mut history = empty();
         for number in numbers {
             assert_eq!(history.runs().next_number(), number);
             let run = Run { number, is_shown: true, ..Run::default() };
@@ -353,13 +354,11 @@ mod tests {
     fn removed_runs_come_back_in_their_turn_and_are_no_change_of_the_document() {
         let mut history = with_runs(1..=3);
         assert!(!history.can_undo(), "to begin a run is no entry");
-        let edit = moved(history.document(), 1.0);
-        history.apply(edit, Some(Gesture(7))).unwrap();
+        go_to(&mut history, 1.0, Some(7));
         let revision = history.revision();
         history.change_runs(RunChange::Remove(2));
         assert_eq!((history.revision(), history.undo_text()), (revision, Some("Move body")));
-        let edit = moved(history.document(), 2.0);
-        history.apply(edit, Some(Gesture(7))).unwrap();
+        go_to(&mut history, 2.0, Some(7));
         history.change_runs(RunChange::Clear);
         assert_eq!(numbers(&history), [0; 0]);
         assert_eq!((history.undo(), numbers(&history)), (Some(Undone::RemovedRuns), vec![1, 3]));
@@ -373,8 +372,7 @@ mod tests {
     fn the_newest_removal_comes_back_past_later_edits_and_beside_later_runs() {
         let mut history = with_runs(1..=2);
         history.change_runs(RunChange::Clear);
-        let edit = moved(history.document(), 1.0);
-        history.apply(edit, None).unwrap();
+        go_to(&mut history, 1.0, None);
         let run = Run { number: history.runs().next_number(), ..Run::default() };
         history.change_runs(RunChange::Begin(Box::new(run)));
         assert!(history.has_removed_runs() && !history.undo_brings_runs_back());

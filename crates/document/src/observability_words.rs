@@ -2,6 +2,7 @@
 //! cameras are counted from one.
 
 use backlit_tracking::observability::{Cause, Direction, Observability, Share, Visibility};
+use backlit_words::format::capitalised;
 
 /// A part of the motion below this share is not spoken of.
 const WORTH_SAYING: f64 = 0.15;
@@ -161,11 +162,6 @@ fn names(cameras: &[usize]) -> String {
         Some((one, [])) => format!("camera {one}"),
         Some((last, before)) => format!("cameras {} and {last}", before.join(", ")),
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Shares with the same cause together, the largest first; of each the limbs that are worth naming.

@@ -14,20 +14,13 @@ use crate::runs::{StepRef, is_same};
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.
 pub fn name_runs(runs: &mut [Run]) {
-    let mut names: Vec<String> = Vec::with_capacity(runs.len());
-    for (run, plain) in runs.iter().zip(plain_names(runs)) {
-        let name = if run.is_named { plain } else { counted(plain, &names) };
-        names.push(name);
-    }
-    for (run, name) in runs.iter_mut().zip(names) {
-        run.name = name;
-    }
+    let names = count_twins(plain_names(runs), |index| runs[index].is_named);
+    runs.iter_mut().zip(names).for_each(|(run, name)| run.name = name);
 }
 
 /// The same names before runs that differ in nothing are counted.
 pub fn plain_names(runs: &[Run]) -> Vec<String> {
-    let starts = start_numbers(runs);
-    let facets: Vec<Facets> = runs.iter().zip(&starts).map(|(run, &start)| Facets::of(run, start)).collect();
+    let facets: Vec<Facets> = runs.iter().zip(start_numbers(runs)).map(Facets::of).collect();
     let name = |index: usize| {
         if runs[index].is_named {
             return runs[index].name.clone();
@@ -39,12 +32,11 @@ pub fn plain_names(runs: &[Run]) -> Vec<String> {
     (0..runs.len()).map(name).collect()
 }
 
-/// The names with those counted that stand there before: "Robust", "Robust (2)".
-pub fn count_twins(plain: Vec<String>) -> Vec<String> {
+/// The names with those counted that stand there before, unless they were given: "Robust", "Robust (2)".
+pub fn count_twins(plain: Vec<String>, is_given: impl Fn(usize) -> bool) -> Vec<String> {
     let mut names: Vec<String> = Vec::with_capacity(plain.len());
-    for name in plain {
-        let name = counted(name, &names);
-        names.push(name);
+    for (index, name) in plain.into_iter().enumerate() {
+        names.push(if is_given(index) { name } else { counted(name, &names) });
     }
     names
 }
@@ -79,70 +71,55 @@ fn start_numbers(runs: &[Run]) -> Vec<usize> {
     numbers
 }
 
+/// Which other runs a part of a name is compared with.
+#[derive(Clone, Copy)]
+enum Compared {
+    All,
+    /// Choices that a preset makes: said only where two runs of one preset or method differ in them.
+    OfFit,
+    OfFrame,
+}
+
 /// What a name may be made of.
 struct Facets {
-    /// Preset or method, and the part of the body.
-    fit: String,
     part: String,
+    /// Preset or method.
+    fit: String,
     frame: usize,
-    renderer: String,
-    /// Choices that a preset makes: said only where two runs of one preset or method differ in them.
-    refinements: Vec<String>,
-    cameras: String,
-    frame_text: String,
-    start: String,
+    /// In the order of the name, always as many.
+    texts: Vec<(Compared, String)>,
 }
 
 impl Facets {
-    fn of(run: &Run, start: usize) -> Self {
+    fn of((run, start): (&Run, usize)) -> Self {
         let choices = &run.choices;
-        let fit = &choices.fit;
-        Self {
-            fit: words::fit_name(fit),
-            part: choices
-                .part
-                .as_ref()
-                .map_or_else(|| "whole body".to_owned(), |part| format!("refit {part}")),
-            frame: run.frame,
-            renderer: renderer_text(fit.renderer),
-            refinements: refinements(fit),
-            cameras: cameras_text(run),
-            frame_text: format!("frame {}", run.frame),
-            start: match choices.branched_from {
-                Some(StepRef { run, step }) => format!("from step {step} of run {run}"),
-                None => format!("start {start}"),
-            },
-        }
+        let fit = words::fit_name(&choices.fit);
+        let part = choices.part.as_ref();
+        let part = part.map_or_else(|| "whole body".to_owned(), |part| format!("refit {part}"));
+        let start = match choices.branched_from {
+            Some(StepRef { run, step }) => format!("from step {step} of run {run}"),
+            None => format!("start {start}"),
+        };
+        let first = [part.clone(), fit.clone(), renderer_text(choices.fit.renderer)];
+        let mut texts = first.map(|text| (Compared::All, text)).to_vec();
+        texts.extend(refinements(&choices.fit).into_iter().map(|text| (Compared::OfFit, text)));
+        texts.push((Compared::All, cameras_text(run)));
+        texts.push((Compared::All, format!("frame {}", run.frame)));
+        texts.push((Compared::OfFrame, start));
+        Self { part, fit, frame: run.frame, texts }
     }
 
     fn name_among(&self, others: &[&Self]) -> String {
-        let differs = |text: fn(&Self) -> &String| others.iter().any(|other| text(other) != text(self));
-        let mut parts: Vec<&str> = Vec::new();
-        let by_part = differs(|facets| &facets.part);
-        if by_part {
-            parts.push(&self.part);
-        }
-        if differs(|facets| &facets.fit) {
-            parts.push(&self.fit);
-        }
-        if differs(|facets| &facets.renderer) {
-            parts.push(&self.renderer);
-        }
-        for (index, text) in self.refinements.iter().enumerate() {
-            let other_text = |other: &&&Self| other.refinements[index] != *text;
-            if others.iter().filter(|other| other.fit == self.fit).any(|other| other_text(&other)) {
-                parts.push(text);
-            }
-        }
-        if differs(|facets| &facets.cameras) {
-            parts.push(&self.cameras);
-        }
-        if differs(|facets| &facets.frame_text) {
-            parts.push(&self.frame_text);
-        }
-        if others.iter().any(|other| other.frame == self.frame && other.start != self.start) {
-            parts.push(&self.start);
-        }
+        let is_compared = |other: &Self, compared| match compared {
+            Compared::All => true,
+            Compared::OfFit => other.fit == self.fit,
+            Compared::OfFrame => other.frame == self.frame,
+        };
+        let differs = |(index, (compared, text)): (usize, &(Compared, String))| {
+            let differs = |other: &&Self| is_compared(other, *compared) && other.texts[index].1 != *text;
+            others.iter().any(differs).then(|| text.clone())
+        };
+        let parts: Vec<String> = self.texts.iter().enumerate().filter_map(differs).collect();
         match parts.as_slice() {
             [] if self.part.starts_with("refit") => format::capitalised(&self.part),
             [] => self.fit.clone(),

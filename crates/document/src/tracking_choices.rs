@@ -117,13 +117,8 @@ impl TrackingChoices {
             Some(Preset::Report) => (Following::Still, WhenToSearch::Never),
             _ => (Following::default(), WhenToSearch::WhenPoor),
         };
-        Self {
-            motion,
-            search,
-            at_keys: AtKeys::default(),
-            body: TrackedBody::default(),
-            cues: CueChoice::default(),
-        }
+        let (at_keys, body, cues) = Default::default();
+        Self { motion, search, at_keys, body, cues }
     }
 }
 

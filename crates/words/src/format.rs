@@ -4,6 +4,8 @@
 //! with one decimal, lengths in metres with three, costs as `1.8e8`. Every function but `length` and `deviation` returns
 //! `MISSING` for a number that is not finite, and none writes a negative zero.
 
+use std::path::Path;
+
 /// What is written for a number that is not finite.
 pub const MISSING: &str = "–";
 
@@ -17,6 +19,17 @@ pub const THIN_SPACE: char = '\u{2009}';
 pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The text without one, for the middle of a sentence: `right wrist`.
+pub fn uncapitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// The last part of a path, or all of one that has none.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// `value` with `decimals` digits after the point: `−8.4`.
@@ -141,85 +154,80 @@ mod tests {
     use super::*;
 
     #[test]
-    fn titles_begin_with_a_capital() {
-        assert_eq!(capitalised("right wrist"), "Right wrist");
-        assert_eq!(capitalised(""), "");
+    fn texts_begin_as_they_stand_in_a_sentence() {
+        assert_eq!([capitalised("right wrist"), capitalised("")], ["Right wrist", ""]);
+        assert_eq!([uncapitalised("Camera 1"), uncapitalised("")], ["camera 1", ""]);
+        assert_eq!(["a/b.png", ".."].map(|path| file_name(Path::new(path))), ["b.png", ".."]);
     }
 
     #[test]
-    fn negative_numbers_have_a_true_minus_and_zero_has_none() {
-        assert_eq!(number(-8.42, 1), "\u{2212}8.4");
-        assert_eq!(number(-0.04, 1), "0.0");
-        assert_eq!(number(-0.06, 1), "\u{2212}0.1");
-        assert_eq!(number(-0.0, 0), "0");
-        assert_eq!(number(f64::NAN, 2), MISSING);
-        assert_eq!(number(f64::NEG_INFINITY, 2), MISSING);
-    }
-
-    #[test]
-    fn counts_are_grouped_in_thousands() {
-        assert_eq!(count(0), "0");
-        assert_eq!(count(999), "999");
-        assert_eq!(count(1_074), "1\u{2009}074");
-        assert_eq!(count(-12_345_678), "\u{2212}12\u{2009}345\u{2009}678");
+    fn numbers_are_written_alike_everywhere() {
+        for (written, expected) in [
+            // A true minus, and none before zero.
+            (number(-8.42, 1), "\u{2212}8.4"),
+            (number(-0.04, 1), "0.0"),
+            (number(-0.06, 1), "\u{2212}0.1"),
+            (number(-0.0, 0), "0"),
+            (number(f64::NAN, 2), MISSING),
+            (number(f64::NEG_INFINITY, 2), MISSING),
+            // Groups of thousands.
+            (count(0), "0"),
+            (count(999), "999"),
+            (count(1_074), "1\u{2009}074"),
+            (count(-12_345_678), "\u{2212}12\u{2009}345\u{2009}678"),
+            // Two figures.
+            (cost(1.76e8), "1.8e8"),
+            (cost(2.1e-7), "2.1e\u{2212}7"),
+            (cost(-31.0), "\u{2212}3.1e1"),
+            (cost(0.0), "0"),
+            (cost(f64::INFINITY), MISSING),
+            // No digits to spare.
+            (short(0.01), "0.01"),
+            (short(30.0), "30"),
+            (short(0.0), "0"),
+            (short(1.5), "1.5"),
+            (short(12_345.0), "12345"),
+            (short(-0.25), "\u{2212}0.25"),
+            (short(1.5e-6), "1.5e\u{2212}6"),
+            (short(f64::NAN), MISSING),
+            // Units behind them.
+            (degrees(std::f64::consts::FRAC_PI_2), "90.0°"),
+            (degrees(-0.1466), "\u{2212}8.4°"),
+            (metres(1.4291), "1.429 m"),
+            (percent(0.317), "31.7 %"),
+            (ratio(0.8044), "0.804"),
+            (percent(f64::NAN), MISSING),
+            // Units that suit them.
+            (duration(48.3e-6), "48 µs"),
+            (duration(999.7e-6), "1.0 ms"),
+            (duration(1.92e-3), "1.9 ms"),
+            (duration(0.999_8), "1.0 s"),
+            (duration(f64::NAN), MISSING),
+            (length(0.0004), "0.4 mm"),
+            (length(0.031), "31 mm"),
+            (length(1.23), "1.2 m"),
+            (length(f64::INFINITY), "no bound"),
+        ] {
+            assert_eq!(written, expected);
+        }
         assert_eq!(count(i64::MIN).matches(THIN_SPACE).count(), 6);
     }
 
     #[test]
-    fn costs_have_two_figures() {
-        assert_eq!(cost(1.76e8), "1.8e8");
-        assert_eq!(cost(2.1e-7), "2.1e\u{2212}7");
-        assert_eq!(cost(-31.0), "\u{2212}3.1e1");
-        assert_eq!(cost(0.0), "0");
-        assert_eq!(cost(f64::INFINITY), MISSING);
-    }
-
-    #[test]
-    fn short_numbers_have_no_digits_to_spare() {
-        assert_eq!([0.01, 30.0, 0.0, 1.5, 12_345.0].map(short), ["0.01", "30", "0", "1.5", "12345"]);
-        assert_eq!(short(-0.25), "\u{2212}0.25");
-        assert_eq!(short(1.5e-6), "1.5e\u{2212}6");
-        assert_eq!(short(f64::NAN), MISSING);
-    }
-
-    #[test]
-    fn units_follow_their_number() {
-        assert_eq!(degrees(std::f64::consts::FRAC_PI_2), "90.0°");
-        assert_eq!(degrees(-0.1466), "\u{2212}8.4°");
-        assert_eq!(metres(1.4291), "1.429 m");
-        assert_eq!(percent(0.317), "31.7 %");
-        assert_eq!(ratio(0.8044), "0.804");
-        assert_eq!(percent(f64::NAN), MISSING);
-    }
-
-    #[test]
-    fn durations_choose_their_unit() {
-        assert_eq!(duration(48.3e-6), "48 µs");
-        assert_eq!(duration(999.7e-6), "1.0 ms");
-        assert_eq!(duration(1.92e-3), "1.9 ms");
-        assert_eq!(duration(0.999_8), "1.0 s");
-        assert_eq!(duration(f64::NAN), MISSING);
-    }
-
-    #[test]
     fn parse_reads_back_what_is_written() {
-        assert_eq!(parse(&number(-8.4, 1)), Some(-8.4));
-        assert_eq!(parse(&count(-12_345)), Some(-12_345.0));
-        assert_eq!(parse(&cost(2.1e-7)), Some(2.1e-7));
-        assert_eq!(parse(" -3.5 ° "), Some(-3.5));
-        assert_eq!(parse("1.429 m"), Some(1.429));
-        assert_eq!(parse("31.7 %"), Some(31.7));
-        assert_eq!(parse("NaN"), None);
-        assert_eq!(parse("inf"), None);
-        assert_eq!(parse("arm"), None);
-        assert_eq!(parse(""), None);
-    }
-
-    #[test]
-    fn lengths_have_a_unit_that_suits_them() {
-        assert_eq!(length(0.0004), "0.4 mm");
-        assert_eq!(length(0.031), "31 mm");
-        assert_eq!(length(1.23), "1.2 m");
-        assert_eq!(length(f64::INFINITY), "no bound");
+        for (text, expected) in [
+            (number(-8.4, 1).as_str(), Some(-8.4)),
+            (&count(-12_345), Some(-12_345.0)),
+            (&cost(2.1e-7), Some(2.1e-7)),
+            (" -3.5 ° ", Some(-3.5)),
+            ("1.429 m", Some(1.429)),
+            ("31.7 %", Some(31.7)),
+            ("NaN", None),
+            ("inf", None),
+            ("arm", None),
+            ("", None),
+        ] {
+            assert_eq!(parse(text), expected, "{text}");
+        }
     }
 }

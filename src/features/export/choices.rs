@@ -11,7 +11,6 @@ use egui::Vec2;
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
-use super::SeriesOptions;
 use crate::context::Context;
 use crate::context::marks::PictureAlone;
 
@@ -230,16 +229,19 @@ pub(crate) trait Painter: Send {
 }
 
 impl ExportOrder {
+    pub(super) fn part(&self) -> ExportArea {
+        match self.subject {
+            Subject::View => ExportArea::View,
+            Subject::Window => ExportArea::Window,
+            Subject::Steps | Subject::Frames => self.choices.part,
+        }
+    }
+
     /// What is painted, and how large.
     pub(crate) fn picture(&self, context: &Context<'_>) -> PictureOf {
         let choices = &self.choices;
-        let part = match self.subject {
-            Subject::View => ExportArea::View,
-            Subject::Window => ExportArea::Window,
-            Subject::Steps | Subject::Frames => choices.part,
-        };
         let camera = context.selection.camera;
-        match part {
+        match self.part() {
             ExportArea::Window => {
                 PictureOf::Window { size: context.egui.viewport_rect().size(), scale: choices.window_scale }
             }
@@ -264,15 +266,13 @@ impl ExportOrder {
         }
     }
 
-    /// How a series is written, and what the pictures of a folder are called; one picture has neither.
-    pub(super) fn series(&self) -> Option<(SeriesOptions, &'static str)> {
-        let ExportChoices { format, delay_ms, repeats, .. } = self.choices;
-        let name = match self.subject {
-            Subject::View | Subject::Window => return None,
-            Subject::Steps => "step",
-            Subject::Frames => "frame",
-        };
-        Some((SeriesOptions { format, delay_ms, repeats }, name))
+    /// What the pictures of a folder are called, if there is more than one picture.
+    pub(super) fn series(&self) -> Option<&'static str> {
+        match self.subject {
+            Subject::View | Subject::Window => None,
+            Subject::Steps => Some("step"),
+            Subject::Frames => Some("frame"),
+        }
     }
 }
 

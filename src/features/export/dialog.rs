@@ -11,8 +11,9 @@ use backlit_ui::widgets::{
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
-use super::{ExportArea, ExportChoices, ExportOrder, SeriesFormat, Subject};
+use super::{ExportArea, ExportChoices, ExportOrder, MotionChoices, SeriesFormat, Subject};
 use crate::context::Context;
+use crate::context::file_dialog::DialogKind;
 
 /// Width of the card, and of the names in it.
 const WIDTH: f32 = 460.0;
@@ -23,59 +24,39 @@ const VIEW_SCALES: [(f32, &str); 4] = [(1.0, "1×"), (2.0, "2×"), (3.0, "3×"),
 /// The card's state.
 #[derive(Debug)]
 pub(crate) struct ExportDialog {
-    subject: Subject,
-    choices: ExportChoices,
-    frames: [usize; 2],
+    order: ExportOrder,
     path: String,
     /// The name that was made up; another one is the user's and stays.
     proposed: String,
 }
 
-/// What becomes of the card.
+/// What becomes of a card of exports.
 #[derive(Debug, Default)]
-pub(crate) struct CardAnswer {
-    /// It is closed.
-    pub(crate) closes: bool,
-    /// The file or the folder is to be chosen in a dialog of the desktop's.
-    pub(crate) asks_for_path: bool,
+pub(super) struct CardAnswer {
+    pub(super) closes: bool,
+    /// The file or the folder is to be chosen in this dialog of the desktop's.
+    pub(super) asks: Option<(&'static str, DialogKind)>,
     /// What is to be exported.
-    pub(crate) order: Option<ExportOrder>,
+    pub(super) order: Option<ExportOrder>,
+    /// A motion is written: with these choices, to this file.
+    pub(super) written: Option<(MotionChoices, PathBuf)>,
 }
 
-/// What the dialog knows of the inspector.
-struct Facts {
-    footage: [usize; 2],
-    camera: usize,
-    window: egui::Vec2,
-    frame_count: usize,
-    /// All steps of the shown run and the accepted ones, its start among both.
-    steps: Option<[usize; 2]>,
-}
-
-impl Facts {
-    fn new(ui: &egui::Context, context: &Context<'_>) -> Self {
-        let (session, camera) = (context.session, context.selection.camera);
-        let run = context.run();
-        Self {
-            footage: session.camera_size(camera).unwrap_or([1, 1]),
-            camera,
-            window: ui.viewport_rect().size(),
-            frame_count: session.frame_count(),
-            steps: run.map(|run| [run.steps.len(), 1 + run.accepted_until(run.steps.len())]),
-        }
-    }
+/// Pixels of the active camera's pictures.
+fn footage(context: &Context<'_>) -> [usize; 2] {
+    context.session.camera_size(context.selection.camera).unwrap_or([1, 1])
 }
 
 impl ExportDialog {
     /// The card as it opens.
-    pub(crate) fn new(subject: Subject, choices: ExportChoices, context: &Context<'_>) -> Self {
+    pub(super) fn new(subject: Subject, choices: ExportChoices, context: &Context<'_>) -> Self {
         let document = context.document();
         let first = document.estimates.keys().next().copied().unwrap_or(0);
         let last = document.estimates.keys().next_back().copied();
         let last =
             last.filter(|last| *last > first).unwrap_or(context.session.frame_count().saturating_sub(1));
-        let mut dialog =
-            Self { subject, choices, frames: [first, last], path: String::new(), proposed: String::new() };
+        let order = ExportOrder { subject, choices, frames: [first, last], path: PathBuf::new() };
+        let mut dialog = Self { order, path: String::new(), proposed: String::new() };
         dialog.propose(context);
         dialog
     }
@@ -86,14 +67,8 @@ impl ExportDialog {
         self.proposed.clear();
     }
 
-    /// Whether a folder is asked for, and what it or the file is to be called.
-    pub(crate) fn wanted_name(&self) -> (bool, String) {
-        let name = Path::new(&self.path).file_name();
-        (self.wants_folder(), name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()))
-    }
-
     fn wants_folder(&self) -> bool {
-        self.subject.is_series() && self.choices.format == SeriesFormat::Pngs
+        self.order.subject.is_series() && self.order.choices.format == SeriesFormat::Pngs
     }
 
     /// Makes up a name that says what the picture shows, unless the user has given one.
@@ -102,20 +77,25 @@ impl ExportDialog {
         let take: String =
             take.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { ' ' }).collect();
         let (frame, camera) = (context.selection.frame, context.selection.camera + 1);
-        let view =
-            if self.choices.part == ExportArea::View { format!(" camera {camera}") } else { String::new() };
-        let name = match self.subject {
+        let view = if self.order.choices.part == ExportArea::View {
+            format!(" camera {camera}")
+        } else {
+            String::new()
+        };
+        let name = match self.order.subject {
             Subject::View => format!("{take} frame {frame} camera {camera}.png"),
             Subject::Window => format!("{take} frame {frame} window.png"),
-            Subject::Steps => format!("{take} frame {frame}{view} steps{}", self.choices.format.ending()),
+            Subject::Steps => {
+                format!("{take} frame {frame}{view} steps{}", self.order.choices.format.ending())
+            }
             Subject::Frames => {
-                let [first, last] = self.frames;
-                format!("{take}{view} frames {first} to {last}{}", self.choices.format.ending())
+                let [first, last] = self.order.frames;
+                format!("{take}{view} frames {first} to {last}{}", self.order.choices.format.ending())
             }
         };
         let is_ours = self.path == self.proposed;
         let folder = if is_ours {
-            self.choices.folder.clone().or_else(pictures_folder).unwrap_or_default()
+            self.order.choices.folder.clone().or_else(pictures_folder).unwrap_or_default()
         } else {
             return self.match_ending();
         };
@@ -125,7 +105,7 @@ impl ExportDialog {
 
     /// A name that the user gave keeps its stem and gets the ending of the format.
     fn match_ending(&mut self) {
-        let ending = if self.subject.is_series() { self.choices.format.ending() } else { ".png" };
+        let ending = if self.order.subject.is_series() { self.order.choices.format.ending() } else { ".png" };
         for old in [".png", ".gif"] {
             if let Some(stem) = self.path.strip_suffix(old).filter(|_| old != ending) {
                 self.path = format!("{stem}{ending}");
@@ -137,61 +117,56 @@ impl ExportDialog {
     }
 
     /// Shows the card.
-    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> CardAnswer {
-        let facts = Facts::new(ui.ctx(), context);
+    pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> CardAnswer {
         let mut answer = CardAnswer::default();
         let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            ui.spacing_mut().item_spacing.y = 6.0;
-            ui.label(RichText::new("Export").text_style(theme::title()));
+            heading(ui, "Export");
+            let chosen =
+                |order: &ExportOrder| (order.subject, order.choices.format, order.choices.part, order.frames);
+            let before = chosen(&self.order);
+            segmented(ui, &mut self.order.subject, &Subject::ALL);
             ui.add_space(space::ROW);
-            let before = (self.subject, self.choices.format, self.choices.part, self.frames);
-            segmented(ui, &mut self.subject, &Subject::ALL);
-            ui.add_space(space::ROW);
-            self.series(ui, &facts);
-            if self.part() == ExportArea::View {
-                self.view(ui, &facts);
+            self.series(ui, context);
+            if self.order.part() == ExportArea::View {
+                self.view(ui, context);
             } else {
-                self.window(ui, &facts);
+                self.window(ui);
             }
-            if before != (self.subject, self.choices.format, self.choices.part, self.frames) {
+            if before != chosen(&self.order) {
                 self.propose(context);
             }
             ui.add_space(space::ROW);
-            answer.asks_for_path = self.target(ui);
-            let problem = self.problem(&facts);
-            self.summary(ui, &facts, problem.as_deref());
-            ui.add_space(space::WIDGET);
-            button_row(ui, |ui| {
-                let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
-                let export = export.on_disabled_hover_text(problem.as_deref().unwrap_or_default());
-                if export.clicked() {
-                    let mut choices = self.choices.clone();
-                    choices.folder = Path::new(&self.path).parent().map(Path::to_owned);
-                    let (subject, path) = (self.subject, PathBuf::from(&self.path));
-                    answer.order = Some(ExportOrder { subject, choices, frames: self.frames, path });
-                    answer.closes = true;
-                }
-                answer.closes |= ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
-            });
+            let name = if self.wants_folder() { "Folder" } else { "File" };
+            if path_row(ui, name, name, &mut self.path) {
+                answer.asks = Some(self.path_dialog());
+            }
+            let problem = self.problem(context);
+            let (exports, cancels) = ending(ui, problem, || self.summary(context));
+            if exports {
+                let path = PathBuf::from(&self.path);
+                let mut order = ExportOrder { path, ..self.order.clone() };
+                order.choices.folder = order.path.parent().map(Path::to_owned);
+                answer.order = Some(order);
+            }
+            answer.closes = exports || cancels;
         });
         answer.closes |= modal.should_close();
         answer
     }
 
-    fn part(&self) -> ExportArea {
-        match self.subject {
-            Subject::View => ExportArea::View,
-            Subject::Window => ExportArea::Window,
-            Subject::Steps | Subject::Frames => self.choices.part,
+    fn path_dialog(&self) -> (&'static str, DialogKind) {
+        if self.wants_folder() {
+            return ("Export to folder", DialogKind::Folder);
         }
+        let name = Path::new(&self.path).file_name().unwrap_or_default();
+        ("Export", DialogKind::NewFile(name.to_string_lossy().into_owned(), &[]))
     }
 
-    fn series(&mut self, ui: &mut Ui, facts: &Facts) {
-        if !self.subject.is_series() {
+    fn series(&mut self, ui: &mut Ui, context: &Context<'_>) {
+        let ExportOrder { subject, choices, frames, .. } = &mut self.order;
+        if !subject.is_series() {
             return;
         }
-        let choices = &mut self.choices;
         row(ui, "Pictures of", |ui| {
             segmented(ui, &mut choices.part, &[(ExportArea::View, "View"), (ExportArea::Window, "Window")]);
         });
@@ -207,26 +182,17 @@ impl ExportDialog {
                 checkbox(ui, &mut choices.repeats, "Begins again at the end");
             });
         }
-        if self.subject == Subject::Frames {
-            row(ui, "Frames", |ui| {
-                let last = facts.frame_count.saturating_sub(1);
-                let [mut from, mut to] = self.frames.map(|frame| frame as f64);
-                number_field(ui, "First frame", &mut from, 0, "", 0.2, 64.0);
-                ui.label("to");
-                number_field(ui, "Last frame", &mut to, 0, "", 0.2, 64.0);
-                let frame = |value: f64| (value.max(0.0) as usize).min(last);
-                let first = frame(from);
-                self.frames = [first, frame(to).max(first)];
-            });
+        if *subject == Subject::Frames {
+            frames_row(ui, frames, context.session.frame_count().saturating_sub(1));
         } else {
             row(ui, "", |ui| {
-                checkbox(ui, &mut self.choices.accepted_only, "Leave out steps that were rejected");
+                checkbox(ui, &mut choices.accepted_only, "Leave out steps that were rejected");
             });
         }
     }
 
-    fn view(&mut self, ui: &mut Ui, facts: &Facts) {
-        let choices = &mut self.choices;
+    fn view(&mut self, ui: &mut Ui, context: &Context<'_>) {
+        let (choices, footage) = (&mut self.order.choices, footage(context));
         row(ui, "Size", |ui| {
             let mut chosen = if choices.view_width.is_some() { f32::NAN } else { choices.view_scale };
             let before = chosen;
@@ -235,7 +201,7 @@ impl ExportDialog {
                 (choices.view_scale, choices.view_width) = (chosen, None);
             }
             ui.label(RichText::new("or").color(theme::palette(ui).text2));
-            let width = facts.footage[0] as f32 * choices.view_pixels_per_px(facts.footage);
+            let width = footage[0] as f32 * choices.view_pixels_per_px(footage);
             let mut wide = f64::from(width.round());
             if number_field(ui, "Width", &mut wide, 0, " px wide", 4.0, 96.0).changed() {
                 choices.view_width = Some((wide.max(16.0) as u32).min(MAX_SIDE));
@@ -251,9 +217,9 @@ impl ExportDialog {
         });
     }
 
-    fn window(&mut self, ui: &mut Ui, _facts: &Facts) {
+    fn window(&mut self, ui: &mut Ui) {
         row(ui, "Scale", |ui| {
-            let choices = &mut self.choices;
+            let choices = &mut self.order.choices;
             segmented(ui, &mut choices.window_scale, &VIEW_SCALES);
             ui.label(RichText::new("or").color(theme::palette(ui).text2));
             let mut scale = f64::from(choices.window_scale);
@@ -262,76 +228,108 @@ impl ExportDialog {
         });
     }
 
-    /// The row of the path. Returns whether the user asks for the desktop's dialog.
-    fn target(&mut self, ui: &mut Ui) -> bool {
-        let name = if self.wants_folder() { "Folder" } else { "File" };
-        let mut asks = false;
-        row(ui, name, |ui| {
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
-                text_field(ui, name, "", &mut self.path);
-            });
-        });
-        asks
-    }
-
     /// How many pictures there will be, and how large.
-    fn summary(&self, ui: &mut Ui, facts: &Facts, problem: Option<&str>) {
-        let palette = theme::palette(ui);
-        if let Some(problem) = problem {
-            ui.label(RichText::new(problem).small().color(palette.warn));
-            return;
-        }
-        let [width, height] = self.pixels(facts);
-        let count = self.count(facts);
-        let size = format!("{} × {} pixels", format::count(width), format::count(height));
-        let what = match self.subject {
-            Subject::View => format!("Camera {}, {size}", facts.camera + 1),
-            Subject::Window => size,
-            Subject::Steps | Subject::Frames if count == 1 => format!("1 picture, {size}"),
-            Subject::Steps | Subject::Frames => format!("{count} pictures, {size}"),
+    fn summary(&self, context: &Context<'_>) -> String {
+        let [width, height] = self.pixels(context).map(format::count);
+        let size = format!("{width} × {height} pixels");
+        let what = match (self.order.subject, self.count(context)) {
+            (Subject::View, _) => format!("Camera {}, {size}", context.selection.camera + 1),
+            (Subject::Window, _) => size,
+            (Subject::Steps | Subject::Frames, 1) => format!("1 picture, {size}"),
+            (Subject::Steps | Subject::Frames, count) => format!("{count} pictures, {size}"),
         };
-        let path = Path::new(&self.path);
-        let replaced = match (self.wants_folder(), path.exists()) {
+        let replaced = match (self.wants_folder(), Path::new(&self.path).exists()) {
             (false, true) => "; the file that is there is replaced",
             (true, true) => "; pictures of these names are replaced",
             _ => "",
         };
-        ui.label(RichText::new(format!("{what}{replaced}.")).small().color(palette.text3));
+        format!("{what}{replaced}.")
     }
 
-    fn pixels(&self, facts: &Facts) -> [i64; 2] {
-        let size = if self.part() == ExportArea::View {
-            let scale = self.choices.view_pixels_per_px(facts.footage);
-            [facts.footage[0] as f32 * scale, facts.footage[1] as f32 * scale]
+    fn pixels(&self, context: &Context<'_>) -> [i64; 2] {
+        let size = if self.order.part() == ExportArea::View {
+            let footage = footage(context);
+            let scale = self.order.choices.view_pixels_per_px(footage);
+            footage.map(|side| side as f32 * scale)
         } else {
-            [facts.window.x * self.choices.window_scale, facts.window.y * self.choices.window_scale]
+            let window = context.egui.viewport_rect().size();
+            <[f32; 2]>::from(window).map(|side| side * self.order.choices.window_scale)
         };
         size.map(|side| side.round() as i64)
     }
 
-    fn count(&self, facts: &Facts) -> usize {
-        match self.subject {
-            Subject::View | Subject::Window => 1,
-            Subject::Steps => facts.steps.map_or(0, |steps| steps[usize::from(self.choices.accepted_only)]),
-            Subject::Frames => self.frames[1] - self.frames[0] + 1,
+    fn count(&self, context: &Context<'_>) -> usize {
+        let ExportOrder { subject, frames, choices, .. } = &self.order;
+        match (subject, context.run()) {
+            (Subject::View | Subject::Window, _) => 1,
+            (Subject::Steps, Some(run)) if choices.accepted_only => 1 + run.accepted_until(run.steps.len()),
+            (Subject::Steps, run) => run.map_or(0, |run| run.steps.len()),
+            (Subject::Frames, _) => frames[1] - frames[0] + 1,
         }
     }
 
     /// Why nothing can be exported as it is, in a sentence.
-    fn problem(&self, facts: &Facts) -> Option<String> {
-        let path = Path::new(self.path.trim());
-        if self.subject == Subject::Steps && facts.steps.is_none() {
+    fn problem(&self, context: &Context<'_>) -> Option<String> {
+        if self.order.subject == Subject::Steps && context.run().is_none() {
             return Some("This frame has no run yet: press Space to step.".to_owned());
         }
-        if facts.frame_count == 0 && self.part() == ExportArea::View {
+        if context.session.frame_count() == 0 && self.order.part() == ExportArea::View {
             return Some("Open a take first.".to_owned());
         }
-        if self.pixels(facts).into_iter().any(|side| side > i64::from(MAX_SIDE)) {
+        if self.pixels(context).into_iter().any(|side| side > i64::from(MAX_SIDE)) {
             return Some(format!("That is more than {MAX_SIDE} pixels a side."));
         }
-        path_problem(path, self.wants_folder())
+        path_problem(Path::new(self.path.trim()), self.wants_folder())
     }
+}
+
+/// The top of a card of exports.
+pub(super) fn heading(ui: &mut Ui, title: &str) {
+    ui.set_width(WIDTH);
+    ui.spacing_mut().item_spacing.y = 6.0;
+    ui.label(RichText::new(title).text_style(theme::title()));
+    ui.add_space(space::ROW);
+}
+
+/// First and last frame.
+pub(super) fn frames_row(ui: &mut Ui, frames: &mut [usize; 2], most: usize) {
+    row(ui, "Frames", |ui| {
+        let [mut from, mut to] = frames.map(|frame| frame as f64);
+        number_field(ui, "First frame", &mut from, 0, "", 0.2, 64.0);
+        ui.label("to");
+        number_field(ui, "Last frame", &mut to, 0, "", 0.2, 64.0);
+        let frame = |value: f64| (value.max(0.0) as usize).min(most);
+        *frames = [frame(from), frame(to).max(frame(from))];
+    });
+}
+
+/// The row of the path. Returns whether the user asks for the desktop's dialog.
+pub(super) fn path_row(ui: &mut Ui, name: &str, field: &str, path: &mut String) -> bool {
+    let mut asks = false;
+    row(ui, name, |ui| {
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
+            text_field(ui, field, "", path);
+        });
+    });
+    asks
+}
+
+/// The end of a card: why nothing can be exported, or what will be, and two buttons. Returns which of them was clicked.
+pub(super) fn ending(ui: &mut Ui, problem: Option<String>, summary: impl FnOnce() -> String) -> (bool, bool) {
+    let palette = theme::palette(ui);
+    match &problem {
+        Some(problem) => ui.label(RichText::new(problem).small().color(palette.warn)),
+        None => ui.label(RichText::new(summary()).small().color(palette.text3)),
+    };
+    ui.add_space(space::WIDGET);
+    let mut clicked = (false, false);
+    button_row(ui, |ui| {
+        let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
+        clicked.0 = export.on_disabled_hover_text(problem.unwrap_or_default()).clicked();
+        clicked.1 = ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
+    });
+    clicked
 }
 
 /// Why a file, or a folder of pictures, cannot be written there, in a sentence.

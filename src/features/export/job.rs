@@ -1,14 +1,12 @@
 //! Painting and writing, one picture a step.
 
-use std::path::PathBuf;
-
 use backlit_formats::images;
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::cancel::CancelToken;
 use image::DynamicImage;
 
 use super::choices::{Painter, Shot};
-use super::{ExportError, ExportOrder, SeriesOptions, SeriesWriter};
+use super::{ExportError, ExportOrder, SeriesWriter};
 use crate::context::Context;
 
 /// What an export says.
@@ -29,9 +27,7 @@ pub(crate) struct ExportJob {
     painter: Box<dyn Painter>,
     shots: Vec<(usize, Shot)>,
     done: usize,
-    path: PathBuf,
-    /// One picture has none.
-    series: Option<(SeriesOptions, &'static str)>,
+    order: ExportOrder,
     /// There is one from the first picture of a series on.
     writer: Option<SeriesWriter>,
 }
@@ -39,14 +35,7 @@ pub(crate) struct ExportJob {
 impl ExportJob {
     /// What an order asks for, painted by `painter`.
     pub(crate) fn new(order: &ExportOrder, context: &Context<'_>, painter: Box<dyn Painter>) -> Self {
-        Self {
-            painter,
-            shots: order.shots(context),
-            done: 0,
-            path: order.path.clone(),
-            series: order.series(),
-            writer: None,
-        }
+        Self { painter, shots: order.shots(context), done: 0, order: order.clone(), writer: None }
     }
 
     /// How many pictures there will be.
@@ -65,10 +54,11 @@ impl ExportJob {
 
     /// Paints and writes the next picture; whether there was one.
     fn next(&mut self, cancel: &CancelToken) -> Result<bool, ExportError> {
+        let ExportOrder { path, choices, .. } = &self.order;
         if self.writer.is_none()
-            && let Some((options, name)) = self.series
+            && let Some(name) = self.order.series()
         {
-            self.writer = Some(SeriesWriter::new(&self.path, name, options, self.shots.len())?);
+            self.writer = Some(SeriesWriter::new(path, name, choices, self.shots.len())?);
         }
         let Some((number, shot)) = self.shots.get(self.done).copied() else {
             self.writer.take().map_or(Ok(()), SeriesWriter::finish)?;
@@ -83,7 +73,7 @@ impl ExportJob {
         }
         match &mut self.writer {
             Some(writer) => writer.add(number, picture)?,
-            None => images::write_png(&self.path, &DynamicImage::ImageRgb8(picture))?,
+            None => images::write_png(path, &DynamicImage::ImageRgb8(picture))?,
         }
         self.done += 1;
         Ok(true)

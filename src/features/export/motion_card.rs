@@ -8,22 +8,21 @@ use anyhow::anyhow;
 use backlit_formats::motion;
 use backlit_formats::motion::{Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
 use backlit_tracking::camera::up_of;
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{button_row, card, choice, number_field, primary_button, segmented, text_field};
-use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
+use backlit_ui::style::format;
+use backlit_ui::style::theme::space;
+use backlit_ui::widgets::{card, choice, segmented};
+use egui::Ui;
 
 use super::choices::{ExportChoices, MotionChoices};
-use super::dialog::{home_folder, path_problem, row};
+use super::dialog::{CardAnswer, ending, frames_row, heading, home_folder, path_problem, path_row, row};
+use crate::context::file_dialog::DialogKind;
 use crate::context::{Context, Requests};
 
-/// Width of the card, and of its boxes.
-const WIDTH: f32 = 460.0;
+/// Width of the boxes.
 const BOX: f32 = 190.0;
 
 /// The endings that a file dialog offers.
-pub(super) static ENDINGS: LazyLock<[&str; 7]> =
-    LazyLock::new(|| MotionFormat::ALL.map(MotionFormat::extension));
+static ENDINGS: LazyLock<[&str; 7]> = LazyLock::new(|| MotionFormat::ALL.map(MotionFormat::extension));
 
 /// The card's state.
 #[derive(Debug)]
@@ -33,17 +32,6 @@ pub(crate) struct MotionCard {
     /// First and last frame that are written.
     frames: [usize; 2],
     path: String,
-}
-
-/// What becomes of the card.
-#[derive(Debug, Default)]
-pub(super) struct MotionAnswer {
-    /// It is closed.
-    pub(super) closes: bool,
-    /// The file is to be chosen in a dialog of the desktop's; this is its name so far.
-    pub(super) asks_for_path: Option<String>,
-    /// It is written: with these choices, to this file.
-    pub(super) written: Option<(MotionChoices, PathBuf)>,
 }
 
 impl MotionCard {
@@ -80,13 +68,10 @@ impl MotionCard {
     }
 
     /// Shows the card.
-    pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> MotionAnswer {
-        let mut answer = MotionAnswer::default();
+    pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> CardAnswer {
+        let mut answer = CardAnswer::default();
         let modal = card(ui.ctx(), "export motion").show(ui.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            ui.spacing_mut().item_spacing.y = 6.0;
-            ui.label(RichText::new("Export motion").text_style(theme::title()));
-            ui.add_space(space::ROW);
+            heading(ui, "Export motion");
             let before = self.choices.format;
             let formats = MotionFormat::ALL.map(|format| (format, format.label()));
             segmented(ui, &mut self.choices.format, &formats);
@@ -95,42 +80,35 @@ impl MotionCard {
             }
             ui.add_space(space::ROW);
             self.contents(ui);
-            if self.path_row(ui) {
-                answer.asks_for_path = Some(self.path.clone());
+            if path_row(ui, "File", "Motion file", &mut self.path) {
+                let name = format::file_name(Path::new(&self.path));
+                answer.asks = Some(("Export motion", DialogKind::NewFile(name, &*ENDINGS)));
             }
-            let problem = self.problem();
-            let palette = theme::palette(ui);
-            match &problem {
-                Some(problem) => ui.label(RichText::new(problem).small().color(palette.warn)),
-                None => ui.label(RichText::new(self.summary()).small().color(palette.text3)),
-            };
-            ui.add_space(space::WIDGET);
-            button_row(ui, |ui| {
-                let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
-                if export.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
-                    answer.written = Some((self.choices, PathBuf::from(self.path.trim())));
-                    self.write(context, requests);
-                }
-                answer.closes = ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
-            });
+            let (exports, cancels) = ending(ui, self.problem(), || self.summary());
+            if exports {
+                answer.written = Some((self.choices, PathBuf::from(self.path.trim())));
+                self.write(context, requests);
+            }
+            answer.closes = exports || cancels;
         });
-        answer.closes |= modal.should_close() || answer.written.is_some();
+        answer.closes |= modal.should_close();
         answer
     }
 
     fn contents(&mut self, ui: &mut Ui) {
         let (axes, unit) = self.choices.format.defaults();
         row(ui, "Axes", |ui| {
-            let rows = [
-                (None, format!("{}, as expected", axes_text(axes)), "What programs expect of such a file"),
-                (
-                    Some(Axes::YUp),
-                    axes_text(Axes::YUp).to_owned(),
-                    "Blender, Maya and OpenSim turn it as they need",
-                ),
-                (Some(Axes::ZUp), axes_text(Axes::ZUp).to_owned(), "As in most laboratories"),
-                (Some(Axes::World), axes_text(Axes::World).to_owned(), "Nothing is turned"),
+            let mut rows = vec![(
+                None,
+                format!("{}, as expected", axes_text(axes)),
+                "What programs expect of such a file",
+            )];
+            let others = [
+                (Axes::YUp, "Blender, Maya and OpenSim turn it as they need"),
+                (Axes::ZUp, "As in most laboratories"),
+                (Axes::World, "Nothing is turned"),
             ];
+            rows.extend(others.map(|(axes, tooltip)| (Some(axes), axes_text(axes).to_owned(), tooltip)));
             pick(ui, "Axes", &mut self.choices.axes, &rows);
         });
         row(ui, "Unit", |ui| {
@@ -161,27 +139,8 @@ impl MotionCard {
                 pick(ui, "Angles", &mut self.choices.euler, &rows);
             });
         }
-        row(ui, "Frames", |ui| {
-            let [mut from, mut to] = self.frames.map(|frame| frame as f64);
-            number_field(ui, "First frame", &mut from, 0, "", 0.2, 64.0);
-            ui.label("to");
-            number_field(ui, "Last frame", &mut to, 0, "", 0.2, 64.0);
-            let most = self.motion.poses.last_key_value().map_or(0, |(frame, _)| *frame);
-            let frame = |value: f64| (value.max(0.0) as usize).min(most);
-            self.frames = [frame(from), frame(to).max(frame(from))];
-        });
-    }
-
-    /// The row of the path. Returns whether the user asks for the desktop's dialog.
-    fn path_row(&mut self, ui: &mut Ui) -> bool {
-        let mut asks = false;
-        row(ui, "File", |ui| {
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
-                text_field(ui, "Motion file", "", &mut self.path);
-            });
-        });
-        asks
+        let most = self.motion.poses.last_key_value().map_or(0, |(frame, _)| *frame);
+        frames_row(ui, &mut self.frames, most);
     }
 
     /// "70 frames; y up, in centimetres. The file that is there is replaced."
@@ -199,7 +158,7 @@ impl MotionCard {
         let frames = if count == 1 { "frame" } else { "frames" };
         let there =
             if Path::new(self.path.trim()).exists() { " The file that is there is replaced." } else { "" };
-        format!("{count} {frames}{gaps}; {}, {}.{there}", lower(axes), lower(unit_text(unit)))
+        format!("{count} {frames}{gaps}; {}, {}.{there}", axes.to_lowercase(), unit_text(unit).to_lowercase())
     }
 
     /// Why nothing can be written as it is, in a sentence.
@@ -242,11 +201,6 @@ fn unit_text(unit: Unit) -> &'static str {
         Unit::Centimetres => "Centimetres",
         Unit::Millimetres => "Millimetres",
     }
-}
-
-/// The same within a sentence.
-fn lower(text: &str) -> String {
-    text.to_lowercase()
 }
 
 /// A box of choices.

@@ -12,23 +12,12 @@ use backlit_formats::{FileError, images, reason};
 use image::{DynamicImage, RgbImage};
 use thiserror::Error;
 
-use super::SeriesFormat;
+use super::{ExportChoices, SeriesFormat};
 
 /// How carefully colours are chosen for a GIF: 1 is best and slow, 30 is fast.
 const GIF_SPEED: i32 = 10;
 /// Shorter delays are slowed down by everything that shows a GIF, in hundredths of a second.
 const GIF_LEAST_DELAY: u16 = 2;
-
-/// How a series is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct SeriesOptions {
-    /// What it becomes.
-    pub(crate) format: SeriesFormat,
-    /// Time that a picture stays, in milliseconds.
-    pub(crate) delay_ms: u32,
-    /// Whether it begins again at the end.
-    pub(crate) repeats: bool,
-}
 
 /// Why a series was not written.
 #[derive(Debug, Error)]
@@ -63,7 +52,7 @@ impl ExportError {
 pub(crate) struct SeriesWriter {
     path: PathBuf,
     name: &'static str,
-    options: SeriesOptions,
+    choices: ExportChoices,
     count: usize,
     written: usize,
     animation: Option<Animation>,
@@ -92,20 +81,20 @@ impl SeriesWriter {
     pub(crate) fn new(
         path: &Path,
         name: &'static str,
-        options: SeriesOptions,
+        choices: &ExportChoices,
         count: usize,
     ) -> Result<Self, ExportError> {
         if count == 0 {
             return Err(ExportError::Empty);
         }
-        let animation = if options.format == SeriesFormat::Pngs {
+        let animation = if choices.format == SeriesFormat::Pngs {
             std::fs::create_dir_all(path)
                 .map_err(|source| ExportError::Folder { path: path.to_owned(), source })?;
             None
         } else {
             Some(Animation { encoder: None, file: NewFile::create(path)? })
         };
-        Ok(Self { path: path.to_owned(), name, options, count, written: 0, animation })
+        Ok(Self { path: path.to_owned(), name, choices: choices.clone(), count, written: 0, animation })
     }
 
     /// Writes the next picture; the number is for its name.
@@ -117,13 +106,13 @@ impl SeriesWriter {
             let size = picture.dimensions();
             let (expected, mut encoder) = match animation.encoder.take() {
                 Some(begun) => begun,
-                None => (size, Encoder::begin(&self.path, &animation.file, size, self.options, self.count)?),
+                None => (size, Encoder::begin(&self.path, &animation.file, size, &self.choices, self.count)?),
             };
             if size != expected {
                 let (path, number) = (self.path.clone(), self.written);
                 return Err(ExportError::Size { path, number, found: size, expected });
             }
-            encoder.add(&picture, self.options).map_err(|error| animation.file.error(error))?;
+            encoder.add(&picture, &self.choices).map_err(|error| animation.file.error(error))?;
             animation.encoder = Some((expected, encoder));
         } else {
             let path = self.path.join(numbered(self.name, number));
@@ -156,25 +145,25 @@ impl Encoder {
         path: &Path,
         file: &NewFile,
         size: (u32, u32),
-        options: SeriesOptions,
+        choices: &ExportChoices,
         count: usize,
     ) -> Result<Self, ExportError> {
         let out = BufWriter::new(file.writer());
-        if options.format == SeriesFormat::AnimatedPng {
-            let begun = begin_animated_png(out, size, options, count);
+        if choices.format == SeriesFormat::AnimatedPng {
+            let begun = begin_animated_png(out, size, choices, count);
             return begun.map(Self::Png).map_err(|error| file.error(error.into()).into());
         }
         let (Ok(width), Ok(height)) = (u16::try_from(size.0), u16::try_from(size.1)) else {
             return Err(ExportError::TooLarge { path: path.to_owned(), size });
         };
-        let begun = begin_gif(out, width, height, options.repeats);
+        let begun = begin_gif(out, width, height, choices.repeats);
         begun.map(|encoder| Self::Gif(Box::new(encoder))).map_err(|error| file.error(of_gif(error)).into())
     }
 
-    fn add(&mut self, picture: &RgbImage, options: SeriesOptions) -> io::Result<()> {
+    fn add(&mut self, picture: &RgbImage, choices: &ExportChoices) -> io::Result<()> {
         match self {
             Self::Png(writer) => Ok(writer.write_image_data(picture.as_raw())?),
-            Self::Gif(encoder) => encoder.write_frame(&gif_frame(picture, options)).map_err(of_gif),
+            Self::Gif(encoder) => encoder.write_frame(&gif_frame(picture, choices)).map_err(of_gif),
         }
     }
 
@@ -195,14 +184,14 @@ impl std::fmt::Debug for Encoder {
 fn begin_animated_png(
     out: Out,
     (width, height): (u32, u32),
-    options: SeriesOptions,
+    choices: &ExportChoices,
     count: usize,
 ) -> Result<png::Writer<Out>, png::EncodingError> {
-    let delay_ms = u16::try_from(options.delay_ms).unwrap_or(u16::MAX);
+    let delay_ms = u16::try_from(choices.delay_ms).unwrap_or(u16::MAX);
     let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_animated(u32::try_from(count).unwrap_or(u32::MAX), u32::from(!options.repeats))?;
+    encoder.set_animated(u32::try_from(count).unwrap_or(u32::MAX), u32::from(!choices.repeats))?;
     encoder.set_frame_delay(delay_ms, 1000)?;
     encoder.write_header()
 }
@@ -225,9 +214,9 @@ fn of_gif(error: gif::EncodingError) -> io::Error {
     }
 }
 
-fn gif_frame(picture: &RgbImage, options: SeriesOptions) -> gif::Frame<'static> {
+fn gif_frame(picture: &RgbImage, choices: &ExportChoices) -> gif::Frame<'static> {
     let (width, height) = (picture.width() as u16, picture.height() as u16);
-    let delay = u16::try_from(options.delay_ms.div_ceil(10)).unwrap_or(u16::MAX).max(GIF_LEAST_DELAY);
+    let delay = u16::try_from(choices.delay_ms.div_ceil(10)).unwrap_or(u16::MAX).max(GIF_LEAST_DELAY);
     let frame = match exact_palette(picture) {
         Some((palette, indices)) => gif::Frame::from_palette_pixels(width, height, indices, palette, None),
         None => gif::Frame::from_rgb_speed(width, height, picture.as_raw(), GIF_SPEED),
@@ -272,9 +261,13 @@ mod tests {
         RgbImage::from_fn(9, 6, |x, y| Rgb([(x * 20) as u8, (y * 30) as u8, index as u8 * 100]))
     }
 
+    fn begin(path: &Path, format: SeriesFormat, count: usize) -> Result<SeriesWriter, ExportError> {
+        let choices = ExportChoices { format, delay_ms: 80, ..ExportChoices::default() };
+        SeriesWriter::new(path, "step", &choices, count)
+    }
+
     fn write(path: &Path, format: SeriesFormat) -> Result<(), ExportError> {
-        let options = SeriesOptions { format, delay_ms: 80, repeats: true };
-        let mut writer = SeriesWriter::new(path, "step", options, NUMBERS.len())?;
+        let mut writer = begin(path, format, NUMBERS.len())?;
         for (index, number) in NUMBERS.into_iter().enumerate() {
             writer.add(number, picture(index))?;
         }
@@ -334,8 +327,7 @@ mod tests {
     fn what_is_dropped_or_does_not_go_together_leaves_no_half_file() {
         let folder = tempfile::tempdir().unwrap();
         for (name, format) in [("a.png", SeriesFormat::AnimatedPng), ("a.gif", SeriesFormat::Gif)] {
-            let options = SeriesOptions { format, delay_ms: 80, repeats: true };
-            let mut writer = SeriesWriter::new(&folder.path().join(name), "a", options, 2).unwrap();
+            let mut writer = begin(&folder.path().join(name), format, 2).unwrap();
             writer.add(0, picture(0)).unwrap();
             let other = writer.add(1, RgbImage::new(9, 7));
             assert!(matches!(other, Err(ExportError::Size { number: 1, .. })), "{other:?}");
@@ -343,8 +335,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
         let message = write(&folder.path().join("no/a.gif"), SeriesFormat::Gif).unwrap_err().to_string();
         assert!(message.contains("no/a.gif"), "{message}");
-        let none = SeriesOptions { format: SeriesFormat::Gif, delay_ms: 80, repeats: true };
-        let none = SeriesWriter::new(&folder.path().join("a.gif"), "a", none, 0);
+        let none = begin(&folder.path().join("a.gif"), SeriesFormat::Gif, 0);
         assert!(matches!(none, Err(ExportError::Empty)));
     }
 

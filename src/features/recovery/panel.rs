@@ -22,19 +22,10 @@ const PICTURE: f32 = 112.0;
 /// What stands below the cards: buttons, and how to open something else.
 const BELOW: f32 = 150.0;
 
-/// What is offered.
-#[derive(Debug)]
-struct Offer<'a> {
-    /// The copies, the newest first.
-    left: &'a [Left],
-    /// What time it is.
-    clock: &'a Clock,
-}
-
 impl Recovery {
     /// The cards, and what may be done with all of them; what the user has decided.
     pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> Option<Decision> {
-        let decision = cards(ui, &Offer { left: &self.offered, clock: context.clock });
+        let decision = cards(ui, &self.offered, context.clock);
         if let Some(decision) = decision {
             requests.request(FeatureRequest::Recover(decision));
         }
@@ -57,7 +48,7 @@ impl Recovery {
     }
 }
 
-fn cards(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
+fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock) -> Option<Decision> {
     let palette = theme::palette(ui);
     let mut decision = None;
     ui.label(RichText::new("Unsaved work is kept").text_style(title()).color(palette.text));
@@ -65,21 +56,21 @@ fn cards(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
     let room = (ui.available_height() - BELOW).max(PICTURE + 2.0 * space::GROUP);
     ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
         ui.vertical_centered(|ui| {
-            for index in 0..offer.left.len() {
-                decision = card(ui, offer, index).or(decision);
+            for index in 0..offered.len() {
+                decision = card(ui, offered, index, clock).or(decision);
             }
         });
     });
     ui.add_space(space::ROW);
-    decision = all(ui, offer).or(decision);
+    decision = all(ui, offered.len()).or(decision);
     ui.add_space(space::PAGE_MARGIN);
     decision
 }
 
-fn card(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
+fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {
     let mut decision = None;
     let palette = theme::palette(ui);
-    let left = &offer.left[index];
+    let left = &offered[index];
     let frame = Frame::NONE
         .fill(palette.raised)
         .stroke(Stroke::new(size::HAIRLINE, palette.line2))
@@ -94,10 +85,10 @@ fn card(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
                 ui.add_space(space::ROW);
                 let size = vec2(ui.available_width(), PICTURE);
                 let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-                words(ui, rect, left, offer.clock);
+                words(ui, rect, left, clock);
                 let row = Rect::from_min_max(pos2(rect.left(), rect.bottom() - size::BUTTON), rect.max);
                 let row = UiBuilder::new().max_rect(row).layout(Direction::left_to_right(Align::Center));
-                ui.scope_builder(row, |ui| decision = buttons(ui, offer, index));
+                ui.scope_builder(row, |ui| decision = buttons(ui, offered, index, clock));
             });
         });
         ui.add_space(space::WIDGET);
@@ -144,7 +135,7 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
         ui.add(Label::new(heading).truncate()).on_hover_text(left.path.display().to_string());
         for (text, colour) in [
             (format::capitalised(&left.when(clock)), palette.text),
-            (format!("{}: {}", left.place(), lower(&left.work())), palette.text2),
+            (format!("{}: {}", left.place(), format::uncapitalised(&left.work())), palette.text2),
         ] {
             ui.add(Label::new(RichText::new(text).color(colour)).truncate());
         }
@@ -156,8 +147,8 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
     });
 }
 
-fn buttons(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
-    let left = &offer.left[index];
+fn buttons(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {
+    let left = &offered[index];
     let hover = "Go on with it; it stays unsaved until you save it";
     let restore = if index == 0 {
         primary_button(ui, "Restore")
@@ -165,10 +156,10 @@ fn buttons(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
         ui.add(Button::new("Restore").min_size(vec2(0.0, size::BUTTON)))
     };
     let discard = ui.add(Button::new("Discard").min_size(vec2(0.0, size::BUTTON)));
-    if offer.left.len() > 1 {
+    if offered.len() > 1 {
         // Who only hears the buttons is to know which copy they are about.
         for (response, word) in [(&restore, "Restore"), (&discard, "Discard")] {
-            let name = format!("{word} {}, {}", left.take, left.when(offer.clock));
+            let name = format!("{word} {}, {}", left.take, left.when(clock));
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         }
     }
@@ -178,7 +169,7 @@ fn buttons(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
 }
 
 /// What may be done with all copies at once.
-fn all(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
+fn all(ui: &mut Ui, count: usize) -> Option<Decision> {
     let mut decision = None;
     let row = vec2(WIDTH, size::BUTTON);
     ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
@@ -189,16 +180,10 @@ fn all(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
             }
         };
         button("Decide later", "All of it is kept, and the File menu offers it", Decision::Later);
-        if offer.left.len() > 1 {
+        if count > 1 {
             let hover = "None of them is offered any longer; they can be opened as projects later";
             button("Discard all", hover, Decision::DiscardAll);
         }
     });
     decision
-}
-
-/// The text without a capital letter.
-fn lower(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

@@ -11,16 +11,16 @@ use std::path::Path;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
-use backlit_jobs::{News, once};
+use backlit_jobs::once;
 
 use super::{CopyNote, Left, Recovery, Thumbnail};
-use crate::context::FeatureRequest;
 use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::feature::Feature;
-use crate::context::unavailable::Why;
-use crate::context::unavailable::because;
-use crate::context::{Context, Decision, DesktopRequest, FeatureCard, Requests, ShellRequest};
+use crate::context::unavailable::{Why, because};
+use crate::context::{
+    Context, Decision, DesktopRequest, FeatureCard, FeatureRequest, Requests, ShellRequest,
+};
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
 /// can be lost.
@@ -176,21 +176,17 @@ impl Recovery {
     }
 
     fn take_in_written(&mut self, requests: &mut Requests) {
-        for news in self.task.poll() {
-            match news {
-                News::Output(Ok(())) => {
+        for written in requests.outputs("Writing a file", &mut self.task) {
+            match written {
+                Ok(()) => {
                     let version = self.task.inputs().copied();
                     self.wrote(version.unwrap_or(Version::NONE), requests);
                 }
-                News::Output(Err(error)) => self.copy_failed(&error.to_string(), requests),
-                News::Ended => {}
-                News::Failed(failure) => {
-                    // It is tried again later, not at once.
-                    self.failed = true;
-                    requests.failed("Writing a file", &failure);
-                }
+                Err(error) => self.copy_failed(&error.to_string(), requests),
             }
         }
+        // What broke down is tried again later, not at once.
+        self.failed |= self.task.failure().is_some();
     }
 
     fn wrote(&mut self, version: Version, requests: &mut Requests) {
@@ -306,12 +302,22 @@ impl Recovery {
     /// Something was opened: the copy of what was there before stays as it is, and is offered. Says whether what was
     /// opened is work that was left, and what is known about that.
     pub(crate) fn begin(&mut self, opened: Option<&Path>) -> Option<CopyNote> {
-        let about = self.adopt(opened);
-        if let Some(copies) = &self.copies {
-            // What cannot be read was said at the start.
-            self.offered = copies.left().0;
+        self.task.forget();
+        self.written = None;
+        self.begun = None;
+        self.failed = false;
+        self.is_picture_old = false;
+        self.has_stayed_open = false;
+        let copies = self.copies.as_mut()?;
+        copies.leave();
+        let adopted = self.adopted.take().filter(|left| Some(left.path.as_path()) == opened);
+        // If another window was quicker, this one writes a copy of its own.
+        if adopted.as_ref().is_some_and(|left| copies.adopt(&left.path).unwrap_or(false)) {
+            self.written = Some(Version::NONE);
         }
-        about
+        // What cannot be read was said at the start.
+        self.offered = copies.left().0;
+        adopted.map(|left| left.about)
     }
 
     /// Tells of what was left and was not told of before: by an earlier window, or by this one when it opened something
@@ -333,22 +339,5 @@ impl Recovery {
         };
         self.told.extend(self.offered.iter().map(|left| left.path.clone()));
         Some(text)
-    }
-
-    fn adopt(&mut self, opened: Option<&Path>) -> Option<CopyNote> {
-        self.task.forget();
-        self.written = None;
-        self.begun = None;
-        self.failed = false;
-        self.is_picture_old = false;
-        self.has_stayed_open = false;
-        let copies = self.copies.as_mut()?;
-        copies.leave();
-        let left = self.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;
-        // If another window was quicker, this one writes a copy of its own.
-        if copies.adopt(&left.path).unwrap_or(false) {
-            self.written = Some(Version::NONE);
-        }
-        Some(left.about)
     }
 }

@@ -170,7 +170,7 @@ pub fn name_choices(choices: &mut [FitChoice]) {
         if choice.hypotheses.is_some() { format!("{name}, search") } else { name }
     };
     let plain = plain_names(&runs).into_iter().zip(choices.iter()).map(searches).collect();
-    for (choice, name) in choices.iter_mut().zip(count_twins(plain)) {
+    for (choice, name) in choices.iter_mut().zip(count_twins(plain, |_| false)) {
         choice.name = name;
     }
 }
