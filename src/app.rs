@@ -1,16 +1,4 @@
 //! The inspector on a desktop: the frame loop, files, settings, pictures without a display.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `inspector` | [`Inspector`]: all that is shown and worked on, without a desktop; its frame |
-//! | `state` | [`State`]: what the context lends to features and shell |
-//! | `requests` | what was asked for is done |
-//! | `refresh`, `survey_job` | what the screen lacks is made |
-//! | `files`, `dropping`, `open_job`, `opened` | files asked for, read, written; what follows when a take is open |
-//! | `settings`, `settings_file` | what is kept from start to start |
-//! | `off_screen`, `headless` | pictures for exports and without a display |
-//! | `state_dump` | the state as a file, for tests from outside |
-//! | `window` | the window is opened |
 
 pub(crate) mod dropping;
 pub(crate) mod files;

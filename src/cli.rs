@@ -130,11 +130,8 @@ const PICTURE: &str = "backlit-window.png";
 /// Names the file that the window writes its state to, where no option does.
 const STATE_VARIABLE: &str = "BACKLIT_STATE";
 
-/// Opens the window, or tracks the take and writes the window's picture if there is none. The window writes its
-/// state to `state_file`.
-///
-/// # Errors
-/// What is not there or cannot be opened, or a picture that cannot be written.
+/// Opens the window, or tracks the take and writes the window's picture if there is none. The window writes its state
+/// to `state_file`. Errors: what is not there or cannot be opened, or a picture that cannot be written.
 fn open(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if let Some(path) = path.filter(|path| !path.exists()) {
         return Err(match no_such_command(path) {

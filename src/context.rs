@@ -56,25 +56,18 @@ use backlit_ui::drawing::Ghosts;
 pub struct Context<'a> {
     /// The document with its past.
     pub(crate) history: &'a History,
-    /// Derived data.
     pub(crate) session: &'a Session,
-    /// What is selected.
     pub(crate) selection: &'a Selection,
-    /// The arrangement.
     pub(crate) preferences: &'a Preferences,
-    /// What was said.
     pub(crate) notices: &'a Notices,
-    /// Work in progress.
     pub(crate) busy: Activity,
     /// Which derivatives the views show.
     pub(crate) derivatives: Derivatives,
-    /// The project file, if there is one.
     pub(crate) project: Option<&'a Path>,
     /// Whether a project was not opened since its take was not there.
     pub(crate) lacks_take: bool,
     /// The pane that fills the centre.
     pub(crate) alone: Option<Pane>,
-    /// How frames are played.
     pub(crate) playback: &'a Playback,
     /// What all camera views share.
     pub(crate) views: ViewSettings,
@@ -86,7 +79,6 @@ pub struct Context<'a> {
     pub(crate) motions: &'a MotionMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<&'a Ghosts>,
-    /// What time it is.
     pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub(crate) doing: Option<&'a str>,
@@ -94,17 +86,13 @@ pub struct Context<'a> {
     pub(crate) is_covered: bool,
     /// Whether work is offered that an earlier start of the program left unsaved.
     pub(crate) offers_unsaved_work: bool,
-    /// What cannot be used in this frame.
     pub(crate) unavailable: &'a Unavailable,
-    /// Whether a change of the layout can be taken back.
     pub(crate) can_restore_layout: bool,
     /// Time that the last frame of the window took, in seconds.
     pub(crate) frame_seconds: f64,
     /// Seconds since the window was opened.
     pub(crate) now: f64,
-    /// The threads, for the features' tasks.
     pub(crate) pool: &'a Pool,
-    /// The window's own context.
     pub(crate) egui: &'a egui::Context,
 }
 
@@ -112,9 +100,7 @@ pub struct Context<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Published {
     pub(crate) observability: ObservabilityMarks,
-    /// What the tracked motion is called.
     pub(crate) motions: MotionMarks,
-    /// Bodies in the place of the posed one.
     pub(crate) ghosts: Option<Arc<Ghosts>>,
 }
 
@@ -123,7 +109,6 @@ impl<'a> Context<'a> {
         self.history.document()
     }
 
-    /// The runs of the fit.
     pub(crate) fn runs(&self) -> &'a Runs {
         self.history.runs()
     }

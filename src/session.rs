@@ -25,7 +25,6 @@ use crate::session::prediction::Predicted;
 /// Bounds in a camera's pictures: left, top, right, bottom, in pixels.
 pub(crate) type Extent = [f32; 4];
 
-/// The bounds of both together.
 pub(crate) fn union(a: Extent, b: Extent) -> Extent {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }

@@ -27,7 +27,6 @@ use crate::features::Features;
 /// The state of what stands around the features.
 #[derive(Debug, Default)]
 pub(crate) struct Shell {
-    /// Tiles of the centre.
     pub(crate) docking: docking::Docking,
     pub(crate) overlay: Option<Overlay>,
     /// Files over the window, and what they are.
@@ -46,7 +45,6 @@ pub(crate) enum Overlay {
 }
 
 impl Shell {
-    /// The whole window.
     pub(crate) fn ui(
         &mut self,
         ui: &mut Ui,

@@ -21,7 +21,6 @@ use crate::context::file_dialog::{DialogKind, FileDialogs};
 use crate::context::priority;
 use crate::context::write_advice::write_advice;
 
-/// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";
 
 /// The program that opens anything with the program that the user likes for it.
@@ -47,7 +46,6 @@ enum Asked {
 pub(crate) struct Files {
     pub(crate) open: Task<(), Opened, { priority::OPEN }>,
     pub(crate) save: Task<PathBuf, Result<Version, ProjectError>, { priority::SAVE }>,
-    /// What was dropped on the window.
     pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>, { priority::TAKE_IN }>,
     /// Tables, plots, numbers. They are written one after the other.
     writes: Vec<Task<PathBuf, anyhow::Result<()>, { priority::WRITE }>>,
@@ -55,7 +53,6 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Opens a take or a project. What is not saved is kept as a copy.
     pub(crate) fn open(&mut self, inspector: &mut Inspector, opening: Opening) {
         let may_leave = inspector.ask(|features, context, requests| {
             features.recovery.may_leave("Not opened", "open it", context, requests)
@@ -66,7 +63,6 @@ impl Files {
         }
     }
 
-    /// Opens the project whose take was not there with the take in this folder.
     pub(crate) fn find_take(&mut self, inspector: &mut Inspector, take: &Path) {
         if let Some(project) = inspector.state.lost_take.clone() {
             self.open(inspector, Opening::Moved { project, take: take.to_owned() });
@@ -89,7 +85,6 @@ impl Files {
         }
     }
 
-    /// Writes the project to a file.
     pub(crate) fn save_to(&mut self, state: &State, path: &Path) {
         let history = &state.history;
         let (document, runs, version) =

@@ -21,10 +21,8 @@ use crate::features::export::ExportOrder;
 /// What has come to rest so often is at rest; what plays never is.
 const ROUNDS: usize = 2;
 
-/// What the picture shows.
 #[derive(Debug, Clone)]
 pub(crate) struct PictureOptions {
-    /// Dark or light.
     pub(crate) theme: Theme,
     /// What the window is arranged for; `None` is for posing, or as a demonstration opens.
     pub(crate) layout: Option<Layout>,
@@ -55,11 +53,8 @@ impl Default for PictureOptions {
     }
 }
 
-/// Opens something in a window that nobody sees, goes to the frame, fits it as asked, and paints the window
-/// once there is nothing more to do.
-///
-/// # Errors
-/// It cannot be opened: the error says why.
+/// Opens something in a window that nobody sees, goes to the frame, fits it as asked, and paints the window once
+/// there is nothing more to do. Errors: it cannot be opened: the error says why.
 pub(crate) fn headless_picture(
     opening: Opening,
     options: &PictureOptions,
@@ -84,9 +79,7 @@ fn faults(app: &App) -> Vec<String> {
 }
 
 /// The same, but instead of the window's picture it writes what the order says: one camera's picture, or a series.
-///
-/// # Errors
-/// It cannot be opened, there is no such camera, the series is empty, or the files cannot be written.
+/// Errors: it cannot be opened, there is no such camera, the series is empty, or the files cannot be written.
 pub(crate) fn headless_export(
     opening: Opening,
     options: &PictureOptions,

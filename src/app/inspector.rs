@@ -213,7 +213,6 @@ impl Inspector {
         requests
     }
 
-    /// Shows all panels.
     fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         let state = &mut self.state;
         if let Some(next) = state.notices.tick() {

@@ -31,11 +31,8 @@ pub enum Opening {
 
 #[derive(Debug)]
 pub(crate) struct OpenedProject {
-    /// What it holds.
     pub(crate) document: Box<Document>,
-    /// Its runs of the fit.
     pub(crate) runs: Vec<Run>,
-    /// The file.
     pub(crate) path: PathBuf,
     /// Whether it is not any more as it is in the file: its take has moved.
     pub(crate) is_changed: bool,
@@ -49,12 +46,7 @@ pub(crate) enum Opened {
     /// A take, where it came from, and the project that named it, if it was one.
     Take(Arc<Footage>, Option<TakeSource>, Option<OpenedProject>),
     /// The take of a project is not where it was.
-    TakeMissing {
-        /// The project.
-        project: PathBuf,
-        /// What is missing.
-        why: String,
-    },
+    TakeMissing { project: PathBuf, why: String },
     /// Nothing; why not.
     Nothing(String),
 }

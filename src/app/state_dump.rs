@@ -39,7 +39,6 @@ struct StateWriter {
     has_failed: bool,
 }
 
-/// The file's content.
 #[derive(Debug, Serialize, PartialEq)]
 struct Exported {
     pixels_per_point: f32,
@@ -53,7 +52,6 @@ struct Exported {
 struct Pointer {
     /// Points of the window; nothing where the pointer is outside.
     at: Option<[f32; 2]>,
-    /// Whether a button is down.
     is_down: bool,
 }
 
@@ -142,7 +140,6 @@ pub(crate) fn export(app: &App, path: &Path) {
     writer.lock().state = exported_state(app);
 }
 
-/// What matters of the window.
 fn exported_state(app: &App) -> Value {
     let inspector = &app.inspector;
     let (state, features, shell) = (&inspector.state, &inspector.features, &inspector.shell);

@@ -35,12 +35,10 @@ pub(crate) fn open(layout: Layout) -> (Headless, App) {
     open_take(Demonstration::SingleLimb, layout)
 }
 
-/// A window on a demonstration, in a layout.
 pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> (Headless, App) {
     open_source(TakeSource::Demonstration(demonstration), layout)
 }
 
-/// A window on any take, in a layout.
 pub(crate) fn open_source(source: TakeSource, layout: Layout) -> (Headless, App) {
     let mut window = Headless::new(1100.0, 700.0, 1.0);
     let opening = Some(Opening::Take(source));

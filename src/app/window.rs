@@ -38,7 +38,6 @@ fn first_size(screen: Vec2) -> Vec2 {
     LARGEST_FIRST.min(screen - BARS).max(size::WINDOW_MIN)
 }
 
-/// Whether there is a display to open a window on.
 pub(crate) fn has_display() -> bool {
     if cfg!(any(target_os = "windows", target_os = "macos")) {
         return true;
@@ -48,10 +47,8 @@ pub(crate) fn has_display() -> bool {
 }
 
 /// Opens the window and returns when it is closed. With `state_file` it writes its state there: see
-/// [`AppOptions::state_file`].
-///
-/// # Errors
-/// There is no display, or no window can be opened on it. The caller may go on without one.
+/// [`AppOptions::state_file`]. Errors: there is no display, or no window can be opened on it. The caller may go on
+/// without one.
 pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)"));

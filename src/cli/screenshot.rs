@@ -148,10 +148,8 @@ fn iterations(text: &str) -> Result<Iterations, &'static str> {
     text.parse().ok().map(|count| Iterations(Some(count))).ok_or("expected a number, or end")
 }
 
-/// Draws the window, or a part of it, and writes the picture or the pictures.
-///
-/// # Errors
-/// What cannot be opened, or a file that cannot be written.
+/// Draws the window, or a part of it, and writes the picture or the pictures. Errors: what cannot be opened, or a
+/// file that cannot be written.
 pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let order = order(arguments)?;

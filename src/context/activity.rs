@@ -14,7 +14,6 @@ pub(crate) struct Activity {
     pub(crate) loading: bool,
     /// Whether reading the frame on the screen broke down.
     pub(crate) load_broke: bool,
-    /// A fit is running.
     pub(crate) fitting: bool,
     /// The number of its run.
     pub(crate) fitted_run: Option<usize>,
@@ -48,7 +47,6 @@ pub(crate) struct TrackingProgress {
     pub(crate) between: Option<(usize, usize)>,
     /// The frames that are tracked.
     pub(crate) range: FrameRange,
-    /// When it began.
     pub(crate) began: Instant,
 }
 

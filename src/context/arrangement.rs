@@ -1,11 +1,4 @@
 //! How panes are arranged in the centre: a tree of splits and tabs.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `automatic` | the arrangement that follows the window, until the user changes it |
-//! | `kept` | arrangements of the user's own, by layout and number of cameras |
-//! | `change` | opening, closing, showing a pane |
-//! | `snap` | splits that snap at thirds and halves |
 
 mod automatic;
 mod change;

@@ -1,10 +1,4 @@
 //! The commands of menus, toolbar, palette and keyboard, grouped by the feature that does them.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `groups` | the commands of each feature |
-//! | `table` | text, tooltip, menu and keys of every command |
-//! | `keys` | which keys were pressed, and how they are written |
 
 /// Declares groups of commands. `every` lists those of a group: a variant that carries something says what it may be.
 macro_rules! groups {
@@ -45,7 +39,6 @@ use backlit_take::demonstration::Demonstration;
 use table::{CommandRow, TABLE};
 
 groups! {
-    /// A command.
     Command {
         File(FileCommand) of FileCommand::every(),
         History(HistoryCommand) of HistoryCommand::every(),
@@ -75,7 +68,6 @@ impl Command {
         TABLE.iter().map(|row| row.command)
     }
 
-    /// The commands of a menu.
     pub(crate) fn in_menu(menu: Menu) -> impl Iterator<Item = Self> {
         TABLE.iter().filter(move |row| row.menu == menu).map(|row| row.command)
     }
@@ -98,12 +90,10 @@ impl Command {
         }
     }
 
-    /// The menu it stands in.
     pub(crate) fn menu(self) -> Option<Menu> {
         self.row().map(|row| row.menu)
     }
 
-    /// Its keys.
     pub(crate) fn shortcuts(self) -> &'static [KeyboardShortcut] {
         self.row().map_or(&[], |row| row.keys)
     }
@@ -127,11 +117,9 @@ pub(crate) enum Menu {
 }
 
 impl Menu {
-    /// All menus.
     pub(crate) const ALL: [Self; 7] =
         [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Demonstrate, Self::Help];
 
-    /// The menu's label.
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::File => "File",

@@ -11,7 +11,6 @@ use crate::context::pane::Pane;
 use crate::context::unavailable::Why;
 use crate::context::{Context, FeatureRequest, Published, Requests};
 
-/// One feature of the window.
 pub(crate) trait Feature {
     /// Takes in what its tasks have done, and asks for what it lacks.
     fn update(&mut self, _: &Context<'_>, _: &mut Requests) {}
@@ -32,7 +31,6 @@ pub(crate) trait Feature {
     /// Answers a request, if it is meant.
     fn answer(&mut self, _: &FeatureRequest, _: &Context<'_>, _: &mut Requests) {}
 
-    /// The pane that it fills.
     fn fills(&self) -> Option<Pane> {
         None
     }

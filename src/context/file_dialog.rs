@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// What a dialog asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum DialogKind {
     /// A folder that is there.
@@ -14,7 +13,6 @@ pub(crate) enum DialogKind {
     NewFile(String, &'static [&'static str]),
 }
 
-/// A dialog that cannot be shown.
 #[derive(Debug, thiserror::Error)]
 #[error("No file dialog can be shown: {0}. Drop the file on the window instead.")]
 pub(crate) struct NoDialog(std::io::Error);
@@ -34,10 +32,7 @@ impl<Asked> Default for FileDialogs<Asked> {
 }
 
 impl<Asked: Send + 'static> FileDialogs<Asked> {
-    /// Asks, on a thread that lives as long as the dialog.
-    ///
-    /// # Errors
-    /// The system gives no thread for it.
+    /// Asks, on a thread that lives as long as the dialog. Errors: the system gives no thread for it.
     pub(crate) fn ask(
         &self,
         egui: &egui::Context,

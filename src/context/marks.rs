@@ -31,7 +31,6 @@ pub(crate) struct ObservabilityMarks {
 /// What cameras know of joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Uncertainty {
-    /// The body.
     pub(crate) model: Arc<Model>,
     pub(crate) joints: Vec<JointUncertainty>,
     /// Whether the cameras are others than those in use.
@@ -108,7 +107,6 @@ pub(crate) struct DragMarks {
 }
 
 impl DragMarks {
-    /// Whether something is dragged.
     pub(crate) fn is_dragging(&self) -> bool {
         self.camera.is_some()
     }

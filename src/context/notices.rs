@@ -25,11 +25,9 @@ pub(crate) enum Severity {
 pub struct Notice {
     /// Names it for closing.
     pub(crate) id: u64,
-    /// How bad it is.
     pub(crate) severity: Severity,
     /// The sentence.
     pub text: String,
-    /// The button.
     pub(crate) command: Option<Command>,
     /// When it was said, in seconds of the window's clock.
     pub(crate) said: f64,
@@ -80,7 +78,6 @@ impl Notices {
         &self.kept
     }
 
-    /// Closes a card.
     pub(crate) fn close(&mut self, id: u64) {
         for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
             notice.is_open = false;

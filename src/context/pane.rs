@@ -70,7 +70,6 @@ impl Pane {
         }
     }
 
-    /// What it shows, in words.
     pub(crate) fn explanation(self) -> &'static str {
         self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].4)
     }
@@ -81,7 +80,6 @@ impl Pane {
         egui::Id::unique(("pane", self))
     }
 
-    /// Where it comes in when it has no place yet.
     pub(crate) fn side(self) -> PaneSide {
         self.row().map_or(PaneSide::Right, |row| Self::KINDS[row].2)
     }

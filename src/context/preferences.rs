@@ -46,21 +46,13 @@ pub(crate) const FRAMES_MB_CHOICES: std::ops::RangeInclusive<usize> = 64..=65_53
 /// The arrangement; what it is at first is said by the settings.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Preferences {
-    /// Dark or light.
     pub(crate) theme: Theme,
-    /// What it is arranged for.
     pub(crate) layout: Layout,
-    /// Whether the right panel is there.
     pub(crate) panel: bool,
-    /// Megabytes that frames which were read may take.
     pub(crate) frames_mb: usize,
-    /// Takes that were opened last, the newest first.
     pub(crate) recent: Vec<PathBuf>,
-    /// How the user has arranged the tiles.
     pub(crate) kept: Kept,
-    /// Names of the commands that were chosen last in the palette, the newest first.
     pub(crate) used_commands: Vec<String>,
-    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub(crate) generation: u32,
 }
 

@@ -6,7 +6,6 @@ use backlit_jobs::{Crew, priority};
 pub(crate) const PREDICTION: u8 = priority(Crew::Screen, 0);
 /// The pictures of the laboratory's step.
 pub(crate) const LABORATORY_LOOK: u8 = priority(Crew::Screen, 1);
-/// Opening a take.
 pub(crate) const OPEN: u8 = priority(Crew::Screen, 2);
 /// Reading dropped files.
 pub(crate) const TAKE_IN: u8 = priority(Crew::Screen, 3);
@@ -16,7 +15,6 @@ pub(crate) const CALIBRATION: u8 = priority(Crew::Screen, 4);
 pub(crate) const FRAME: u8 = priority(Crew::Screen, 5);
 /// The fit of one frame.
 pub(crate) const FIT: u8 = priority(Crew::Screen, 6);
-/// The laboratory's fits.
 pub(crate) const LABORATORY: u8 = priority(Crew::Screen, 7);
 /// What the cameras see of the pose on the screen.
 pub(crate) const OBSERVABILITY: u8 = priority(Crew::Screen, 8);
@@ -26,7 +24,6 @@ pub(crate) const SCENE: u8 = priority(Crew::Drawing, 0);
 
 /// Writing a project or the copy of unsaved work.
 pub(crate) const SAVE: u8 = priority(Crew::Saving, 0);
-/// Writing the settings.
 pub(crate) const SETTINGS: u8 = priority(Crew::Saving, 1);
 /// Writing a table, a plot or numbers.
 pub(crate) const WRITE: u8 = priority(Crew::Saving, 2);

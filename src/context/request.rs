@@ -38,11 +38,9 @@ pub(crate) enum SessionRequest {
     Visit(usize),
     /// Go on to the frame that the tracker has reached.
     Follow(usize),
-    /// Hold a joint.
     Joint(JointId),
     /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
-    /// Look at a step of a run.
     Step(StepRef),
     /// Leave the step that is looked at: the pose is the document's again.
     LeaveStep,
@@ -50,7 +48,6 @@ pub(crate) enum SessionRequest {
     Runs(RunChange),
     /// Undo all of a gesture that goes on, as if it had not begun.
     CancelGesture(Gesture),
-    /// Change how frames are played.
     Playback(PlaybackChange),
 }
 
@@ -60,7 +57,10 @@ pub(crate) enum ShellRequest {
     /// Make a camera's tile the active one.
     Camera(usize),
     /// Show another camera in the tile of one.
-    SwitchCamera { from: usize, to: usize },
+    SwitchCamera {
+        from: usize,
+        to: usize,
+    },
     /// How the window is arranged.
     Layout(Layout),
     /// Show all tiles again, if one fills the window.
@@ -71,11 +71,8 @@ pub(crate) enum ShellRequest {
     Arrange(Box<Arrangement>),
     /// Lay a feature's card over the window.
     OpenCard(FeatureCard),
-    /// Close what lies over the window.
     CloseCard,
-    /// Close all notices.
     CloseNotices,
-    /// Close a notice.
     CloseNotice(u64),
     /// Close the notices that begin so: that is over.
     CloseNoticesAbout(&'static str),
@@ -101,7 +98,6 @@ pub(crate) enum ShellRequest {
 #[derive(Debug)]
 pub(crate) enum DesktopRequest {
     File(FileCommand),
-    /// Open a take.
     Open(TakeSource),
     /// Open whatever a path is.
     OpenPath(PathBuf),
@@ -109,7 +105,6 @@ pub(crate) enum DesktopRequest {
     OpenOutside(String),
     /// Begin the export that was put together on its card.
     Export,
-    /// Write a file.
     Write(Write),
 }
 
@@ -219,7 +214,6 @@ impl Requests {
         self.edits.push((edit, Some(gesture)));
     }
 
-    /// Asks for a command.
     pub(crate) fn run(&mut self, command: Command) {
         self.commands.push(command);
     }

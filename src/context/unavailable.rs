@@ -74,7 +74,6 @@ pub(crate) fn no_silhouette(context: &Context<'_>) -> Why {
     )
 }
 
-/// Why this frame cannot be fitted.
 pub(crate) fn no_fit(context: &Context<'_>) -> Why {
     let is_read = context.session.frames.get(context.selection.frame).is_some();
     no_camera(context).or(because(!is_read, "This frame is still being read")).or(no_body_fit(context))
@@ -90,7 +89,6 @@ fn no_camera(context: &Context<'_>) -> Why {
     no_take(context).or(because(is_none, "No camera is used in the fit: tick one beside its view"))
 }
 
-/// Why nothing can be done with what was tracked.
 pub(crate) fn not_tracked(context: &Context<'_>) -> Why {
     because(context.document().estimates.is_empty(), "No frame is tracked yet")
 }

@@ -36,7 +36,6 @@ impl ViewSettings {
     /// Slowest and fastest blink, changes per second.
     pub(crate) const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
 
-    /// The level of trees of spheres that is drawn.
     pub(crate) fn drawn_level(&self) -> usize {
         self.sphere_level.unwrap_or(usize::MAX)
     }

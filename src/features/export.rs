@@ -27,7 +27,6 @@ mod job;
 mod motion_card;
 pub(crate) mod series;
 
-/// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Export {
     /// What was chosen last, kept from start to start.
@@ -42,14 +41,12 @@ pub(crate) struct Export {
     dialogs: FileDialogs<()>,
 }
 
-/// A card over the window.
 #[derive(Debug)]
 enum ExportCard {
     Pictures(Box<ExportDialog>),
     Motion(Box<MotionCard>),
 }
 
-/// An export that is under way.
 #[derive(Debug)]
 struct ExportProgress {
     path: PathBuf,

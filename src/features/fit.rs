@@ -1,13 +1,4 @@
 //! The fit of the frame on the screen: stepping, running, refitting a part.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `update` | begun, gone on with, its steps taken in, stopped |
-//! | `job` | the fit, one iteration a step |
-//! | `variants` | the same start once more with each renderer, preset or ramp; which rotations a refit may move |
-//! | `refit` | the section of that name, and what the last refit has done |
-//! | `stages` | the table of stages in the section of the solver |
-//! | `solver`, `renderer`, `measurement` | the sections of those names |
 
 mod job;
 pub(crate) mod measurement;

@@ -76,10 +76,7 @@ struct Looked {
     pictures: Vec<Option<Arc<ColorImage>>>,
 }
 
-/// Looks through folders.
-///
-/// # Errors
-/// Why no take can be made, in a sentence.
+/// Looks through folders. Errors: why no take can be made, in a sentence.
 fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
     let found = import::survey(paths, options).map_err(|error| error.to_string())?;
     let picture = |camera: &import::ImportCamera| {

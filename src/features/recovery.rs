@@ -19,7 +19,6 @@ use backlit_jobs::Task;
 
 use crate::context::priority;
 
-/// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Recovery {
     /// `None` without a folder for them.
@@ -55,7 +54,6 @@ impl Recovery {
         Self { copies: folder.map(Copies::new), ..Self::default() }
     }
 
-    /// What earlier windows have left and the user has not decided about.
     pub(crate) fn offered(&self) -> &[Left] {
         &self.offered
     }

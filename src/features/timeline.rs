@@ -1,14 +1,4 @@
 //! The timeline: transport, and the frames with lanes of RMS, overlap and steps.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `transport` | the row of buttons |
-//! | `span` | which frames are on the screen, and where |
-//! | `lanes` | the curves |
-//! | `extra_lanes` | the lanes of motions by name and of limbs that nothing holds |
-//! | `marks` | ruler, key poses, lost and worst frames, the frame on the screen |
-//! | `update` | commands, and how long frames take to be read |
-//! | `read_out` | the frame under the pointer |
 
 mod extra_lanes;
 mod lanes;

@@ -1,14 +1,5 @@
 //! Work on many frames, one kind at a time: the tracker, the search for other poses that fit a frame, and the fit of the
 //! body's own sizes. A job sends what is to be done with its results, see [`Applied`].
-//!
-//! | file | holds |
-//! |---|---|
-//! | `update` | begun, stopped, results taken in |
-//! | `job` | the tracker's run |
-//! | `body` | a body's sizes, a body of spheres, a person, from several frames |
-//! | `background_job` | plates learnt again without the tracked body |
-//! | `choices` | how it tracks, in the Solver section |
-//! | `other_poses` | what a search has found, in the Refit section |
 
 mod background_job;
 mod body;

@@ -65,7 +65,6 @@ impl SegmentedFrames {
         self.bytes = self.frames.iter().map(|frame| bytes(frame)).sum();
     }
 
-    /// Forgets all frames.
     pub(crate) fn clear(&mut self) {
         self.retain(|_| false);
     }

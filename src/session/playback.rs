@@ -8,9 +8,7 @@ pub(crate) const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0];
 /// Frames from one to another, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct FrameRange {
-    /// The first frame.
     pub(crate) first: usize,
-    /// The last frame.
     pub(crate) last: usize,
 }
 
@@ -20,7 +18,6 @@ impl FrameRange {
         Self { first: a.min(b), last: a.max(b) }
     }
 
-    /// Number of frames.
     pub(crate) fn count(self) -> usize {
         self.last - self.first + 1
     }
@@ -50,9 +47,7 @@ struct RunningFilm {
 /// What is asked of the playing of frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum PlaybackChange {
-    /// Play, or stop playing.
     PlayOrPause,
-    /// Stop playing.
     Pause,
     /// Play at this multiple of the take's speed.
     Speed(f64),

@@ -91,7 +91,6 @@ impl PartialEq for PosedInputs {
     }
 }
 
-/// One camera's prediction.
 #[derive(Debug, Clone)]
 pub(crate) struct CameraPrediction {
     /// Λ, with the owner of each pixel.

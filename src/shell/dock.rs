@@ -215,7 +215,6 @@ impl Dock<'_> {
         theme::colours(theme)
     }
 
-    /// Panes that stand behind this one.
     fn siblings(&self, pane: Pane) -> Vec<Pane> {
         if !self.shows_siblings {
             return Vec::new();

@@ -13,9 +13,7 @@ use crate::session::selection::Selection;
 /// What belongs to the tiles and is not kept for the next start.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Docking {
-    /// The pane that fills the centre.
     pub(crate) alone: Option<Pane>,
-    /// The two cameras that are shown where there is room for two.
     pub(crate) pair: [usize; 2],
     /// Size of the centre in the last frame, in points.
     pub(crate) size: Vec2,

@@ -24,7 +24,6 @@ pub(crate) struct Palette {
     marked: usize,
 }
 
-/// A command that fits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Match {
     command: Command,

@@ -70,7 +70,6 @@ fn is_there(ui: &Ui, path: &Path) -> bool {
     is_there
 }
 
-/// Whether there are any.
 pub(crate) fn has_any(context: &Context<'_>) -> bool {
     !context.preferences.recent.is_empty()
 }

@@ -14,7 +14,6 @@ use crate::features::tracking::choices as tracking_choices;
 /// Below this width of the window the panel takes its smallest width.
 const NARROW: f32 = 1200.0;
 
-/// The column.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::ZERO);

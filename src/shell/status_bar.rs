@@ -14,7 +14,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
 
-/// The status bar.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));

@@ -26,7 +26,6 @@ const SWITCH: f32 = 318.0;
 /// Height of the bar that says that something takes its time.
 const BUSY: f32 = 2.0;
 
-/// The toolbar.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));

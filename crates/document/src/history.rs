@@ -48,7 +48,6 @@ struct Snapshot {
     what: String,
 }
 
-/// What can be undone.
 #[derive(Debug, Clone)]
 enum UndoEntry {
     /// A change of the document.

@@ -2,11 +2,6 @@
 //!
 //! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
 //! back to the bit.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `record` | the file as it is, and the document, both ways |
-//! | `run_record` | the runs of the fit, both ways |
 
 mod record;
 mod run_record;

@@ -168,7 +168,6 @@ impl Run {
     }
 }
 
-/// A count of steps in words.
 fn steps_text(count: usize) -> String {
     if count == 1 { "1 step".to_owned() } else { format!("{count} steps") }
 }

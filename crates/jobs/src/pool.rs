@@ -110,10 +110,8 @@ impl QueuePosition {
     }
 }
 
-/// Does a step of a job.
 pub(super) type RunTurn = Box<dyn FnMut() -> Turn + Send>;
 
-/// A job that waits for its turn.
 pub(super) struct Slot {
     pub(super) cancel: CancelToken,
     pub(super) run: RunTurn,

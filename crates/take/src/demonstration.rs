@@ -1,11 +1,5 @@
 //! Demonstrations: the report's experiments, prepared so that the window shows them. They are takes made in memory,
 //! with fits that the laboratory shows side by side, and a sentence or two that say what to look at.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `take` | the simulated take of each |
-//! | `occluded` | squats that silhouettes do not hold |
-//! | `real` | the real footage in small pictures |
 
 mod occluded;
 mod real;
@@ -70,7 +64,6 @@ pub enum Demonstration {
     Begin,
 }
 
-/// What is known of a demonstration.
 struct DemonstrationData {
     which: Demonstration,
     name: &'static str,

@@ -27,9 +27,7 @@ const SCENE: f32 = 0.386;
 /// What the automatic arrangement depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Centre {
-    /// What the window is arranged for.
     pub(crate) layout: Layout,
-    /// Cameras of the take.
     pub(crate) cameras: usize,
     /// The two cameras that are shown where there is room for two.
     pub(crate) pair: [usize; 2],
@@ -44,7 +42,6 @@ pub(crate) fn has_strip(centre: &Centre) -> bool {
     centre.layout != Layout::Debug && centre.cameras > 2 && centre.size.x < TWO_TILES_BELOW
 }
 
-/// The arrangement that suits the centre.
 pub(crate) fn automatic(centre: &Centre) -> Arrangement {
     let mut plan = Plan { tiles: Tiles::default() };
     let root = if centre.layout == Layout::Debug {

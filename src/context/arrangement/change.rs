@@ -8,7 +8,6 @@ use crate::context::pane::{Pane, PaneSide};
 /// A pane that comes in takes this share of the window, where it has no place yet.
 const NEW: f32 = 1.0 / 3.0;
 
-/// Whether a pane is there and not closed.
 pub(crate) fn is_open(tree: &Arrangement, pane: Pane) -> bool {
     tree.tiles.find_pane(&pane).is_some_and(|tile| tree.is_visible(tile))
 }

@@ -7,7 +7,6 @@ use super::Arrangement;
 
 /// A split closer to a mark than this snaps to it, in points.
 const REACH: f32 = 8.0;
-/// Marks.
 const MARKS: [f32; 3] = [1.0 / 3.0, 0.5, 2.0 / 3.0];
 /// A tile does not get smaller than this by snapping, in points.
 const LEAST: f32 = 32.0;

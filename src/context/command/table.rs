@@ -20,7 +20,6 @@ use super::{
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
-/// All about a command.
 pub(super) struct CommandRow {
     pub(super) command: Command,
     pub(super) menu: Menu,

@@ -46,7 +46,6 @@ pub enum SeriesFormat {
 }
 
 impl SeriesFormat {
-    /// The formats with their names.
     pub(crate) const ALL: [(Self, &'static str); 3] =
         [(Self::Pngs, "PNGs"), (Self::AnimatedPng, "Animated PNG"), (Self::Gif, "GIF")];
 
@@ -158,12 +157,10 @@ impl ExportChoices {
     }
 }
 
-/// What is exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// The active camera's picture.
     View,
-    /// The window.
     Window,
     /// All steps of the shown run.
     Steps,
@@ -180,7 +177,6 @@ impl Subject {
     }
 }
 
-/// What is to be exported.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ExportOrder {
     pub(crate) subject: Subject,
@@ -200,7 +196,6 @@ pub(crate) enum PictureOf {
         /// Pixels for a point.
         scale: f32,
     },
-    /// A camera's picture.
     View {
         /// Which camera, and with what.
         picture: PictureAlone,
@@ -237,7 +232,6 @@ impl ExportOrder {
         }
     }
 
-    /// What is painted, and how large.
     pub(crate) fn picture(&self, context: &Context<'_>) -> PictureOf {
         let choices = &self.choices;
         let camera = context.selection.camera;

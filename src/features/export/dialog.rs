@@ -21,7 +21,6 @@ const NAMES: f32 = 92.0;
 /// Scales that are offered.
 const VIEW_SCALES: [(f32, &str); 4] = [(1.0, "1×"), (2.0, "2×"), (3.0, "3×"), (4.0, "4×")];
 
-/// The card's state.
 #[derive(Debug)]
 pub(crate) struct ExportDialog {
     order: ExportOrder,
@@ -36,7 +35,6 @@ pub(super) struct CardAnswer {
     pub(super) closes: bool,
     /// The file or the folder is to be chosen in this dialog of the desktop's.
     pub(super) asks: Option<(&'static str, DialogKind)>,
-    /// What is to be exported.
     pub(super) order: Option<ExportOrder>,
     /// A motion is written: with these choices, to this file.
     pub(super) written: Option<(MotionChoices, PathBuf)>,
@@ -48,7 +46,6 @@ fn footage(context: &Context<'_>) -> [usize; 2] {
 }
 
 impl ExportDialog {
-    /// The card as it opens.
     pub(super) fn new(subject: Subject, choices: ExportChoices, context: &Context<'_>) -> Self {
         let document = context.document();
         let first = document.estimates.keys().next().copied().unwrap_or(0);
@@ -116,7 +113,6 @@ impl ExportDialog {
         }
     }
 
-    /// Shows the card.
     pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> CardAnswer {
         let mut answer = CardAnswer::default();
         let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {

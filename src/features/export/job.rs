@@ -38,15 +38,11 @@ impl ExportJob {
         Self { painter, shots: order.shots(context), done: 0, order: order.clone(), writer: None }
     }
 
-    /// How many pictures there will be.
     pub(crate) const fn len(&self) -> usize {
         self.shots.len()
     }
 
-    /// Paints and writes all.
-    ///
-    /// # Errors
-    /// What cannot be written, with the file's name.
+    /// Paints and writes all. Errors: what cannot be written, with the file's name.
     pub(crate) fn finish(mut self) -> Result<(), ExportError> {
         while self.next(&CancelToken::default())? {}
         Ok(())

@@ -24,7 +24,6 @@ const BOX: f32 = 190.0;
 /// The endings that a file dialog offers.
 static ENDINGS: LazyLock<[&str; 7]> = LazyLock::new(|| MotionFormat::ALL.map(MotionFormat::extension));
 
-/// The card's state.
 #[derive(Debug)]
 pub(crate) struct MotionCard {
     choices: MotionChoices,
@@ -35,7 +34,6 @@ pub(crate) struct MotionCard {
 }
 
 impl MotionCard {
-    /// The card as it opens.
     pub(super) fn new(choices: &ExportChoices, context: &Context<'_>) -> Self {
         let motion = Arc::new(motion_of(context));
         let end = |frame: Option<(&usize, _)>| frame.map_or(0, |(frame, _)| *frame);
@@ -67,7 +65,6 @@ impl MotionCard {
         };
     }
 
-    /// Shows the card.
     pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> CardAnswer {
         let mut answer = CardAnswer::default();
         let modal = card(ui.ctx(), "export motion").show(ui.ctx(), |ui| {
@@ -161,7 +158,6 @@ impl MotionCard {
         format!("{count} {frames}{gaps}; {}, {}.{there}", axes.to_lowercase(), unit_text(unit).to_lowercase())
     }
 
-    /// Why nothing can be written as it is, in a sentence.
     fn problem(&self) -> Option<String> {
         let [first, last] = self.frames;
         if self.motion.poses.range(first..=last).next().is_none() {

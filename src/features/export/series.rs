@@ -19,7 +19,6 @@ const GIF_SPEED: i32 = 10;
 /// Shorter delays are slowed down by everything that shows a GIF, in hundredths of a second.
 const GIF_LEAST_DELAY: u16 = 2;
 
-/// Why a series was not written.
 #[derive(Debug, Error)]
 pub(crate) enum ExportError {
     #[error(transparent)]
@@ -74,10 +73,7 @@ enum Encoder {
 }
 
 impl SeriesWriter {
-    /// Begins a series of `count` pictures.
-    ///
-    /// # Errors
-    /// The file or the folder cannot be made, or there are no pictures.
+    /// Begins a series of `count` pictures. Errors: the file or the folder cannot be made, or there are no pictures.
     pub(crate) fn new(
         path: &Path,
         name: &'static str,
@@ -97,10 +93,8 @@ impl SeriesWriter {
         Ok(Self { path: path.to_owned(), name, choices: choices.clone(), count, written: 0, animation })
     }
 
-    /// Writes the next picture; the number is for its name.
-    ///
-    /// # Errors
-    /// The file system says no, or the picture does not go with the first.
+    /// Writes the next picture; the number is for its name. Errors: the file system says no, or the picture does not
+    /// go with the first.
     pub(crate) fn add(&mut self, number: usize, picture: RgbImage) -> Result<(), ExportError> {
         if let Some(animation) = &mut self.animation {
             let size = picture.dimensions();
@@ -122,10 +116,7 @@ impl SeriesWriter {
         Ok(())
     }
 
-    /// All pictures are written: a file takes its place.
-    ///
-    /// # Errors
-    /// The file system says no.
+    /// All pictures are written: a file takes its place. Errors: the file system says no.
     pub(crate) fn finish(self) -> Result<(), ExportError> {
         let Some(Animation { encoder, file }) = self.animation else { return Ok(()) };
         if let Some((_, encoder)) = encoder {
@@ -135,7 +126,6 @@ impl SeriesWriter {
     }
 }
 
-/// The name of a picture in a folder.
 fn numbered(name: &str, number: usize) -> String {
     format!("{name}_{number:04}.png")
 }

@@ -64,10 +64,7 @@ impl Copies {
         Self { folder, own: None }
     }
 
-    /// This window's copy: the first name that is free.
-    ///
-    /// # Errors
-    /// The folder cannot be made or written.
+    /// This window's copy: the first name that is free. Errors: the folder cannot be made or written.
     pub(crate) fn own(&mut self) -> io::Result<&Path> {
         if self.own.is_none() {
             std::fs::create_dir_all(&self.folder)?;
@@ -104,15 +101,12 @@ impl Copies {
         Err(io::Error::other(format!("there are {MOST} copies already")))
     }
 
-    /// Whether a path is this window's copy.
     pub(crate) fn is_own(&self, path: &Path) -> bool {
         self.own.as_ref().is_some_and(|own| own.path == path)
     }
 
     /// Goes on with a copy that was left: this window writes it from now on. Not if another window was quicker.
-    ///
-    /// # Errors
-    /// The lock cannot be made.
+    /// Errors: the lock cannot be made.
     pub(crate) fn adopt(&mut self, path: &Path) -> io::Result<bool> {
         let Some(lock) = lock(path)? else { return Ok(false) };
         self.own = Some(Own { path: path.to_owned(), _lock: lock });
@@ -151,10 +145,8 @@ impl Copies {
         (found, wrong)
     }
 
-    /// Puts a copy aside: it is offered no more, and can still be opened as a project. Says where it is.
-    ///
-    /// # Errors
-    /// It cannot be renamed.
+    /// Puts a copy aside: it is offered no more, and can still be opened as a project. Says where it is. Errors: it
+    /// cannot be renamed.
     pub(crate) fn put_aside(&self, copy: &Path) -> io::Result<PathBuf> {
         let aside = self.free(ASIDE, 1)?;
         rename(copy, &aside)?;
@@ -166,10 +158,7 @@ impl Copies {
         Ok(aside)
     }
 
-    /// Offers again what was put aside.
-    ///
-    /// # Errors
-    /// It cannot be renamed.
+    /// Offers again what was put aside. Errors: it cannot be renamed.
     pub(crate) fn bring_back(&self, aside: &Path) -> io::Result<()> {
         // The first numbers are left to windows that write.
         rename(aside, &self.free(NAME, 2)?)

@@ -118,7 +118,6 @@ pub(crate) struct CopyNote {
     pub(crate) frame: usize,
     /// Frames of the take.
     pub(crate) frames: Option<usize>,
-    /// The take's name.
     pub(crate) take: Option<String>,
     /// The project file that the work belongs to.
     pub(crate) project: Option<PathBuf>,
@@ -130,10 +129,7 @@ impl CopyNote {
         copy.with_extension("about.json")
     }
 
-    /// Writes it beside a copy.
-    ///
-    /// # Errors
-    /// The file system says no.
+    /// Writes it beside a copy. Errors: the file system says no.
     pub(crate) fn write(&self, copy: &Path) -> Result<(), ProjectError> {
         let path = Self::path_of(copy);
         let json =
@@ -169,10 +165,7 @@ impl Thumbnail {
         copy.with_extension("png")
     }
 
-    /// Paints it and writes it beside a copy.
-    ///
-    /// # Errors
-    /// The file system says no.
+    /// Paints it and writes it beside a copy. Errors: the file system says no.
     pub(crate) fn write(&self, copy: &Path) -> Result<(), FileError> {
         match self.paint() {
             Some(picture) => images::write_png(&Self::path_of(copy), &DynamicImage::ImageRgb8(picture)),

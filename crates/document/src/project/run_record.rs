@@ -24,7 +24,6 @@ pub(crate) struct RunRecord {
     name: Option<String>,
     detail: String,
     fit: FitOptions,
-    /// Weight of the prior that comes with the program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     likely_poses: Option<f64>,
     cameras: Vec<CameraUse>,
@@ -38,12 +37,10 @@ pub(crate) struct RunRecord {
     measured_by: Option<Stage>,
     colour: usize,
     shown: bool,
-    /// Words for the stages of the annealing.
     stages: Vec<String>,
     /// The solver's words; left out where the user stopped it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ending: Option<String>,
-    /// The start, then every step.
     steps: Vec<StepRecord>,
 }
 

@@ -19,15 +19,11 @@ const SIZE_PX: [u64; 2] = [144, 256];
 /// How far off it begins, radians and metres.
 const START: (f64, f64) = (0.087, 0.03);
 
-/// The true pose of a frame.
 pub(super) fn truth(frame: usize) -> Pose {
     squats::pose(&builtin::full_body(), (frame * EVERY) as f64 / DRAWN_RATE)
 }
 
-/// The take.
-///
-/// # Errors
-/// Returns no error for its conditions, which is tested.
+/// The take. Its conditions hold, which is tested.
 pub(super) fn take(name: &str) -> anyhow::Result<Take> {
     let model = builtin::full_body();
     let frames = film(&model, SECONDS, SIZE_PX, EVERY)?;

@@ -25,15 +25,11 @@ const FILES: [(&str, &str); 2] = [
     ("body.toml", include_str!("../../../../tests/takes/balancing/body.toml")),
 ];
 
-/// Whether the footage is there.
 pub(super) fn is_there() -> bool {
     std::env::var_os("BACKLIT_DATA").is_some_and(|data| PathBuf::from(data).join("balancing").is_dir())
 }
 
-/// Its take.
-///
-/// # Errors
-/// Returns an error if the footage is not there or cannot be read.
+/// Its take. Errors: the footage is not there or cannot be read.
 pub(super) fn take(name: &str) -> anyhow::Result<Take> {
     let footage = Footage::new(Take::from_files(Arc::new(WithOwn), Path::new(FILES[0].0))?);
     let take = footage.take();

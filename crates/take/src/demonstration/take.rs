@@ -26,7 +26,6 @@ use super::Demonstration;
 
 /// Size of the pictures, but of the tiny ones.
 const SIZE_PX: [u64; 2] = [192, 144];
-/// Size of the tiny pictures.
 const TINY_PX: [u64; 2] = [48, 36];
 /// Size of the upright pictures of the figure that spheres are carved from, where its cameras stand, degrees to the
 /// subject's left of straight ahead, and of how many of its movement's frames one is taken.
@@ -59,7 +58,6 @@ pub fn single_limb_start(offset_m: f64) -> Pose {
     single_limb::start(offset_m)
 }
 
-/// What a take is made of.
 struct SimulatedTake {
     model: Model,
     cameras: Vec<Arc<Camera>>,
@@ -183,7 +181,6 @@ pub(super) fn joints_of(model: &Model, truths: &[Pose]) -> String {
     text
 }
 
-/// What a camera films.
 pub(super) struct CameraFilm {
     pub(super) camera: Camera,
     pub(super) pictures: Vec<GrayImage>,
