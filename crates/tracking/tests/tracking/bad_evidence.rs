@@ -36,12 +36,7 @@ fn filled(label: Label) -> Mask {
 }
 
 fn views(masks: [Mask; 2]) -> Vec<FitView> {
-    let view = |(camera, mask): (Arc<Camera>, Mask)| FitView {
-        camera,
-        evidence: Evidence::Mask(Arc::new(mask)),
-        weight: 1.0,
-    };
-    cameras().into_iter().zip(masks).map(view).collect()
+    cameras().into_iter().zip(masks).map(|(camera, mask)| FitView::of_mask(camera, mask)).collect()
 }
 
 fn seen(model: &Model, frame: usize) -> [Mask; 2] {

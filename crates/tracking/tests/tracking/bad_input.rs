@@ -2,8 +2,7 @@
 //! something is made, and never a panic or a NaN after that.
 
 use backlit_tracking::body::{
-    JointLimits, Kinematics, LimbSpec, LimbSphere, Model, ModelError, Parameters, Pose, PoseError, Range,
-    builtin,
+    JointLimits, Kinematics, LimbSpec, LimbSphere, Model, ModelError, Pose, PoseError, Range, builtin,
 };
 use backlit_tracking::camera::{
     Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, Rectification, Rig,
@@ -17,6 +16,8 @@ use backlit_tracking::silhouette::{
 };
 use glam::{DMat3, DQuat, DVec3};
 use image::{GrayImage, RgbImage};
+
+use crate::fixtures::BOTH;
 
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 /// Finite, and squares of it are not.
@@ -239,19 +240,36 @@ fn masks_of_one_label_and_one_pixel_have_distances_and_outlines() {
     }
 }
 
-/// Every level, derivative and sum of a view is a number.
-fn assert_finite(name: &str, view: &View, kinematics: &Kinematics, camera: &Camera, limbs: usize) {
+/// Every level, derivative and sum of a body in a picture is a number, by every renderer; `also` looks at each view by name.
+pub(crate) fn assert_finite(
+    name: &str,
+    model: &Model,
+    pose: &Pose,
+    camera: &Camera,
+    ramps: &[Ramp],
+    also: impl Fn(&View, &str),
+) {
+    let kinematics = Kinematics::new(model, pose);
+    let data = Measurement::from_gray(&GrayImage::new(camera.width() as u32, camera.height() as u32));
+    for (renderer, &ramp) in RENDERERS.iter().flat_map(|&kind| ramps.iter().map(move |ramp| (kind, ramp))) {
+        let view = View::new(model, &kinematics, camera, renderer, ramp);
+        let name = format!("{name}, {renderer}, {ramp}");
+        assert_levels(&name, &view);
+        for parameters in BOTH {
+            let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
+            assert!(jacobian.iter().all(|x| x.is_finite()), "{name}, {parameters:?}: a derivative is none");
+        }
+        let mut blocks = vec![WrenchBlock::default(); model.limbs().len()];
+        let data = SampledData::new(&data, 1);
+        let cost = data.accumulate(&view, &mut KernelMemory::default(), &mut blocks);
+        assert!(cost.is_finite(), "{name}: the cost is {cost}");
+        also(&view, &name);
+    }
+}
+
+fn assert_levels(name: &str, view: &View) {
     let levels = prediction::levels(view);
     assert!(levels.iter().all(|level| (0.0..=255.0).contains(level)), "{name}: a level is none");
-    for parameters in [Parameters::Raw, Parameters::Tangent] {
-        let jacobian = dense_jacobian(view, kinematics, camera, parameters);
-        assert!(jacobian.iter().all(|x| x.is_finite()), "{name}, {parameters:?}: a derivative is none");
-    }
-    let data = GrayImage::new(camera.width() as u32, camera.height() as u32);
-    let mut blocks = vec![WrenchBlock::default(); limbs];
-    let data = SampledData::new(&Measurement::from_gray(&data), 1);
-    let cost = data.accumulate(view, &mut KernelMemory::default(), &mut blocks);
-    assert!(cost.is_finite(), "{name}: the cost is {cost}");
 }
 
 #[test]
@@ -261,7 +279,8 @@ fn a_camera_inside_a_limb_sees_numbers() {
         models.iter().flat_map(|model| (0..model.limbs().len()).map(move |limb| (model, limb)))
     {
         let limb = &model.limbs()[index];
-        let kinematics = Kinematics::new(model, &Pose::rest(model));
+        let rest = Pose::rest(model);
+        let kinematics = Kinematics::new(model, &rest);
         let (from, to) = (kinematics.starts()[index], kinematics.ends()[index]);
         let across = limb.direction.any_orthonormal_vector();
         for along in [0.0, 0.5, 1.0] {
@@ -271,16 +290,8 @@ fn a_camera_inside_a_limb_sees_numbers() {
                     let place =
                         CameraFromWorld::looking_at(centre, centre + target, DVec3::new(0.3, 0.2, 0.9));
                     let camera = camera([9, 7], Intrinsics { cx: 4.0, cy: 3.0, ..pinhole() }, place).unwrap();
-                    for renderer in RENDERERS {
-                        for ramp in RAMPS {
-                            let view = View::new(model, &kinematics, &camera, renderer, ramp);
-                            let name = format!(
-                                "in {} at {along}, {out} towards {target}, {renderer}, {ramp}",
-                                limb.name
-                            );
-                            assert_finite(&name, &view, &kinematics, &camera, model.limbs().len());
-                        }
-                    }
+                    let name = format!("in {} at {along}, {out} towards {target}", limb.name);
+                    assert_finite(&name, model, &rest, &camera, &RAMPS, |_, _| ());
                 }
             }
         }
@@ -302,12 +313,7 @@ fn unchecked_poses_and_ramps_draw_numbers() {
             for renderer in RENDERERS {
                 for ramp in RAMPS {
                     let view = View::new(&model, &kinematics, &camera, renderer, ramp);
-                    let levels = prediction::levels(&view);
-                    let name = format!("{bad}, {renderer}, {ramp}");
-                    assert!(
-                        levels.iter().all(|level| (0.0..=255.0).contains(level)),
-                        "{name}: a level is none"
-                    );
+                    assert_levels(&format!("{bad}, {renderer}, {ramp}"), &view);
                 }
             }
         }
@@ -321,11 +327,7 @@ fn unchecked_poses_and_ramps_draw_numbers() {
         ] {
             for renderer in RENDERERS {
                 let view = View::new(&model, &kinematics, &camera, renderer, ramp);
-                let levels = prediction::levels(&view);
-                assert!(
-                    levels.iter().all(|level| (0.0..=255.0).contains(level)),
-                    "{renderer}, {ramp}: a level is none"
-                );
+                assert_levels(&format!("{renderer}, {ramp}"), &view);
             }
             assert!(ramp.to_string().parse::<Ramp>().is_err() || ramp.is_valid(), "{ramp}");
         }
@@ -335,14 +337,10 @@ fn unchecked_poses_and_ramps_draw_numbers() {
 #[test]
 fn lenses_without_an_inverse_draw_numbers() {
     let model = builtin::upper_body();
-    let kinematics = Kinematics::new(&model, &Pose::rest(&model));
     for k in [-1e6, -10.0, 10.0, 1e6] {
         let lens = Distortion::OpenCv { k1: k, k2: -k, p1: 0.1 * k, p2: k, k3: k };
         let camera = Camera::new("camera", [24, 18], pinhole(), lens, place()).unwrap();
-        for renderer in RENDERERS {
-            let view = View::new(&model, &kinematics, &camera, renderer, Ramp::Half);
-            assert_finite(&format!("lens {k}, {renderer}"), &view, &kinematics, &camera, model.limbs().len());
-        }
+        assert_finite(&format!("lens {k}"), &model, &Pose::rest(&model), &camera, &[Ramp::Half], |_, _| ());
         assert!(Rectification::new(&camera).rectify(&RgbImage::new(24, 18)).is_some());
     }
 }

@@ -10,7 +10,8 @@ use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, predict
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::fixtures;
+use crate::bad_input;
+use crate::fixtures::{self, BOTH};
 
 /// Largest share of derivatives that may lie at a kink.
 const MOST_SKIPPED: f64 = 0.001;
@@ -59,12 +60,7 @@ fn body_with_own_spheres() -> Model {
 
 /// A bent pose; raw quaternions are not of unit length.
 fn pose(model: &Model, parameters: Parameters) -> Pose {
-    let mut state = Pose::rest(model).to_state();
-    for (i, value) in state.iter_mut().enumerate() {
-        *value += if i < 3 { 0.03 } else { 0.16 } * (i as f64 * 2.3).sin();
-    }
-    let pose = Pose::from_state(model, &state).unwrap();
-    if parameters == Parameters::Raw { pose } else { pose.normalized() }
+    fixtures::stretched(model, parameters, [0.03, 0.16], 0.0)
 }
 
 /// "torso x", "right forearm ω y" …: what a column of the state moves.
@@ -133,6 +129,29 @@ fn renderers<'a>(plain: &'a Model, own: &'a Model) -> [(&'static str, &'a Model,
     ]
 }
 
+/// Every renderer, ramp, parametrisation and camera, in the poses that `poses` has of them, by name.
+fn cases<'a>(
+    renderers: &[(&str, &'a Model, RendererKind)],
+    cameras: &'a [Camera],
+    poses: impl Fn(&Model, Parameters, &Camera) -> Vec<(String, Pose)>,
+) -> Vec<Case<'a>> {
+    let mut cases = Vec::new();
+    for &(shape, model, renderer) in renderers {
+        for ramp in RAMPS {
+            for parameters in BOTH {
+                for camera in cameras {
+                    let (size, lens) = ([camera.width(), camera.height()], camera.distortion());
+                    for (place, pose) in poses(model, parameters, camera) {
+                        let name = format!("{shape}, {ramp}, {parameters:?}, {size:?}, {lens:?}, {place}");
+                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    cases
+}
+
 /// Checks all cases and only then complains, of all at once.
 fn assert_all_match(cases: &[Case], most_skipped: f64) {
     let checks: Vec<GradientCheck> = cases.par_iter().map(Case::check).collect();
@@ -146,22 +165,10 @@ fn assert_all_match(cases: &[Case], most_skipped: f64) {
 
 #[test]
 fn jacobians_match_differences() {
-    let plain = builtin::upper_body();
-    let own = body_with_own_spheres();
-    let renderers = renderers(&plain, &own);
-    let cameras = [("pinhole", camera(Distortion::None, [44, 36])), ("lens", camera(LENS, [44, 36]))];
-    let mut cases = Vec::new();
-    for (shape, model, renderer) in renderers {
-        for ramp in RAMPS {
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                for (lens, camera) in &cameras {
-                    let name = format!("{shape}, {ramp}, {parameters:?}, {lens}");
-                    let pose = pose(model, parameters);
-                    cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
-                }
-            }
-        }
-    }
+    let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
+    let cameras = [Distortion::None, LENS].map(|lens| camera(lens, [44, 36]));
+    let bent = |model: &Model, parameters, _: &Camera| vec![("bent".to_owned(), pose(model, parameters))];
+    let cases = cases(&renderers(&plain, &own), &cameras, bent);
     for case in &cases {
         assert!(case.active() > 60, "{}: only {} pixels have a gradient", case.name, case.active());
     }
@@ -172,23 +179,15 @@ fn jacobians_match_differences() {
 #[test]
 fn jacobians_match_differences_of_limbs_across_the_camera() {
     let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
-    let cameras = [("pinhole", camera(Distortion::None, [20, 16])), ("lens", camera(LENS, [20, 16]))];
-    let mut cases = Vec::new();
-    for (shape, model, renderer) in renderers(&plain, &own) {
-        for ramp in RAMPS {
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                for (lens, camera) in &cameras {
-                    let (centre, axis) =
-                        (camera.centre(), camera.camera_from_world().rotation.transpose().z_axis);
-                    for depth in [-0.2, 0.02, 0.3, 0.55, 0.8] {
-                        let name = format!("{shape}, {ramp}, {parameters:?}, {lens}, root at {depth} m");
-                        let pose = Pose { root: centre + axis * depth, ..pose(model, parameters) };
-                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
-                    }
-                }
-            }
-        }
-    }
+    let cameras = [Distortion::None, LENS].map(|lens| camera(lens, [20, 16]));
+    let cases = cases(&renderers(&plain, &own), &cameras, |model, parameters, camera| {
+        let axis = camera.camera_from_world().rotation.transpose().z_axis;
+        let at = |depth: f64| {
+            let pose = Pose { root: camera.centre() + axis * depth, ..pose(model, parameters) };
+            (format!("root at {depth} m"), pose)
+        };
+        [-0.2, 0.02, 0.3, 0.55, 0.8].map(at).to_vec()
+    });
     let seen = cases.iter().filter(|case| case.active() > 20).count();
     assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
     assert_all_match(&cases, MOST_SKIPPED_ACROSS);
@@ -198,7 +197,6 @@ fn jacobians_match_differences_of_limbs_across_the_camera() {
 #[test]
 fn jacobians_match_differences_in_thin_pictures() {
     let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
-    let mut cases = Vec::new();
     let cameras: Vec<Camera> = [[1, 1], [1, 40], [40, 1], [2, 3]]
         .into_iter()
         .flat_map(|size| {
@@ -212,24 +210,15 @@ fn jacobians_match_differences_in_thin_pictures() {
             })
         })
         .collect();
-    for (shape, model, renderer) in renderers(&plain, &own) {
-        for ramp in RAMPS {
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                for camera in &cameras {
-                    let size = (camera.width(), camera.height());
-                    let across = camera.camera_from_world().rotation.transpose().x_axis;
-                    for shift in [0.0, 0.06, 0.1] {
-                        let mut pose = pose(model, parameters);
-                        pose.root += across * shift;
-                        let lens = camera.distortion();
-                        let name =
-                            format!("{shape}, {ramp}, {parameters:?}, {size:?}, {lens:?}, {shift} m aside");
-                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
-                    }
-                }
-            }
-        }
-    }
+    let cases = cases(&renderers(&plain, &own), &cameras, |model, parameters, camera| {
+        let across = camera.camera_from_world().rotation.transpose().x_axis;
+        let aside = |shift: f64| {
+            let mut pose = pose(model, parameters);
+            pose.root += across * shift;
+            (format!("{shift} m aside"), pose)
+        };
+        [0.0, 0.06, 0.1].map(aside).to_vec()
+    });
     let seen = cases.iter().filter(|case| case.active() > 0).count();
     assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
     assert_all_match(&cases, MOST_SKIPPED_THIN);
@@ -239,70 +228,38 @@ fn jacobians_match_differences_in_thin_pictures() {
 #[test]
 fn jacobians_match_differences_of_axes_parallel_to_a_ray() {
     let model = builtin::single_limb();
-    let mut cases = Vec::new();
     let direction = model.limbs()[0].direction;
     let aside = direction.any_orthonormal_vector();
     let cameras = [Distortion::None, LENS].map(|lens| {
         fixtures::lens_camera(lens, [21, 17], [40.0, 40.0, 10.0, 8.0], DVec3::ZERO, direction, aside)
     });
     let spheres = RendererKind::SphereTree { spheres: Some(3) };
-    for renderer in [RendererKind::Cylinder, RendererKind::Capsule, spheres] {
-        for ramp in RAMPS {
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                for camera in &cameras {
-                    for (depth, shift) in [(0.6, 0.0), (0.6, 0.04), (1.5, 0.0), (1.5, 0.04)] {
-                        let root = direction * depth + aside * shift;
-                        let pose = Pose { root, ..Pose::rest(&model) };
-                        let name = format!(
-                            "{renderer}, {ramp}, {parameters:?}, {:?}, {depth} m before and {shift} m aside",
-                            camera.distortion()
-                        );
-                        cases.push(Case { name, model: &model, pose, renderer, ramp, parameters, camera });
-                    }
-                }
-            }
-        }
-    }
+    let renderers =
+        [RendererKind::Cylinder, RendererKind::Capsule, spheres].map(|kind| ("limb", &model, kind));
+    let cases = cases(&renderers, &cameras, |model, _, _| {
+        let before = |(depth, shift): (f64, f64)| {
+            let pose = Pose { root: direction * depth + aside * shift, ..Pose::rest(model) };
+            (format!("{depth} m before and {shift} m aside"), pose)
+        };
+        [(0.6, 0.0), (0.6, 0.04), (1.5, 0.0), (1.5, 0.04)].map(before).to_vec()
+    });
     assert_all_match(&cases, MOST_SKIPPED_END_ON);
 }
 
-/// Whatever the pose and the picture, every level and derivative is a number.
-fn assert_finite(name: &str, model: &Model, pose: &Pose, camera: &Camera, failures: &mut Vec<String>) {
-    let kinematics = Kinematics::new(model, pose);
-    let renderers = [
-        RendererKind::Cylinder,
-        RendererKind::Capsule,
-        RendererKind::SphereTree { spheres: None },
-        RendererKind::SphereTree { spheres: Some(1) },
-    ];
-    for renderer in renderers {
-        for ramp in RAMPS {
-            let view = View::new(model, &kinematics, camera, renderer, ramp);
-            let drawn = prediction::Prediction::of(&view);
-            let case = format!("{name}, {renderer}, {ramp}");
-            if !prediction::levels(&view).iter().all(|level| (0.0..=255.0).contains(level)) {
-                failures.push(format!("{case}: a level is none"));
-            }
-            let pixels = (0..drawn.lambda.len()).map(|pixel| [pixel % drawn.width, pixel / drawn.width]);
-            let mut sights = pixels.filter_map(|[x, y]| view.seen_limb(x, y));
-            if drawn.lambda.iter().any(|level| level.is_nan())
-                || sights.any(|sight| sight.depth.is_nan() || sight.distance_over_radius.is_nan())
-            {
-                failures.push(format!("{case}: the picture has NaN"));
-            }
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
-                if !jacobian.iter().all(|x| x.is_finite()) {
-                    failures.push(format!("{case}, {parameters:?}: a derivative is not finite"));
-                }
-            }
-        }
-    }
+/// Whatever the pose and the picture, every level, derivative and sight is a number.
+fn assert_finite(name: &str, model: &Model, pose: &Pose, camera: &Camera) {
+    bad_input::assert_finite(name, model, pose, camera, &RAMPS, |view, case| {
+        let drawn = prediction::Prediction::of(view);
+        let pixels = (0..drawn.lambda.len()).map(|pixel| [pixel % drawn.width, pixel / drawn.width]);
+        let mut sights = pixels.filter_map(|[x, y]| view.seen_limb(x, y));
+        let has_nan = drawn.lambda.iter().any(|level| level.is_nan())
+            || sights.any(|sight| sight.depth.is_nan() || sight.distance_over_radius.is_nan());
+        assert!(!has_nan, "{case}: the picture has NaN");
+    });
 }
 
 #[test]
 fn odd_views_hold_no_nan() {
-    let mut failures = Vec::new();
     let (arm, body) = (builtin::single_limb(), builtin::upper_body());
     let own = body_with_own_spheres();
     let folding = Distortion::OpenCv { k1: -1.5, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
@@ -316,32 +273,24 @@ fn odd_views_hold_no_nan() {
                 for depth in [-3.0, -0.5, -0.1, 0.0, 0.05, 0.3, 2.0] {
                     let moved = Pose { root: centre + axis * depth, rotations: rest.rotations.clone() };
                     let name = format!("{lens}, {size:?}, {model_name} at {depth} m");
-                    assert_finite(&name, model, &moved, &camera, &mut failures);
+                    assert_finite(&name, model, &moved, &camera);
                 }
             }
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]
 fn axes_parallel_to_a_ray_hold_no_nan() {
-    let mut failures = Vec::new();
     let model = builtin::single_limb();
     let direction = model.limbs()[0].direction;
+    let across = direction.any_orthonormal_vector();
     // Odd sizes and a principal point on a pixel: the middle ray is the optical axis.
-    let camera = fixtures::camera(
-        [9, 7],
-        [20.0, 20.0, 4.0, 3.0],
-        DVec3::ZERO,
-        direction,
-        direction.any_orthonormal_vector(),
-    );
+    let camera = fixtures::camera([9, 7], [20.0, 20.0, 4.0, 3.0], DVec3::ZERO, direction, across);
     for offset in [-1.0, -0.2, 0.0, 0.5, 2.0] {
-        for aside in [DVec3::ZERO, direction.any_orthonormal_vector() * 0.03] {
+        for aside in [DVec3::ZERO, across * 0.03] {
             let pose = Pose { root: direction * offset + aside, ..Pose::rest(&model) };
-            assert_finite(&format!("end on at {offset} m"), &model, &pose, &camera, &mut failures);
+            assert_finite(&format!("end on at {offset} m"), &model, &pose, &camera);
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

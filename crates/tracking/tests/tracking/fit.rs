@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Parameters, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView, Preset, SolverSummary};
+use backlit_tracking::fit::{Fit, FitError, FitOptions, FitView, Preset, SolverSummary};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::optimize::Termination;
@@ -66,9 +66,14 @@ fn disturbed(pose: &Pose, seed: u64, degrees: f64, metres: f64) -> Pose {
     pose.retract(Parameters::Tangent, &step)
 }
 
+impl Scene {
+    fn fit(&self, start: Pose, options: FitOptions) -> Fit {
+        Fit::new(Arc::clone(&self.model), self.views.clone(), start, options).unwrap()
+    }
+}
+
 fn run(scene: &Scene, start: Pose, options: FitOptions) -> SolverSummary {
-    let mut fit = Fit::new(Arc::clone(&scene.model), scene.views.clone(), start, options).unwrap();
-    fit.run(&CancelToken::new(), |_| {})
+    scene.fit(start, options).run(&CancelToken::new(), |_| {})
 }
 
 fn is_finite(summary: &SolverSummary) -> bool {
@@ -79,7 +84,7 @@ fn is_finite(summary: &SolverSummary) -> bool {
 /// The same view with nobody in it.
 fn emptied(view: &FitView) -> FitView {
     let mask = Mask::filled(WIDTH as usize, HEIGHT as usize, Label::Background).unwrap();
-    FitView { evidence: Evidence::Mask(Arc::new(mask)), ..view.clone() }
+    FitView::of_mask(Arc::clone(&view.camera), mask)
 }
 
 #[test]
@@ -107,8 +112,7 @@ fn the_robust_preset_recovers_from_ten_degrees_and_five_centimetres() {
 fn the_report_preset_finds_half_of_the_starts_from_five_degrees() {
     let scene = scene();
     let options = FitOptions::preset(Preset::Report);
-    let begin = |start: Pose| Fit::new(Arc::clone(&scene.model), scene.views.clone(), start, options.clone());
-    let at_truth = begin(scene.truth.clone()).unwrap().cost();
+    let at_truth = scene.fit(scene.truth.clone(), options.clone()).cost();
     let (mut found, mut lines) = (Vec::new(), Vec::new());
     for seed in 0..10 {
         let start = disturbed(&scene.truth, seed, 5.0, 0.02);
@@ -136,7 +140,7 @@ fn the_first_report_step_is_the_damped_gauss_newton_step() {
     let scene = scene();
     let start = disturbed(&scene.truth, 3, 5.0, 0.02);
     let options = FitOptions::preset(Preset::Report);
-    let mut fit = Fit::new(Arc::clone(&scene.model), scene.views.clone(), start.clone(), options).unwrap();
+    let mut fit = scene.fit(start.clone(), options);
     let step = fit.equations().step(0.1);
     let predicted = fit.equations().predicted_decrease(&step);
     let record = fit.step().unwrap();
@@ -151,7 +155,7 @@ fn summaries_hold_every_iteration() {
     // Steps too long for the linear model: some are rejected.
     let mut options = FitOptions { damping: 1e-6, largest_turn: None, ..FitOptions::preset(Preset::Robust) };
     options.largest_move = None;
-    let mut fit = Fit::new(Arc::clone(&scene.model), scene.views.clone(), start.clone(), options).unwrap();
+    let mut fit = scene.fit(start.clone(), options);
     let mut heard = Vec::new();
     let summary = fit.run(&CancelToken::new(), |record| heard.push(record.clone()));
     assert_eq!(summary.iterations, heard);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::fit::FitView;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask};
@@ -77,6 +77,16 @@ pub(crate) fn bent(model: &Model, amount: f64, phase: f64) -> Pose {
     Pose::rest(model).retract(Parameters::Tangent, &step)
 }
 
+/// A bent pose, another for every phase, the root moved by up to so many metres; raw quaternions are not of unit length.
+pub(crate) fn stretched(model: &Model, parameters: Parameters, [root, turn]: [f64; 2], phase: f64) -> Pose {
+    let mut state = Pose::rest(model).to_state();
+    for (i, value) in state.iter_mut().enumerate() {
+        *value += if i < 3 { root } else { turn } * (i as f64 * 2.3 + phase).sin();
+    }
+    let pose = Pose::from_state(model, &state).unwrap();
+    if parameters == Parameters::Raw { pose } else { pose.normalized() }
+}
+
 /// The silhouette of a body of capsules.
 pub(crate) fn mask(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
     let kinematics = Kinematics::new(model, pose);
@@ -89,8 +99,8 @@ pub(crate) fn mask(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
 /// What a camera that sees such a silhouette contributes to a fit.
 pub(crate) fn fit_view(model: &Model, pose: &Pose, camera: impl Into<Arc<Camera>>) -> FitView {
     let camera = camera.into();
-    let evidence = Evidence::Mask(Arc::new(mask(model, pose, &camera)));
-    FitView { camera, evidence, weight: 1.0 }
+    let mask = mask(model, pose, &camera);
+    FitView::of_mask(camera, mask)
 }
 
 /// −2 Jᵀρ of what a residual adds against central differences of the cost, all columns reported at once. Returns what it adds.

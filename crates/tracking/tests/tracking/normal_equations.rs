@@ -28,12 +28,7 @@ fn bodies() -> [(&'static str, Model, DVec3); 2] {
 
 /// A bent pose, another for every `phase`; raw quaternions are not of unit length.
 fn pose(model: &Model, parameters: Parameters, phase: f64, size: f64) -> Pose {
-    let mut state = Pose::rest(model).to_state();
-    for (i, value) in state.iter_mut().enumerate() {
-        *value += if i < 3 { 0.1 } else { 1.0 } * size * (i as f64 * 2.3 + phase).sin();
-    }
-    let pose = Pose::from_state(model, &state).unwrap();
-    if parameters == Parameters::Raw { pose } else { pose.normalized() }
+    fixtures::stretched(model, parameters, [0.1 * size, size], phase)
 }
 
 /// Two cameras that see the whole body from a quarter turn apart.

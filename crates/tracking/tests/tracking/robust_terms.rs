@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_lab::synthetic::{capsules, upper_body};
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::residual::Loss;
@@ -80,7 +80,7 @@ fn doubted_pixels_pull_less() {
                 mask.labels_mut()[y * width + bounds.x_max - 30..][..12].fill(Label::Subject);
                 mask.labels_mut()[y * width + middle..][..6].fill(Label::Background);
             }
-            FitView { camera: Arc::clone(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+            FitView::of_mask(Arc::clone(camera), mask)
         })
         .collect();
     let start = perturb(&model, &truth, 0.05, 0.02, 5);
