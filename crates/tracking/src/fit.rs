@@ -17,6 +17,5 @@ pub(crate) use evidence::PreparedFit;
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, SolverSummary};
 pub use objective::Objective;
-pub(crate) use options::LEAST_SCALE;
 pub use options::{DataView, FitOptions, OptionsError, ParsePresetError, Preset, Stage};
 pub use schedule::ApparentSize;

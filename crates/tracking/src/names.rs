@@ -25,15 +25,11 @@ pub fn is_unsafe(letter: char) -> bool {
 pub fn excerpt(text: &str) -> String {
     const SHOWN: usize = 60;
     let mut out = String::new();
-    for (index, letter) in text.chars().enumerate() {
-        match letter {
-            _ if index == SHOWN => {
-                out.push('…');
-                break;
-            }
-            letter if is_unsafe(letter) => out.extend(letter.escape_default()),
-            letter => out.push(letter),
-        }
+    for letter in text.chars().take(SHOWN) {
+        if is_unsafe(letter) { out.extend(letter.escape_default()) } else { out.push(letter) }
+    }
+    if text.chars().nth(SHOWN).is_some() {
+        out.push('…');
     }
     out
 }

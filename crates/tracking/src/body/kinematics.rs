@@ -183,17 +183,13 @@ impl Kinematics {
 
     /// Derivative of the limb's second joint by the state, 3 × columns.
     pub fn end_jacobian(&self, limb: usize, parameters: Parameters) -> DMatrix<f64> {
-        let columns = parameters.columns(self.world.len());
-        let mut map = DMatrix::zeros(7, columns);
-        self.fill_map(limb, parameters, &mut map);
         let bone = self.ends[limb] - self.starts[limb];
-        let mut jacobian = DMatrix::zeros(3, columns);
-        for column in 0..columns {
-            let turn = DVec3::new(map[(3, column)], map[(4, column)], map[(5, column)]);
-            let moved = turn.cross(bone) + map[(6, column)] * bone;
-            for axis in 0..3 {
-                jacobian[(axis, column)] = map[(axis, column)] + moved[axis];
-            }
+        let mut columns = Vec::new();
+        self.moving_columns_into(limb, parameters, &mut columns);
+        let mut jacobian = DMatrix::zeros(3, parameters.columns(self.world.len()));
+        for MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scaling] } in columns {
+            let moved = DVec3::new(wx, wy, wz).cross(bone) + scaling * bone;
+            jacobian.column_mut(index).copy_from_slice(&(DVec3::new(vx, vy, vz) + moved).to_array());
         }
         jacobian
     }

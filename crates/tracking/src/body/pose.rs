@@ -95,14 +95,16 @@ impl Pose {
         }
         let (rotation, part) =
             ((column - 3) / parameters.per_rotation(), (column - 3) % parameters.per_rotation());
-        let q = &mut moved.rotations[rotation];
-        match (parameters, part) {
-            (Parameters::Tangent, _) => *q = exp(DVec3::AXES[part] * offset) * *q,
-            (Parameters::Raw, 0) => q.w += offset,
-            (Parameters::Raw, 1) => q.x += offset,
-            (Parameters::Raw, 2) => q.y += offset,
-            (Parameters::Raw, _) => q.z += offset,
-        }
+        let q = moved.rotations[rotation];
+        moved.rotations[rotation] = match parameters {
+            Parameters::Tangent => exp(DVec3::AXES[part] * offset) * q,
+            Parameters::Raw => {
+                // glam stores x, y, z, w.
+                let mut numbers = q.to_array();
+                numbers[(part + 3) % 4] += offset;
+                DQuat::from_array(numbers)
+            }
+        };
         moved
     }
 

@@ -13,8 +13,8 @@ use super::usable::{LeftOut, Unusable, usable_views, worst};
 use super::widening::Widening;
 use crate::body::{Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
-use crate::fit::{FitError, LEAST_SCALE, Stage};
-use crate::optimize::{Method, Solver, SolverOptions, Termination, Tolerances};
+use crate::fit::{FitError, Stage};
+use crate::optimize::{Method, Solver, Termination};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
 
@@ -112,9 +112,9 @@ pub fn fit_body_from(
         return Err(BodyFitError::OtherLimbs { body: sizes.name().to_owned(), of: start.name().to_owned() });
     }
     let usable = usable(&start, frames)?;
-    let begin = BodySizes::of(&Sizes::new(start.clone(), options.choice), sizes);
+    let known = sizes;
     let sizes = Sizes::new(start, options.choice);
-    let begin = BodyState { poses: posed(&usable.0), body: begin };
+    let begin = BodyState { poses: posed(&usable.0), body: BodySizes::of(&sizes, known) };
     let first = options.stages.iter().position(|stage| stage.slack >= 1.0).unwrap_or(0);
     fit(&sizes, usable, begin, first, options, cancel, &mut progress)
 }
@@ -193,14 +193,8 @@ fn descend(
     for (index, &stage) in options.stages.iter().enumerate().skip(first) {
         let mut problem =
             BodyProblem::new(inputs.sizes, inputs.frames, inputs.distances, options, stage, &state);
-        let solver_options = SolverOptions {
-            method: Method::LevenbergMarquardt,
-            damping: options.damping,
-            least_scale: LEAST_SCALE,
-            max_iterations: stage.stage.iterations,
-            tolerances: Tolerances::by_gain(stage.stage.tolerance),
-            run_all: false,
-        };
+        let method = Method::LevenbergMarquardt;
+        let solver_options = stage.stage.solver_options(method, options.damping, false);
         let mut solver = Solver::new(&mut problem, state.clone(), solver_options);
         initial_rms.get_or_insert(solver.rms);
         while let Some(iteration) = solver.step(&mut problem) {

@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::fit::{Evidence, FitView};
 use crate::metrics::ReferenceJoints;
 use crate::render::{Ramp, RendererKind, RowWinners, View};
-use crate::silhouette::{Label, Mask};
+use crate::silhouette::Label;
 use crate::statistics::upper_median;
 
 /// Rounds of matching places and areas.
@@ -54,7 +54,7 @@ pub(super) fn from_silhouettes(model: &Model, frames: &[BodyFrame], mut size: f6
             let kinematics = Kinematics::new(&body, pose);
             let (mut normal, mut pull) = (DMat3::ZERO, DVec3::ZERO);
             for view in &frame.views {
-                let Some(seen) = mask_of(view).and_then(blob_of_mask) else { continue };
+                let Some(seen) = blob_of_mask(view) else { continue };
                 let drawn = blob_of_model(&body, &kinematics, &view.camera);
                 let centre = drawn.map(|drawn| drawn.centre).or_else(|| view.camera.project(pose.root));
                 if let Some((by_move, centre)) = by_move(&view.camera, pose.root).zip(centre) {
@@ -98,21 +98,13 @@ impl Blob {
     }
 }
 
-fn mask_of(view: &FitView) -> Option<&Mask> {
-    match &view.evidence {
-        Evidence::Mask(mask) if view.weight > 0.0 => Some(mask),
-        _ => None,
-    }
-}
-
-fn sampled(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
-    let columns = move || (STRIDE / 2..width).step_by(STRIDE);
-    (STRIDE / 2..height).step_by(STRIDE).flat_map(move |y| columns().map(move |x| (x, y)))
-}
-
-fn blob_of_mask(mask: &Mask) -> Option<Blob> {
+/// Of a camera that counts and has a mask.
+fn blob_of_mask(view: &FitView) -> Option<Blob> {
+    let Evidence::Mask(mask) = &view.evidence else { return None };
+    let columns = || (STRIDE / 2..mask.width()).step_by(STRIDE);
+    let sampled = (STRIDE / 2..mask.height()).step_by(STRIDE).flat_map(|y| columns().map(move |x| (x, y)));
     let is_subject = |&(x, y): &(usize, usize)| mask.get(x, y) == Some(Label::Subject);
-    Blob::of(sampled(mask.width(), mask.height()).filter(is_subject))
+    Blob::of(sampled.filter(is_subject)).filter(|_| view.weight > 0.0)
 }
 
 fn blob_of_model(body: &Model, kinematics: &Kinematics, camera: &Camera) -> Option<Blob> {

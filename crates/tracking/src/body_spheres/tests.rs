@@ -1,13 +1,11 @@
 //! Derivatives by differences, and a person of odd shape found again from silhouettes.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use super::refine::Silhouettes;
 use super::*;
 use crate::body::{LimbSphere, Parameters, builtin};
-use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use crate::fixtures;
 use crate::render::predict;
 use crate::silhouette::{Label, Mask};
 
@@ -37,15 +35,13 @@ fn frames(body: &Model, count: usize, size: u64) -> Vec<PosedViews> {
         let view = |index: usize| {
             let angle = 1.57 * index as f64 + 0.3;
             let centre = DVec3::new(2.2 * angle.sin(), 0.3, 2.2 * angle.cos());
-            let place = CameraFromWorld::looking_at(centre, DVec3::Y * 0.3, DVec3::Y);
-            let middle = 0.5 * (size as f64 - 1.0);
-            let pinhole = Intrinsics { fx: 1.2 * size as f64, fy: 1.2 * size as f64, cx: middle, cy: middle };
-            let camera = Camera::new("c", [size, size], pinhole, Distortion::None, place).unwrap();
+            let (middle, focal) = (0.5 * (size as f64 - 1.0), 1.2 * size as f64);
+            let intrinsics = [focal, focal, middle, middle];
+            let camera = fixtures::camera([size, size], intrinsics, centre, DVec3::Y * 0.3, DVec3::Y);
             let drawn = predict(body, &kinematics, &camera, OWN, Ramp::Half);
             let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
-            let mask =
-                Mask::new(size as usize, size as usize, drawn.lambda.iter().map(label).collect()).unwrap();
-            FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+            let labels = drawn.lambda.iter().map(label).collect();
+            FitView::of_mask(camera, Mask::new(size as usize, size as usize, labels).unwrap())
         };
         PosedViews { frame, views: (0..3).map(view).collect(), pose }
     };

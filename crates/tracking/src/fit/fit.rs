@@ -276,6 +276,7 @@ fn begin_stage(
     if options.pixel_loss != Loss::Squares && index > 0 && index + DOUBTING_STAGES >= options.stages.len() {
         objective.doubt_pixels(pose, options.pixel_loss);
     }
-    let solver = Solver::new(&mut objective, pose.clone(), options.solver_options(&stage));
+    let solver_options = stage.solver_options(options.method, options.damping, options.run_all);
+    let solver = Solver::new(&mut objective, pose.clone(), solver_options);
     (objective, solver)
 }

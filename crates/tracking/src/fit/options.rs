@@ -61,6 +61,20 @@ fn full_weight() -> f64 {
 }
 
 impl Stage {
+    /// How it is solved.
+    pub(crate) fn solver_options(&self, method: Method, damping: f64, run_all: bool) -> SolverOptions {
+        SolverOptions {
+            method,
+            damping,
+            // What the pixels hardly see does not go farther than what they see. With less, a few more starts end in a wrong
+            // pose.
+            least_scale: 1.0,
+            max_iterations: self.iterations,
+            tolerances: Tolerances::by_gain(self.tolerance),
+            run_all,
+        }
+    }
+
     /// One of the robust preset's: distances, whose ramp narrows outside only.
     pub(crate) fn robust(outer_px: f64, stride: usize, iterations: usize) -> Self {
         Self {
@@ -174,11 +188,8 @@ impl FromStr for Preset {
     type Err = ParsePresetError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "report" => Ok(Self::Report),
-            "robust" => Ok(Self::Robust),
-            _ => Err(ParsePresetError(text.to_owned())),
-        }
+        let found = Self::ALL.into_iter().find(|preset| preset.to_string() == text);
+        found.ok_or_else(|| ParsePresetError(text.to_owned()))
     }
 }
 
@@ -193,23 +204,7 @@ const REPORT_SMOOTHING: DataView = DataView::Averaged { radius_px: 1 };
 /// the same only where they are narrower than every limb.
 const ROBUST_INNER_PX: f64 = 1.5;
 
-/// Least scale of a column of poses and sizes: what the pixels hardly see does not go farther than what they see. With less,
-/// a few more starts end in a wrong pose.
-pub(crate) const LEAST_SCALE: f64 = 1.0;
-
 impl FitOptions {
-    /// How a stage is solved.
-    pub(crate) fn solver_options(&self, stage: &Stage) -> SolverOptions {
-        SolverOptions {
-            method: self.method,
-            damping: self.damping,
-            least_scale: LEAST_SCALE,
-            max_iterations: stage.iterations,
-            tolerances: Tolerances::by_gain(stage.tolerance),
-            run_all: self.run_all,
-        }
-    }
-
     /// The choices of a preset.
     pub fn preset(preset: Preset) -> Self {
         let robust = Self {

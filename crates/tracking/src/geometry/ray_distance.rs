@@ -31,6 +31,15 @@ pub struct Candidate {
     pub by_p1: DVec3,
 }
 
+impl Candidate {
+    /// A point fixed in the limb at a fraction of its axis, δ from the ray.
+    #[inline(always)]
+    fn at(depth: f64, delta: DVec3, fraction: f64) -> Self {
+        let (by_p0, by_p1) = (-2.0 * (1.0 - fraction) * delta, -2.0 * fraction * delta);
+        Self { squared: delta.length_squared(), depth, by_p0, by_p1 }
+    }
+}
+
 /// The ray against the axis of the limb p0 p1.
 ///
 /// `None` if the closest point lies beyond either joint or behind the camera, or if the two are parallel.
@@ -49,12 +58,7 @@ pub fn ray_axis(u: DVec3, p0: DVec3, p1: DVec3) -> Option<Candidate> {
         return None;
     }
     let delta = depth * u - p0 - t * a;
-    Some(Candidate {
-        squared: delta.length_squared(),
-        depth,
-        by_p0: -2.0 * (1.0 - t) * delta,
-        by_p1: -2.0 * t * delta,
-    })
+    Some(Candidate::at(depth, delta, t))
 }
 
 /// The ray against a point fixed in the limb at `fraction` of its axis (0 = p0, 1 = p1): a round end or a
@@ -65,12 +69,7 @@ pub fn ray_point(u: DVec3, centre: DVec3, fraction: f64) -> Option<Candidate> {
         return None;
     }
     let delta = depth * u - centre;
-    Some(Candidate {
-        squared: delta.length_squared(),
-        depth,
-        by_p0: -2.0 * (1.0 - fraction) * delta,
-        by_p1: -2.0 * fraction * delta,
-    })
+    Some(Candidate::at(depth, delta, fraction))
 }
 
 /// Which end of a limb a flat cap closes.

@@ -12,6 +12,8 @@ use nalgebra::DMatrix;
 
 use super::{LeastSquares, NormalEquations};
 
+/// Where a function is evaluated, in steps.
+const STEPS: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 /// Most mismatches that the text of a [`GradientCheck`] lists.
 const LISTED: usize = 50;
 
@@ -97,27 +99,6 @@ impl GradientCheck {
         }
     }
 
-    fn add_column(
-        &mut self,
-        column: usize,
-        analytic: &[f64],
-        mut function: impl FnMut(f64) -> Vec<f64>,
-        name: impl Fn(usize) -> String,
-        options: &DifferenceOptions,
-    ) {
-        let h = options.step;
-        let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| function(k * h));
-        let entries: Vec<Entry> = analytic
-            .iter()
-            .enumerate()
-            .map(|(row, analytic)| Entry::new(*analytic, std::array::from_fn(|k| values[k][row]), h))
-            .collect();
-        let scale = Entry::scale(&entries, options);
-        for (row, entry) in entries.into_iter().enumerate() {
-            self.add([row, column], entry, scale, options.tolerance, || name(row));
-        }
-    }
-
     fn sort(&mut self) {
         self.mismatches.sort_by(|(_, a), (_, b)| b.relative_error.total_cmp(&a.relative_error));
     }
@@ -196,11 +177,17 @@ pub fn check_jacobian(
     name: impl Fn(usize, usize) -> String,
     options: &DifferenceOptions,
 ) -> GradientCheck {
-    let mut check = GradientCheck::default();
-    for column in 0..jacobian.ncols() {
-        let analytic = jacobian.column(column);
-        let of_column = |offset| function(column, offset);
-        check.add_column(column, analytic.as_slice(), of_column, |row| name(row, column), options);
+    let (mut check, h) = (GradientCheck::default(), options.step);
+    for (column, analytic) in jacobian.column_iter().enumerate() {
+        let values = STEPS.map(|k| function(column, k * h));
+        let entry = |(row, analytic): (usize, &f64)| {
+            Entry::new(*analytic, std::array::from_fn(|k| values[k][row]), h)
+        };
+        let entries: Vec<Entry> = analytic.iter().enumerate().map(entry).collect();
+        let scale = Entry::scale(&entries, options);
+        for (row, entry) in entries.into_iter().enumerate() {
+            check.add([row, column], entry, scale, options.tolerance, || name(row, column));
+        }
     }
     check.sort();
     check
@@ -210,14 +197,12 @@ pub fn check_jacobian(
 /// The column is numbered 0 in what is found.
 pub fn check_column(
     analytic: &[f64],
-    function: impl FnMut(f64) -> Vec<f64>,
+    mut function: impl FnMut(f64) -> Vec<f64>,
     name: impl Fn(usize) -> String,
     options: &DifferenceOptions,
 ) -> GradientCheck {
-    let mut check = GradientCheck::default();
-    check.add_column(0, analytic, function, name, options);
-    check.sort();
-    check
+    let column = DMatrix::from_column_slice(analytic.len(), 1, analytic);
+    check_jacobian(&column, |_, offset| function(offset), |row, _| name(row), options)
 }
 
 /// Compares a problem's gradient of the cost, −2 Jᵀρ, with differences of the cost.
@@ -243,7 +228,7 @@ pub fn check_gradient<P: LeastSquares>(
     let h = options.step;
     let entries: Vec<Entry> = (0..gradient.len())
         .map(|column| {
-            let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| cost(&moved(column, k * h)));
+            let values = STEPS.map(|k| cost(&moved(column, k * h)));
             Entry::new(gradient[column], values, h)
         })
         .collect();

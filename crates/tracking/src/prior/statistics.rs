@@ -95,14 +95,11 @@ impl PriorPart {
         let is_good = |component: &StudentComponent| {
             component.mean.len() == size && StudentMixture::new(vec![component.clone()], degrees).is_some()
         };
+        let no_component = |index| PriorError::Component { part: part(), index, size };
         if let Some(index) = components.iter().position(|component| !is_good(component)) {
-            return Err(PriorError::Component { part: part(), index, size });
+            return Err(no_component(index));
         }
-        let poses = StudentMixture::new(components, degrees).ok_or_else(|| PriorError::Component {
-            part: part(),
-            index: 0,
-            size,
-        })?;
+        let poses = StudentMixture::new(components, degrees).ok_or_else(|| no_component(0))?;
         let no_step = || PriorError::Step { part: part(), size };
         if !((SHORTEST..=LONGEST).contains(&step.seconds) && (0.0..=8.0).contains(&step.exponent)) {
             return Err(no_step());

@@ -6,6 +6,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "blocks are written by their rows and columns")]
 
+use std::array::from_fn;
+
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pulp::Simd;
@@ -35,23 +37,13 @@ impl Composite {
     /// Of wrenches about the same point.
     pub(super) fn of_wrenches(sums: &RowSums<7>) -> Self {
         let RowSums { products, forces } = sums;
-        let mut this = Self::default();
-        for i in 0..3 {
-            for j in 0..3 {
-                this.ff[i][j] = products[(i, j)];
-            }
-            for j in 0..4 {
-                this.ft[i][j] = products[(i, 3 + j)];
-            }
-            this.f[i] = forces[i];
+        Self {
+            ff: from_fn(|i| [products[(i, 0)], products[(i, 1)], products[(i, 2)], 0.0]),
+            ft: from_fn(|i| from_fn(|j| products[(i, 3 + j)])),
+            tt: from_fn(|i| from_fn(|j| products[(3 + i, 3 + j)])),
+            f: [forces[0], forces[1], forces[2], 0.0],
+            t: from_fn(|i| forces[3 + i]),
         }
-        for i in 0..4 {
-            for j in 0..4 {
-                this.tt[i][j] = products[(3 + i, 3 + j)];
-            }
-            this.t[i] = forces[3 + i];
-        }
-        this
     }
 
     /// Whether nothing pulls.

@@ -28,7 +28,7 @@ use super::{SearchOptions, start};
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, PreparedFit, Stage};
-use crate::optimize::{LeastSquares, NormalEquations, Solver, SolverOptions};
+use crate::optimize::{LeastSquares, NormalEquations, Solver};
 use crate::posing;
 use crate::render::BACKGROUND;
 use crate::silhouette::Label;
@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
 
     pub(super) fn refine_by(&mut self, stage: usize, pose: Pose) -> (f64, Pose) {
         let (stage, objective) = &mut self.objectives[stage];
-        let options = SolverOptions { run_all: false, ..self.options.solver_options(stage) };
+        let options = stage.solver_options(self.options.method, self.options.damping, false);
         let mut solver = Solver::new(objective, pose, options);
         self.evaluations += 1;
         while solver.step(objective).is_some() {

@@ -43,6 +43,17 @@ fn valley() -> impl LeastSquares<Point = [f64; 2]> {
     TwoUnknowns { evaluate: valley_at, longest: f64::INFINITY }
 }
 
+/// Runs to the end.
+fn run(
+    problem: &mut impl LeastSquares<Point = [f64; 2]>,
+    start: [f64; 2],
+    options: SolverOptions,
+) -> Solver<[f64; 2]> {
+    let mut solver = Solver::new(problem, start, options);
+    while solver.step(problem).is_some() {}
+    solver
+}
+
 fn options(method: Method) -> SolverOptions {
     let tolerances = Tolerances::by_gain(Some(1e-14));
     SolverOptions { method, damping: 0.01, least_scale: 0.0, max_iterations: 200, tolerances, run_all: false }
@@ -57,8 +68,7 @@ fn a_step_that_was_made_short_is_not_convergence() {
             let options =
                 SolverOptions { tolerances, max_iterations: 100_000, ..options(Method::LevenbergMarquardt) };
             let mut problem = TwoUnknowns { evaluate: valley_at, longest };
-            let mut solver = Solver::new(&mut problem, start, options);
-            while solver.step(&mut problem).is_some() {}
+            let solver = run(&mut problem, start, options);
             let (gradient, why) = (solver.equations.jtr.amax(), solver.termination);
             let is_there = solver.cost() < 1e-12 && gradient < 1e-6;
             assert!(is_there, "{start:?}, {longest}: {} {gradient}, {why:?}", solver.cost());
@@ -84,8 +94,7 @@ fn each_test_of_convergence_is_named() {
                 (DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0]), residual)
             };
             let mut line = TwoUnknowns { evaluate, longest: f64::INFINITY };
-            let mut solver = Solver::new(&mut line, [-5.0, 7.0], options);
-            while solver.step(&mut line).is_some() {}
+            let solver = run(&mut line, [-5.0, 7.0], options);
             let [a, b] = solver.point;
             assert_eq!(solver.termination, Some(expected), "{method:?}");
             assert!((a - 1.5).abs() < 2e-2 && (b - 0.5).abs() < 2e-2, "{method:?}: {a} {b}");
@@ -140,27 +149,21 @@ fn gauss_newton_takes_every_step() {
 }
 
 #[test]
-fn a_stationary_start_says_so() {
-    let mut solver = Solver::new(&mut valley(), [1.0, 1.0], options(Method::LevenbergMarquardt));
-    assert!(solver.step(&mut valley()).is_none());
-    assert_eq!(solver.termination, Some(Termination::NoGradient));
-}
-
-#[test]
-fn run_all_runs_all() {
-    for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
-        for start in [[-1.2, 1.0], [1.0, 1.0]] {
-            let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
-            let mut solver = Solver::new(&mut valley(), start, options);
-            while solver.step(&mut valley()).is_some() {}
-            assert_eq!(solver.termination, Some(Termination::StepLimit { steps: 600 }));
-        }
+fn ends_say_why() {
+    let all = |method| SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
+    let (gauss_newton, levenberg_marquardt) = (Method::GaussNewton, Method::LevenbergMarquardt);
+    let limit = Termination::StepLimit { steps: 600 };
+    for (start, options, expected) in [
+        ([1.0, 1.0], options(levenberg_marquardt), Termination::NoGradient),
+        ([f64::NAN, 1.0], options(levenberg_marquardt), Termination::NotFinite),
+        ([-1.2, 1.0], all(gauss_newton), limit),
+        ([1.0, 1.0], all(gauss_newton), limit),
+        ([-1.2, 1.0], all(levenberg_marquardt), limit),
+        ([1.0, 1.0], all(levenberg_marquardt), limit),
+    ] {
+        let mut solver = Solver::new(&mut valley(), start, options);
+        let steps = std::iter::from_fn(|| solver.step(&mut valley())).count();
+        assert_eq!(solver.termination, Some(expected), "{start:?}, {options:?}");
+        assert_eq!(steps, if options.run_all { 600 } else { 0 }, "{start:?}, {options:?}");
     }
-}
-
-#[test]
-fn infinite_costs_end_without_losing_the_point() {
-    let mut solver = Solver::new(&mut valley(), [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
-    assert!(solver.step(&mut valley()).is_none());
-    assert_eq!(solver.termination, Some(Termination::NotFinite));
 }
