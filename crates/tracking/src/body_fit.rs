@@ -10,7 +10,7 @@
 //! chooses frames, fits, judges by frames held out, and says what it doubts. Then [`OwnSizes::model`] is the person, and
 //! [`OwnSizes::as_seen`] the body to track with on masks as they are.
 //!
-//! Silhouettes that cannot be a person's are told beforehand ([`usable`], [`survey`](mod@survey)); [`find_person`] needs
+//! Silhouettes that cannot be a person's are told beforehand ([`survey`](mod@survey)); [`find_person`] needs
 //! nothing but silhouettes.
 
 #[doc(inline)]
@@ -26,7 +26,6 @@ mod problem;
 mod report;
 pub mod scale;
 pub mod survey;
-pub mod usable;
 pub mod widening;
 
 pub use approach::{Approach, approach};

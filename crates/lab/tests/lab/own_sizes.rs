@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_lab::synthetic::{capsules, motion, people::PEOPLE, studio};
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::body_fit::usable::{LeftOut, Unusable};
+use backlit_tracking::body_fit::survey::{LeftOut, Unusable};
 use backlit_tracking::body_fit::{
     BodyFitError, BodyFitOptions, BodyFrame, Doubt, OwnSizes, OwnSizesError, OwnSizesOptions, PosedFrame,
     fit_body, own_sizes,

@@ -9,7 +9,7 @@ use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
-use super::usable::{LeftOut, Unusable, usable_views, worst};
+use super::survey::{LeftOut, Unusable, usable_views, worst};
 use super::widening::Widening;
 use crate::body::{Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;

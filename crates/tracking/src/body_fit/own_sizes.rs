@@ -13,7 +13,7 @@ use super::fit::{BodyFitError, BodyProgress, fit_body};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
 use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
-use super::usable::{LeftOut, usable_views, worst};
+use super::survey::{LeftOut, usable_views, worst};
 use crate::body::{Model, SizeChoice, SizeKind};
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitOptions, FitView};

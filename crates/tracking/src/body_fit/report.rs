@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use super::fit::Descent;
 use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
-use super::usable::LeftOut;
+use super::survey::LeftOut;
 use super::widening::{self, Widening};
 use crate::body::{Model, ModelError, Pose, SizeKind, Sizes};
 use crate::optimize::{NormalEquations, Termination};
