@@ -242,7 +242,7 @@ impl LeastSquares for BodyProblem<'_> {
 
     /// Per pixel that has weight, grey levels.
     fn rms(&self) -> f64 {
-        let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight() * term.view.weight).sum();
+        let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight * term.view.weight).sum();
         if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 

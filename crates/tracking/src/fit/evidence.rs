@@ -306,7 +306,7 @@ mod tests {
             let samples = view.sampled_data(&stage, distance.as_ref());
             let seen = View::new(&model, &kinematics, &view.camera, RendererKind::Capsule, ramp);
             let [a, b] = [&whole, &samples].map(|data| {
-                (data.total_weight().to_bits(), data.cost(&seen, &mut KernelMemory::default()).to_bits())
+                (data.total_weight.to_bits(), data.cost(&seen, &mut KernelMemory::default()).to_bits())
             });
             assert_eq!(a, b, "{ramp} {data:?}, stride {stride}");
         }

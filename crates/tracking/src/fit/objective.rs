@@ -68,9 +68,8 @@ struct CameraTerm {
 
 impl CameraTerm {
     /// Sampled pixels in the boxes of all solids at the last evaluated pose: how much work it is, roughly.
-    fn area_px(&self) -> usize {
+    fn area_px(&self, stride: usize) -> usize {
         let area = |bounds: &Footprint| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
-        let stride = self.data.stride();
         self.view.primitives().iter().map(|primitive| area(&primitive.bounds)).sum::<usize>()
             / (stride * stride)
     }
@@ -214,7 +213,9 @@ impl Objective {
             term.blocks.fill(WrenchBlock::default());
             term.cost = term.data.accumulate(&term.view, &mut term.memory, &mut term.blocks);
         };
-        let is_large = self.cameras.iter().map(CameraTerm::area_px).sum::<usize>() >= PARALLEL_PIXELS;
+        let stride = self.stage.stride;
+        let area: usize = self.cameras.iter().map(|term| term.area_px(stride)).sum();
+        let is_large = area >= PARALLEL_PIXELS;
         if is_large && self.cameras.len() > 1 && rayon::current_num_threads() > 1 {
             self.cameras.par_iter_mut().for_each(one);
         } else {
@@ -264,8 +265,7 @@ impl LeastSquares for Objective {
 
     /// Per pixel that has weight, grey levels.
     fn rms(&self) -> f64 {
-        let pixels: f64 =
-            self.cameras.iter().map(|term| term.data.total_weight() * term.fit_view.weight).sum();
+        let pixels: f64 = self.cameras.iter().map(|term| term.data.total_weight * term.fit_view.weight).sum();
         if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 

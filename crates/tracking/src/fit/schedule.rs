@@ -81,25 +81,20 @@ impl ApparentSize {
         let radius = if self.thinnest_px.is_finite() { self.thinnest_px.max(NARROWEST_PX) } else { 1.0 };
         let stride = |per_pixel: f64| (radius * per_pixel).clamp(1.0, COARSEST).floor() as usize;
         let widest = (WIDEST_OF_PERSON * self.person_px).max(radius);
-        let annealed = OUTER_RADII.map(|radii| Stage {
-            ramp: Ramp::Distance {
-                inner_px: (INNER_RADII * radius).max(NARROWEST_PX),
-                outer_px: (radii * radius).min(widest).max(NARROWEST_PX),
-            },
-            data: DataView::Distance,
-            stride: stride(1.0),
-            iterations: ITERATIONS[0],
-            tolerance: Some(TOLERANCES[0]),
-            priors: 1.0,
-        });
-        let last = Stage {
-            ramp: Ramp::Half,
-            data: DataView::Hard,
-            stride: stride(0.5),
-            iterations: ITERATIONS[1],
-            tolerance: Some(TOLERANCES[1]),
+        let stage = |ramp, data, per_pixel, index: usize| Stage {
+            ramp,
+            data,
+            stride: stride(per_pixel),
+            iterations: ITERATIONS[index],
+            tolerance: Some(TOLERANCES[index]),
             priors: 1.0,
         };
+        let annealed = OUTER_RADII.map(|radii| {
+            let inner_px = (INNER_RADII * radius).max(NARROWEST_PX);
+            let outer_px = (radii * radius).min(widest).max(NARROWEST_PX);
+            stage(Ramp::Distance { inner_px, outer_px }, DataView::Distance, 1.0, 0)
+        });
+        let last = stage(Ramp::Half, DataView::Hard, 0.5, 1);
         annealed.into_iter().chain([last]).collect()
     }
 }

@@ -139,33 +139,21 @@ impl BodyPoints {
 
     /// The person as in a mirror: right is left.
     pub fn mirrored(&self) -> Self {
-        let swap = |[right, left]: [DVec3; 2]| [left, right];
-        let flipped = self.moved(|p| DVec3::new(-p.x, p.y, p.z));
-        Self {
-            hips: swap(flipped.hips),
-            shoulders: swap(flipped.shoulders),
-            elbows: swap(flipped.elbows),
-            wrists: swap(flipped.wrists),
-            knees: swap(flipped.knees),
-            ankles: swap(flipped.ankles),
-            toes: swap(flipped.toes),
-            ..flipped
-        }
+        let mut flipped = self.moved(|p| DVec3::new(-p.x, p.y, p.z));
+        flipped.pairs_mut().into_iter().for_each(|pair| pair.swap(RIGHT, LEFT));
+        flipped
     }
 
     /// Each joint moved.
     fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Self {
-        Self {
-            hips: self.hips.map(&to),
-            waist: to(self.waist),
-            neck: to(self.neck),
-            shoulders: self.shoulders.map(&to),
-            elbows: self.elbows.map(&to),
-            wrists: self.wrists.map(&to),
-            knees: self.knees.map(&to),
-            ankles: self.ankles.map(&to),
-            toes: self.toes.map(&to),
-        }
+        let mut moved = Self { waist: to(self.waist), neck: to(self.neck), ..*self };
+        moved.pairs_mut().into_iter().for_each(|pair| *pair = pair.map(&to));
+        moved
+    }
+
+    fn pairs_mut(&mut self) -> [&mut [DVec3; 2]; 7] {
+        let Self { hips, shoulders, elbows, wrists, knees, ankles, toes, .. } = self;
+        [hips, shoulders, elbows, wrists, knees, ankles, toes]
     }
 }
 

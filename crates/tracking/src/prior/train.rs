@@ -14,7 +14,7 @@ use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
 use super::direction::{BodyDirection, BodyPoints};
-use super::mixture::{StudentComponent, StudentMixture, lower_triangle};
+use super::mixture::{StudentComponent, StudentMixture, lower_triangle, symmetric};
 use super::statistics::{PosePrior, PriorError, PriorPart, StepStatistics};
 use crate::numbers::{OptionError, POSITIVE, Range, check_options};
 
@@ -97,7 +97,8 @@ pub fn train(clips: &[Clip], options: &TrainOptions, source: &str) -> Result<Pos
         }
         let left: Vec<BodyDirection> = directions.iter().map(|direction| on_the_left(*direction)).collect();
         let mirrored = components.iter().map(mirrored_component).collect();
-        let left_step = StepStatistics { covariance: mirrored_covariance(&step.covariance), ..step.clone() };
+        let covariance = mirrored_covariance(&step.covariance, 3 * directions.len());
+        let left_step = StepStatistics { covariance, ..step.clone() };
         let right = (format!("right {name}"), directions.to_vec(), components, step);
         for (name, directions, components, step) in
             [right, (format!("left {name}"), left, mirrored, left_step)]
@@ -136,20 +137,13 @@ fn mirrored_component(component: &StudentComponent) -> StudentComponent {
     StudentComponent {
         share: component.share,
         mean: component.mean.iter().enumerate().map(|(index, value)| sign(index) * value).collect(),
-        covariance: mirrored_covariance(&component.covariance),
+        covariance: mirrored_covariance(&component.covariance, component.mean.len()),
     }
 }
 
-fn mirrored_covariance(lower: &[f64]) -> Vec<f64> {
-    let (mut row, mut column) = (0, 0);
-    lower
-        .iter()
-        .map(|value| {
-            let turned = sign(row) * sign(column) * value;
-            (row, column) = if column == row { (row + 1, 0) } else { (row, column + 1) };
-            turned
-        })
-        .collect()
+fn mirrored_covariance(lower: &[f64], size: usize) -> Vec<f64> {
+    let turned = |row, column, value: f64| sign(row) * sign(column) * value;
+    lower_triangle(&symmetric(lower, size).map_with_location(turned))
 }
 
 /// The numbers of every pose that counts, as it is and mirrored.

@@ -42,7 +42,8 @@ pub(crate) struct SizeData {
     measurement: Arc<Measurement>,
     stride: usize,
     empty_cost: f64,
-    total_weight: f64,
+    /// Σ w over the sampled pixels.
+    pub(crate) total_weight: f64,
 }
 
 impl SizeData {
@@ -59,11 +60,6 @@ impl SizeData {
             }
         }
         Self { measurement, stride, empty_cost, total_weight }
-    }
-
-    /// Σ w over the sampled pixels.
-    pub(crate) fn total_weight(&self) -> f64 {
-        self.total_weight
     }
 
     /// Cost Σ w (D − Λ)², and the sums of every limb. `blocks` has one entry per limb and comes cleared.

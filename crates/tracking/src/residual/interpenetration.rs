@@ -98,6 +98,7 @@ pub fn add(
 mod tests {
     use super::*;
     use crate::body::builtin;
+    use crate::fixtures::bent;
     use crate::geometry::rotation::exp;
 
     #[test]
@@ -126,8 +127,7 @@ mod tests {
         let model = builtin::upper_body();
         let pairs = LimbPairs::of(&model);
         let columns = Parameters::Tangent.columns(model.rotation_count());
-        let step: Vec<f64> = (0..columns).map(|i| 0.9 * (i as f64 * 1.7 + 3.0).sin()).collect();
-        let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
+        let pose = bent(&model, 0.9, 3.0);
         let depths = |pose: &Pose| -> Vec<f64> {
             let kinematics = Kinematics::new(&model, pose);
             let depth =

@@ -24,9 +24,10 @@ use crate::silhouette::Measurement;
 #[derive(Debug, Clone)]
 pub struct SampledData {
     grid: PixelGrid,
-    /// Σ w (D − 255)² and Σ w over the grid.
+    /// Σ w (D − 255)² over the grid.
     empty_cost: f64,
-    total_weight: f64,
+    /// Σ w over the sampled pixels: what the cost is divided by for a mean.
+    pub total_weight: f64,
 }
 
 impl SampledData {
@@ -77,16 +78,6 @@ impl SampledData {
             }
         }
         Self { grid, empty_cost: costs.iter().sum(), total_weight: weights.iter().sum() }
-    }
-
-    /// Σ w over the sampled pixels: what the cost is divided by for a mean.
-    pub fn total_weight(&self) -> f64 {
-        self.total_weight
-    }
-
-    /// Pixels between samples.
-    pub fn stride(&self) -> usize {
-        self.grid.stride
     }
 
     /// Cost Σ w (D − Λ)², and the wrench block of every limb (camera axes), by the fastest kernel that can.

@@ -204,7 +204,7 @@ fn pictures_of_no_or_countless_pixels_are_errors() {
     // Grey pictures become measurements without a check; an empty one has nothing to say and breaks nothing.
     for picture in [GrayImage::new(0, 0), GrayImage::new(0, 7), GrayImage::new(7, 0)] {
         let measurement = Measurement::from_gray(&picture);
-        assert_eq!(SampledData::new(&measurement, 1).total_weight(), 0.0);
+        assert_eq!(SampledData::new(&measurement, 1).total_weight, 0.0);
         assert_eq!(measurement.to_gray(), picture);
     }
 }
