@@ -31,8 +31,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `information` | [`FrameInformation`]: each camera's JᵀJ, and which limbs it sees |
-//! | `spectrum` | the singular values, and which are null |
+//! | `information` | [`FrameInformation`]: each camera's JᵀJ, which limbs it sees, the singular values, and which are null |
 //! | `directions` | [`Observability`] of a set of cameras: [`Direction`]s, null ones in a basis that can be named |
 //! | `cause` | [`Cause`]: why a direction is weak: shares of its motion, by mechanism |
 //! | `uncertainty` | [`JointUncertainty`]: covariance of joints, and its ellipse in a picture |
@@ -41,7 +40,6 @@
 mod cause;
 mod directions;
 mod information;
-mod spectrum;
 mod subsets;
 mod uncertainty;
 

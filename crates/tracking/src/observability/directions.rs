@@ -6,8 +6,7 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Share, shares};
-use super::information::FrameInformation;
-use super::spectrum::Spectrum;
+use super::information::{FrameInformation, Spectrum};
 use super::uncertainty::{JointUncertainty, articulated_joints, joint_uncertainties};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 
@@ -85,8 +84,7 @@ impl Direction {
     /// The joint that moves most, by the limb whose second joint it is (`None` is the root), and how far, metres.
     #[must_use]
     pub fn largest_move(&self) -> (Option<usize>, f64) {
-        let ends = self.joint_moves.iter().map(|(limb, by)| (Some(*limb), by.length()));
-        ends.fold((None, self.root_move.length()), |most, next| if next.1 > most.1 { next } else { most })
+        self.movers()[0]
     }
 
     /// The joints that move most, the first the most, with how far, metres: the root (`None`) and limbs' second joints.
@@ -216,7 +214,7 @@ impl FrameInformation {
             null_below: spectrum.null_below,
             joints: joint_uncertainties(self, &spectrum, noise.deviation()),
             noise,
-            lever_m: self.lever,
+            lever_m: self.lever_m,
             ramp_pixels: self.parts(&cameras).map(|part| part.ramp_pixels).sum(),
             cameras,
         }
@@ -231,7 +229,7 @@ impl FrameInformation {
         // Of a vector and its opposite, the one whose largest entry is positive.
         let sign = if u[u.iamax()] < 0.0 { -1.0 } else { 1.0 };
         let mut step = u * sign;
-        step.rows_mut(0, 3).scale_mut(self.lever);
+        step.rows_mut(0, 3).scale_mut(self.lever_m);
         let joint_moves = end_moves(&self.kinematics, &self.model, &step);
         let shares = shares(self, cameras, &step);
         let root_move = DVec3::from_slice(&step.as_slice()[..3]);
@@ -254,8 +252,8 @@ impl FrameInformation {
         }
         let variance = cost / (weight - rank);
         for axis in 0..3 {
-            scatter.row_mut(axis).scale_mut(self.lever);
-            scatter.column_mut(axis).scale_mut(self.lever);
+            scatter.row_mut(axis).scale_mut(self.lever_m);
+            scatter.column_mut(axis).scale_mut(self.lever_m);
         }
         let seen = (0..spectrum.rank).map(|index| {
             let u = spectrum.vectors.column(index);

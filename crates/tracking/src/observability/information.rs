@@ -58,12 +58,24 @@ pub struct CameraInformation {
 /// All cameras' parts at one pose of one frame.
 #[derive(Debug, Clone)]
 pub struct FrameInformation {
-    pub(super) model: Arc<Model>,
-    pub(super) kinematics: Kinematics,
-    pub(super) pose: Pose,
+    /// The body.
+    pub model: Arc<Model>,
+    /// Joints of the pose.
+    pub kinematics: Kinematics,
+    /// The pose, its quaternions of unit length.
+    pub pose: Pose,
     /// By camera; `None` for one without a silhouette.
-    pub(super) cameras: Vec<Option<CameraInformation>>,
-    pub(super) lever: f64,
+    pub cameras: Vec<Option<CameraInformation>>,
+    /// L, metres: what a radian is worth for the root's position.
+    pub lever_m: f64,
+}
+
+/// Eigenvalues of the scaled JᵀJ, largest first, with their vectors as columns, and how many are not null.
+pub(super) struct Spectrum {
+    pub(super) values: Vec<f64>,
+    pub(super) vectors: DMatrix<f64>,
+    pub(super) rank: usize,
+    pub(super) null_below: f64,
 }
 
 impl FrameInformation {
@@ -93,43 +105,8 @@ impl FrameInformation {
                 view.has_data().then(|| look(model, &kinematics, &view, options))
             })
             .collect();
-        let lever = mean_lever(model);
-        Ok(Self { model: Arc::clone(model), kinematics, pose, cameras, lever })
-    }
-
-    /// The body.
-    #[must_use]
-    pub fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
-    /// The pose, its quaternions of unit length.
-    #[must_use]
-    pub fn pose(&self) -> &Pose {
-        &self.pose
-    }
-
-    /// Joints of that pose.
-    #[must_use]
-    pub fn kinematics(&self) -> &Kinematics {
-        &self.kinematics
-    }
-
-    /// By camera; `None` for one without a silhouette.
-    #[must_use]
-    pub fn cameras(&self) -> &[Option<CameraInformation>] {
-        &self.cameras
-    }
-
-    /// The cameras that have a silhouette, by index.
-    pub fn cameras_with_data(&self) -> impl Iterator<Item = usize> + '_ {
-        self.cameras.iter().enumerate().filter(|(_, camera)| camera.is_some()).map(|(index, _)| index)
-    }
-
-    /// L, metres: what a radian is worth for the root's position.
-    #[must_use]
-    pub fn lever_m(&self) -> f64 {
-        self.lever
+        let lever_m = mean_lever(model);
+        Ok(Self { model: Arc::clone(model), kinematics, pose, cameras, lever_m })
     }
 
     /// H = Σ w JᵀJ of a set of cameras, tangent columns. Cameras without data add nothing.
@@ -146,6 +123,24 @@ impl FrameInformation {
 
     pub(super) fn parts<'a>(&'a self, cameras: &'a [usize]) -> impl Iterator<Item = &'a CameraInformation> {
         cameras.iter().filter_map(|&camera| self.cameras.get(camera)?.as_ref())
+    }
+
+    /// The scaled JᵀJ's eigenvalues and what of them is null.
+    pub(super) fn spectrum(&self, cameras: &[usize]) -> Spectrum {
+        let mut scaled = self.equations(cameras).jtj;
+        for axis in 0..3 {
+            scaled.row_mut(axis).scale_mut(self.lever_m);
+            scaled.column_mut(axis).scale_mut(self.lever_m);
+        }
+        let columns = scaled.nrows();
+        let pixels: usize = self.parts(cameras).map(|part| part.ramp_pixels).sum();
+        let eigen = scaled.symmetric_eigen();
+        let mut order: Vec<usize> = (0..columns).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        let values: Vec<f64> = order.iter().map(|&index| eigen.eigenvalues[index].max(0.0)).collect();
+        let null_below = f64::EPSILON * (columns + pixels) as f64;
+        let rank = values.iter().take_while(|value| **value > null_below * values[0]).count();
+        Spectrum { vectors: eigen.eigenvectors.select_columns(&order), values, rank, null_below }
     }
 }
 
@@ -166,29 +161,6 @@ fn mean_lever(model: &Model) -> f64 {
     if lever > 0.0 { lever } else { 1.0 }
 }
 
-/// A camera's sums while its rows are read.
-struct Sums {
-    blocks: Vec<WrenchBlock>,
-    won: Vec<usize>,
-    on_ramp: Vec<usize>,
-    cost: f64,
-    weight: f64,
-    /// g of the cells of the current row of cells.
-    cells: Vec<DVector<f64>>,
-    scatter: DMatrix<f64>,
-}
-
-impl Sums {
-    fn close_cells(&mut self) {
-        for cell in &mut self.cells {
-            if cell.iter().any(|value| *value != 0.0) {
-                self.scatter.ger(1.0, cell, cell, 1.0);
-                cell.fill(0.0);
-            }
-        }
-    }
-}
-
 fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOptions) -> CameraInformation {
     let stages = &options.stages;
     let stage = Stage { stride: 1, ..stages[stages.len() - 1] };
@@ -197,83 +169,64 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
     let data = view.data(&stage, view.distance(std::slice::from_ref(&stage)).as_ref());
     let drawn = View::new(model, kinematics, &view.camera, options.renderer, stage.ramp);
     let columns = Parameters::Tangent.columns(model.rotation_count());
-    let limbs = model.limbs().len();
-    let moving = moving_columns(kinematics, limbs);
-    let world_from_camera = view.camera.camera_from_world().rotation.transpose();
-    let mut sums = Sums {
-        blocks: vec![WrenchBlock::default(); limbs],
-        won: vec![0; limbs],
-        on_ramp: vec![0; limbs],
-        cost: 0.0,
-        weight: 0.0,
-        cells: vec![DVector::zeros(columns); data.width().div_ceil(CELL_PX)],
-        scatter: DMatrix::zeros(columns, columns),
+    let count = model.limbs().len();
+    let moving = |limb| {
+        let mut columns = Vec::new();
+        kinematics.moving_columns_into(limb, Parameters::Tangent, &mut columns);
+        columns
     };
+    let moving: Vec<Vec<MovingColumn>> = (0..count).map(moving).collect();
+    let camera_from_world = view.camera.camera_from_world().rotation;
+    let world_from_camera = camera_from_world.transpose();
+    let mut blocks = vec![WrenchBlock::default(); count];
+    let mut limbs =
+        vec![LimbSight { in_picture: false, won: 0, on_ramp: 0, by_ends: Matrix6::zeros() }; count];
+    let (mut cost, mut ramp_weight) = (0.0, 0.0);
+    // g of the cells of the current row of cells.
+    let mut cells = vec![DVector::zeros(columns); data.width().div_ceil(CELL_PX)];
+    let mut scatter = DMatrix::zeros(columns, columns);
     let mut row = RowWinners::default();
     for y in 0..data.height() {
         row.find(&drawn, y, 1, 0);
         for x in row.touched() {
             let Some(winner) = row.winner(x) else { continue };
             let primitive = &drawn.primitives()[winner];
-            sums.won[primitive.limb] += 1;
+            limbs[primitive.limb].won += 1;
             let at = y * data.width() + x;
             let sample = primitive.sample(drawn.ray(x, y));
             let residual = f64::from(data.values()[at]) - BACKGROUND * row.level(x).clamp(0.0, 1.0);
             let weight = f64::from(data.weights()[at]) * loss.weight(residual * residual);
             let Some(wrench) = sample.wrench.filter(|_| weight > 0.0) else { continue };
-            sums.blocks[primitive.limb].add(wrench, weight, residual);
-            sums.on_ramp[primitive.limb] += 1;
-            sums.cost += weight * residual * residual;
-            sums.weight += weight;
+            blocks[primitive.limb].add(wrench, weight, residual);
+            limbs[primitive.limb].on_ramp += 1;
+            cost += weight * residual * residual;
+            ramp_weight += weight;
             let pull = SVector::from(wrench.rotated(world_from_camera).to_array()) * (weight * residual);
             for column in &moving[primitive.limb] {
-                sums.cells[x / CELL_PX][column.index] += SVector::from(column.motion).dot(&pull);
+                cells[x / CELL_PX][column.index] += SVector::from(column.motion).dot(&pull);
             }
         }
-        if y % CELL_PX == CELL_PX - 1 {
-            sums.close_cells();
+        if y % CELL_PX == CELL_PX - 1 || y + 1 == data.height() {
+            for cell in cells.iter_mut().filter(|cell| cell.iter().any(|value| *value != 0.0)) {
+                scatter.ger(1.0, cell, cell, 1.0);
+                cell.fill(0.0);
+            }
         }
     }
-    sums.close_cells();
-    finish(kinematics, view, sums)
-}
-
-fn moving_columns(kinematics: &Kinematics, limbs: usize) -> Vec<Vec<MovingColumn>> {
-    let of_limb = |limb| {
-        let mut columns = Vec::new();
-        kinematics.moving_columns_into(limb, Parameters::Tangent, &mut columns);
-        columns
-    };
-    (0..limbs).map(of_limb).collect()
-}
-
-fn finish(kinematics: &Kinematics, view: &FitView, sums: Sums) -> CameraInformation {
-    let limbs = sums.blocks.len();
-    let mut world = WorldBlocks::new(limbs);
-    world.add(&view.camera, &sums.blocks, 1.0);
-    let mut equations = NormalEquations::zeros(sums.scatter.nrows());
+    let mut world = WorldBlocks::new(count);
+    world.add(&view.camera, &blocks, 1.0);
+    let mut equations = NormalEquations::zeros(columns);
     world.add_to(kinematics, Parameters::Tangent, &mut StateMap::default(), &mut equations);
-    equations.cost = sums.cost;
-    let rotation = view.camera.camera_from_world().rotation;
-    let sight = |limb: usize| {
+    equations.cost = cost;
+    for (limb, sight) in limbs.iter_mut().enumerate() {
         let (start, end) = (kinematics.starts()[limb], kinematics.ends()[limb]);
-        let (products, _) = sums.blocks[limb].in_world(rotation);
-        LimbSight {
-            in_picture: is_in_picture(&view.camera, start, end),
-            won: sums.won[limb],
-            on_ramp: sums.on_ramp[limb],
-            by_ends: by_ends(&products, end - start),
-        }
-    };
-    CameraInformation {
-        weight: view.weight,
-        ramp_weight: sums.weight,
-        ramp_pixels: sums.on_ramp.iter().sum(),
-        limbs: (0..limbs).map(sight).collect(),
-        camera: Arc::clone(&view.camera),
-        equations,
-        scatter: sums.scatter,
+        let (products, _) = blocks[limb].in_world(camera_from_world);
+        sight.in_picture = is_in_picture(&view.camera, start, end);
+        sight.by_ends = by_ends(&products, end - start);
     }
+    let ramp_pixels = limbs.iter().map(|sight| sight.on_ramp).sum();
+    let (camera, weight) = (Arc::clone(&view.camera), view.weight);
+    CameraInformation { camera, weight, equations, ramp_weight, ramp_pixels, scatter, limbs }
 }
 
 fn is_in_picture(camera: &Camera, start: DVec3, end: DVec3) -> bool {

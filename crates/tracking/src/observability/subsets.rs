@@ -79,7 +79,8 @@ impl FrameInformation {
     /// then the smallest deviation of the worst joint, of the middle one, then fewest cameras.
     #[must_use]
     pub fn compare_subsets(&self, noise: Noise) -> Vec<SubsetFigures> {
-        let cameras: Vec<usize> = self.cameras_with_data().collect();
+        let all = 0..self.cameras.len();
+        let cameras: Vec<usize> = all.filter(|&camera| self.cameras[camera].is_some()).collect();
         let mut figures: Vec<SubsetFigures> =
             camera_subsets(&cameras).iter().map(|set| self.subset(set, noise)).collect();
         figures.sort_by(|a, b| {

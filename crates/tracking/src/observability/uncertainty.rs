@@ -12,8 +12,7 @@
 use glam::{DVec2, DVec3};
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-use super::information::FrameInformation;
-use super::spectrum::Spectrum;
+use super::information::{FrameInformation, Spectrum};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::camera::Camera;
 
@@ -145,15 +144,25 @@ pub fn articulated_joints(model: &Model) -> Vec<usize> {
 pub fn believed_joints(model: &Model, pose: &Pose, covariance: &DMatrix<f64>) -> Vec<JointUncertainty> {
     let kinematics = Kinematics::new(model, pose);
     let one = |limb: Option<usize>| {
-        let by_step = match limb {
-            Some(limb) => kinematics.end_jacobian(limb, Parameters::Tangent),
-            None => DMatrix::identity(3, covariance.nrows()),
-        };
+        let by_step = by_step(&kinematics, limb, covariance.nrows());
         let spread = &by_step * covariance * by_step.transpose();
         let at = limb.map_or(pose.root, |limb| kinematics.ends()[limb]);
         let covariance = Matrix3::from_fn(|row, column| spread[(row, column)]);
         JointUncertainty { limb, at, covariance, unseen: Matrix3::zeros() }
     };
+    of_joints(model, one)
+}
+
+/// K = ∂p/∂δ of a limb's second joint, or of the root.
+fn by_step(kinematics: &Kinematics, limb: Option<usize>, columns: usize) -> DMatrix<f64> {
+    limb.map_or_else(
+        || DMatrix::identity(3, columns),
+        |limb| kinematics.end_jacobian(limb, Parameters::Tangent),
+    )
+}
+
+/// Root first, then the joints of [`articulated_joints`].
+fn of_joints(model: &Model, one: impl Fn(Option<usize>) -> JointUncertainty) -> Vec<JointUncertainty> {
     std::iter::once(None).chain(articulated_joints(model).into_iter().map(Some)).map(one).collect()
 }
 
@@ -164,16 +173,10 @@ pub(super) fn joint_uncertainties(
     deviation: f64,
 ) -> Vec<JointUncertainty> {
     let (kinematics, model) = (&information.kinematics, &information.model);
-    let columns = spectrum.values.len();
-    let mut root = DMatrix::zeros(3, columns);
-    root.fill_diagonal(1.0);
     let one = |limb: Option<usize>| {
-        let mut by_step = match limb {
-            Some(limb) => kinematics.end_jacobian(limb, Parameters::Tangent),
-            None => root.clone(),
-        };
+        let mut by_step = by_step(kinematics, limb, spectrum.values.len());
         for axis in 0..3 {
-            by_step.column_mut(axis).scale_mut(information.lever);
+            by_step.column_mut(axis).scale_mut(information.lever_m);
         }
         let moves = by_step * &spectrum.vectors;
         let (mut covariance, mut unseen) = (Matrix3::zeros(), Matrix3::zeros());
@@ -188,5 +191,5 @@ pub(super) fn joint_uncertainties(
         let at = limb.map_or(information.pose.root, |limb| kinematics.ends()[limb]);
         JointUncertainty { limb, at, covariance, unseen }
     };
-    std::iter::once(None).chain(articulated_joints(model).into_iter().map(Some)).map(one).collect()
+    of_joints(model, one)
 }

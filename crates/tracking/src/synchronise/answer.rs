@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::numbers::Brief;
+use crate::numbers::OptionError;
 use thiserror::Error;
 
 /// How offsets are looked for.
@@ -161,6 +161,6 @@ pub enum SynchroniseError {
     Times { camera: usize, frame: usize, seconds: f64 },
     #[error("camera {camera}: the mask of frame {frame} is not of the camera's size")]
     Size { camera: usize, frame: usize },
-    #[error("`{option}` is {}; expected {expected}", Brief(*.value))]
-    Option { option: &'static str, value: f64, expected: &'static str },
+    #[error(transparent)]
+    Option(#[from] OptionError),
 }

@@ -1,6 +1,6 @@
 //! How well one camera's silhouettes foretell another's at every offset of their clocks.
 
-use super::answer::SynchroniseOptions;
+use super::answer::{PairOffset, SynchroniseOptions};
 use super::signals::{Common, PairSignals};
 
 /// Motion of this speed counts half, pixels a second; the same share of the spread for signals without pixels.
@@ -61,21 +61,15 @@ impl Curve {
 /// Two cameras, compared.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Comparison {
-    pub(super) signals: PairSignals,
+    /// Indices of their recordings, the smaller first.
+    pub(super) cameras: [usize; 2],
+    signals: PairSignals,
     pub(super) curve: Curve,
     /// Pixels, or shares of the spread.
-    pub(super) noise: f64,
+    noise: f64,
     /// Samples over which residuals hang together.
     correlated: f64,
     unit: usize,
-}
-
-/// A pair's own peak.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Peak {
-    pub(super) seconds: f64,
-    pub(super) deviation_s: f64,
-    pub(super) evidence: f64,
 }
 
 /// One sample of a camera beside the other's at an offset.
@@ -93,6 +87,7 @@ struct Residual {
 impl Comparison {
     /// `None` where the two never have enough in common.
     pub(super) fn new(
+        cameras: [usize; 2],
         signals: PairSignals,
         spans: [[f64; 2]; 2],
         step: f64,
@@ -113,7 +108,7 @@ impl Comparison {
         }
         let count = (above - below) as usize + 1;
         let curve = Curve { first: below * step, step, values: vec![None; count] };
-        let mut this = Self { signals, curve, noise: LEAST_NOISE[unit], correlated: 1.0, unit };
+        let mut this = Self { cameras, signals, curve, noise: LEAST_NOISE[unit], correlated: 1.0, unit };
         let looks: Vec<Option<(f64, f64)>> =
             (0..count).map(|index| scale(&this.residuals(this.curve.offset(index)))).collect();
         let most = looks.iter().flatten().map(|look| look.1).fold(0.0, f64::max);
@@ -177,8 +172,8 @@ impl Comparison {
         }
     }
 
-    /// The pair's own peak next to an offset, no more than so far away.
-    pub(super) fn peak(&self, about: f64, within: f64) -> Option<Peak> {
+    /// The pair's own peak next to an offset, no more than so far away; how far it is off the others is still to be said.
+    pub(super) fn peak(&self, about: f64, within: f64) -> Option<PairOffset> {
         /// Offsets that are tried on each side.
         const TRIED: i32 = 12;
         let step = within / f64::from(TRIED);
@@ -210,7 +205,16 @@ impl Comparison {
         let information: f64 =
             residuals.iter().map(|residual| residual.weight * residual.slope * residual.slope).sum();
         let deviation_s = scatter * (self.correlated / information.max(1e-12)).sqrt();
-        Some(Peak { seconds, deviation_s, evidence: values[best].1 / self.correlated })
+        Some(PairOffset {
+            cameras: self.cameras,
+            cue: self.signals.cue,
+            seconds,
+            deviation_s,
+            evidence: values[best].1 / self.correlated,
+            residual_s: 0.0,
+            noise: self.noise,
+            is_used: true,
+        })
     }
 }
 

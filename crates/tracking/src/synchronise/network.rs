@@ -6,9 +6,10 @@ use rayon::prelude::*;
 use super::answer::{
     CameraOffset, Offset, PairOffset, Synchronisation, SynchroniseError, SynchroniseOptions, Undecided,
 };
-use super::evidence::{Comparison, Peak};
+use super::evidence::Comparison;
 use super::outline::Recording;
 use super::signals::{PairSignals, image_motion};
+use crate::numbers::{Range, check_options};
 
 /// Frames with a silhouette that a camera must have.
 const LEAST_FRAMES: usize = 12;
@@ -48,13 +49,12 @@ pub fn synchronise(
         recordings.iter().map(|recording| recording.span()[1] - recording.span()[0]).fold(0.0, f64::max);
     let step = (0.5 * period).max(longest / MOST_OFFSETS);
     let couples: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
-    let pairs: Vec<Pair> = couples
+    let pairs: Vec<Comparison> = couples
         .into_par_iter()
         .filter(|couple| couple.iter().all(|&camera| refused[camera].is_none()))
         .filter_map(|cameras| {
             let [a, b] = cameras.map(|camera| &recordings[camera]);
-            let comparison = Comparison::new(PairSignals::of(a, b), [a.span(), b.span()], step, options)?;
-            Some(Pair { cameras, comparison })
+            Comparison::new(cameras, PairSignals::of(a, b), [a.span(), b.span()], step, options)
         })
         .collect();
     let network = Network { count, step, pairs };
@@ -63,20 +63,13 @@ pub fn synchronise(
 }
 
 fn check(recordings: &[Recording], options: &SynchroniseOptions) -> Result<(), SynchroniseError> {
-    let shares = [
-        ("least_overlap", options.least_overlap),
-        ("least_probability", options.least_probability),
-        ("largest_rival", options.largest_rival),
-    ];
-    for (option, value) in shares {
-        if !(0.0..=1.0).contains(&value) {
-            return Err(SynchroniseError::Option { option, value, expected: "0 to 1" });
-        }
-    }
-    if options.farthest_s.is_nan() || options.farthest_s < 0.0 {
-        let value = options.farthest_s;
-        return Err(SynchroniseError::Option { option: "farthest_s", value, expected: "0 seconds or more" });
-    }
+    let share = Range(|value| (0.0..=1.0).contains(&value), "0 to 1");
+    check_options([
+        ("least_overlap", options.least_overlap, share),
+        ("least_probability", options.least_probability, share),
+        ("largest_rival", options.largest_rival, share),
+        ("farthest_s", options.farthest_s, Range(|value| value >= 0.0, "0 seconds or more")),
+    ])?;
     if recordings.len() < 2 {
         return Err(SynchroniseError::Count { count: recordings.len() });
     }
@@ -106,20 +99,15 @@ fn refusal(recording: &Recording) -> Option<Undecided> {
     (spread_px < LEAST_MOTION_PX).then_some(Undecided::NoMotion { spread_px })
 }
 
-struct Pair {
-    cameras: [usize; 2],
-    comparison: Comparison,
-}
-
-impl Pair {
+impl Comparison {
     fn speaks(&self) -> bool {
-        self.comparison.curve.best() >= LEAST_EVIDENCE
+        self.curve.best() >= LEAST_EVIDENCE
     }
 
     /// The evidence if a camera of it has one offset and the other another.
-    fn evidence(&self, camera: usize, offset: f64, other: f64) -> f64 {
+    fn evidence_of(&self, camera: usize, offset: f64, other: f64) -> f64 {
         let tau = if camera == self.cameras[1] { offset - other } else { other - offset };
-        self.comparison.curve.at(tau)
+        self.curve.at(tau)
     }
 
     /// The camera beside this one.
@@ -133,7 +121,7 @@ impl Pair {
 struct Network {
     count: usize,
     step: f64,
-    pairs: Vec<Pair>,
+    pairs: Vec<Comparison>,
 }
 
 impl Network {
@@ -142,7 +130,7 @@ impl Network {
         let mut sum = None;
         for pair in self.pairs.iter().filter(|pair| pair.speaks()) {
             let Some(other) = pair.beside(camera).and_then(|other| known[other]) else { continue };
-            *sum.get_or_insert(0.0) += pair.evidence(camera, offset, other);
+            *sum.get_or_insert(0.0) += pair.evidence_of(camera, offset, other);
         }
         sum
     }
@@ -152,7 +140,7 @@ impl Network {
         let mut range: Option<[f64; 2]> = None;
         for pair in self.pairs.iter().filter(|pair| pair.speaks()) {
             let Some(other) = pair.beside(camera).and_then(|other| known[other]) else { continue };
-            let curve = &pair.comparison.curve;
+            let curve = &pair.curve;
             let ends = [curve.first, curve.offset(curve.values.len() - 1)];
             let [low, high] = if camera == pair.cameras[1] {
                 ends.map(|end| other + end)
@@ -209,35 +197,17 @@ impl Network {
         refused: &[Option<Undecided>],
         options: &SynchroniseOptions,
     ) -> Synchronisation {
-        let mut links: Vec<Link> = self
-            .pairs
-            .iter()
-            .filter(|pair| pair.speaks())
-            .filter_map(|pair| {
-                let [a, b] = pair.cameras;
-                let about = coarse[b]? - coarse[a]?;
-                let peak = pair.comparison.peak(about, PEAK_WITHIN * self.step)?;
-                Some(Link { pair, peak, is_used: true })
-            })
-            .collect();
-        let solution = settle(&mut links, coarse, self.step);
-        let residual = |link: &Link| {
-            link.peak.seconds
-                - (solution.offsets[link.pair.cameras[1]] - solution.offsets[link.pair.cameras[0]])
+        let peak = |pair: &Comparison| {
+            let [a, b] = pair.cameras;
+            pair.peak(coarse[b]? - coarse[a]?, PEAK_WITHIN * self.step)
         };
-        let pairs: Vec<PairOffset> = links
-            .iter()
-            .map(|link| PairOffset {
-                cameras: link.pair.cameras,
-                cue: link.pair.comparison.signals.cue,
-                seconds: link.peak.seconds,
-                deviation_s: link.peak.deviation_s,
-                evidence: link.peak.evidence,
-                residual_s: residual(link),
-                noise: link.pair.comparison.noise,
-                is_used: link.is_used,
-            })
-            .collect();
+        let mut pairs: Vec<PairOffset> =
+            self.pairs.iter().filter(|pair| pair.speaks()).filter_map(peak).collect();
+        let solution = settle(&mut pairs, coarse, self.step);
+        for pair in &mut pairs {
+            let [a, b] = pair.cameras;
+            pair.residual_s = pair.seconds - (solution.offsets[b] - solution.offsets[a]);
+        }
         let cameras = (0..self.count)
             .map(|camera| match (camera, refused[camera]) {
                 (0, _) => CameraOffset::Reference,
@@ -247,10 +217,9 @@ impl Network {
             .collect();
         let used: Vec<&PairOffset> = pairs.iter().filter(|pair| pair.is_used).collect();
         let has_loop = used.len() + 1 > coarse.iter().flatten().count();
-        let weight = |pair: &PairOffset| pair.deviation_s.max(LEAST_DEVIATION_S).powi(-2);
-        let square: f64 = used.iter().map(|pair| weight(pair) * pair.residual_s.powi(2)).sum();
+        let square: f64 = used.iter().map(|pair| pair.weight() * pair.residual_s.powi(2)).sum();
         let loop_error_s =
-            has_loop.then(|| (square / used.iter().map(|pair| weight(pair)).sum::<f64>()).sqrt());
+            has_loop.then(|| (square / used.iter().map(|pair| pair.weight()).sum::<f64>()).sqrt());
         Synchronisation { cameras, pairs, loop_error_s }
     }
 
@@ -336,11 +305,15 @@ impl Posterior {
     }
 }
 
-/// A pair's peak next to the offsets of all cameras.
-struct Link<'a> {
-    pair: &'a Pair,
-    peak: Peak,
-    is_used: bool,
+impl PairOffset {
+    /// Its deviation as far as that is believed, seconds.
+    fn believed_deviation(&self) -> f64 {
+        self.deviation_s.max(LEAST_DEVIATION_S)
+    }
+
+    fn weight(&self) -> f64 {
+        self.believed_deviation().powi(-2)
+    }
 }
 
 /// Offsets by weighted least squares; deviations are infinite where a camera is joined to nothing.
@@ -349,49 +322,57 @@ struct Solution {
     deviations: Vec<f64>,
 }
 
-/// Least squares over the links, worst outliers left out one by one.
-fn settle(links: &mut [Link<'_>], coarse: &[Option<f64>], step: f64) -> Solution {
+/// Least squares over the pairs, worst outliers left out one by one.
+fn settle(pairs: &mut [PairOffset], coarse: &[Option<f64>], step: f64) -> Solution {
     loop {
-        let solution = least_squares(links, coarse);
-        let off = |link: &Link| {
-            let [a, b] = link.pair.cameras;
-            let seconds = (link.peak.seconds - solution.offsets[b] + solution.offsets[a]).abs();
-            let share = seconds / link.peak.deviation_s.max(LEAST_DEVIATION_S);
+        let solution = least_squares(pairs, coarse);
+        let off = |pair: &PairOffset| {
+            let [a, b] = pair.cameras;
+            let seconds = (pair.seconds - solution.offsets[b] + solution.offsets[a]).abs();
+            let share = seconds / pair.believed_deviation();
             (seconds > step && share > OUTLIER).then_some(share)
         };
-        let worst = (0..links.len())
-            .filter(|&index| links[index].is_used)
-            .filter_map(|index| Some((index, off(&links[index])?)))
+        let worst = (0..pairs.len())
+            .filter(|&index| pairs[index].is_used)
+            .filter_map(|index| Some((index, off(&pairs[index])?)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((worst, _)) = worst else { return solution };
-        links[worst].is_used = false;
-        let without = least_squares(links, coarse);
+        pairs[worst].is_used = false;
+        let without = least_squares(pairs, coarse);
         let lost = |camera: usize| {
             without.deviations[camera].is_infinite() && solution.deviations[camera].is_finite()
         };
         if (0..coarse.len()).any(lost) {
-            links[worst].is_used = true;
+            pairs[worst].is_used = true;
             return solution;
         }
     }
 }
 
-fn least_squares(links: &[Link<'_>], coarse: &[Option<f64>]) -> Solution {
+fn least_squares(pairs: &[PairOffset], coarse: &[Option<f64>]) -> Solution {
     let count = coarse.len();
     let mut offsets: Vec<f64> = coarse.iter().map(|offset| offset.unwrap_or(0.0)).collect();
     let mut deviations = vec![f64::INFINITY; count];
     deviations[0] = 0.0;
-    let reached = reached(links, count);
+    // Cameras that pairs join to the first.
+    let mut reached = vec![false; count];
+    reached[0] = true;
+    for _ in 1..count {
+        for pair in pairs.iter().filter(|pair| pair.is_used) {
+            let [a, b] = pair.cameras;
+            (reached[a], reached[b]) = (reached[a] || reached[b], reached[a] || reached[b]);
+        }
+    }
     let free: Vec<usize> = (1..count).filter(|&camera| reached[camera]).collect();
     let row = |camera: usize| free.iter().position(|&other| other == camera);
     let (mut normal, mut right) = (DMatrix::zeros(free.len(), free.len()), DVector::zeros(free.len()));
-    let used = || links.iter().filter(|link| link.is_used && reached[link.pair.cameras[0]]);
-    for link in used() {
-        let weight = link.peak.deviation_s.max(LEAST_DEVIATION_S).powi(-2);
-        let rows = link.pair.cameras.map(row);
+    let used = || pairs.iter().filter(|pair| pair.is_used && reached[pair.cameras[0]]);
+    for pair in used() {
+        let weight = pair.weight();
+        let rows = pair.cameras.map(row);
         for (row, sign) in rows.into_iter().zip([-1.0, 1.0]) {
             let Some(row) = row else { continue };
-            right[row] += sign * weight * link.peak.seconds;
+            right[row] += sign * weight * pair.seconds;
             normal[(row, row)] += weight;
         }
         if let [Some(a), Some(b)] = rows {
@@ -405,10 +386,9 @@ fn least_squares(links: &[Link<'_>], coarse: &[Option<f64>]) -> Solution {
         offsets[camera] = solved[row];
     }
     let chi_square: f64 = used()
-        .map(|link| {
-            let [a, b] = link.pair.cameras;
-            ((link.peak.seconds - offsets[b] + offsets[a]) / link.peak.deviation_s.max(LEAST_DEVIATION_S))
-                .powi(2)
+        .map(|pair| {
+            let [a, b] = pair.cameras;
+            ((pair.seconds - offsets[b] + offsets[a]) / pair.believed_deviation()).powi(2)
         })
         .sum();
     // Pairs that contradict one another know less than they think.
@@ -419,17 +399,4 @@ fn least_squares(links: &[Link<'_>], coarse: &[Option<f64>]) -> Solution {
         deviations[camera] = (inverse[(row, row)] * worse).sqrt();
     }
     Solution { offsets, deviations }
-}
-
-/// Cameras that links join to the first.
-fn reached(links: &[Link<'_>], count: usize) -> Vec<bool> {
-    let mut reached = vec![false; count];
-    reached[0] = true;
-    for _ in 1..count {
-        for link in links.iter().filter(|link| link.is_used) {
-            let [a, b] = link.pair.cameras;
-            (reached[a], reached[b]) = (reached[a] || reached[b], reached[a] || reached[b]);
-        }
-    }
-    reached
 }

@@ -41,7 +41,7 @@ fn twists_of_the_upper_body_are_null_and_named() {
         let found = information.observe(&(0..cameras).collect::<Vec<_>>());
         assert_eq!(found.directions.len(), 27);
         assert_eq!(found.null_count(), 7, "{cameras} cameras, frame {frame}");
-        let kinematics = information.kinematics();
+        let kinematics = &information.kinematics;
         let mut twisted = Vec::new();
         for direction in found.directions.iter().filter(|direction| direction.is_null) {
             assert_eq!(direction.shares[0].cause, Cause::Twist, "{:?}", direction.shares);
@@ -257,7 +257,7 @@ fn a_limb_outside_all_pictures_is_without_bound() {
 fn ellipses_are_pictures_of_covariances() {
     let information = upper(2, 11);
     let found = information.observe(&[0, 1]);
-    for camera in information.cameras().iter().flatten().map(|part| &part.camera) {
+    for camera in information.cameras.iter().flatten().map(|part| &part.camera) {
         for joint in &found.joints {
             let ellipse = joint.ellipse(camera).unwrap();
             assert!(ellipse.unseen.is_empty());
