@@ -16,8 +16,8 @@ pub fn mirrored(motion: &JointMotion) -> JointMotion {
 /// The motion this many times as fast.
 #[must_use]
 pub fn faster(motion: &JointMotion, times: f64) -> JointMotion {
-    let thinned = motion.resampled(motion.frame_rate() / times);
-    JointMotion::new(motion.frame_rate(), motion.first_frame(), thinned.frames().to_vec())
+    let thinned = motion.resampled(motion.frame_rate / times);
+    JointMotion::new(motion.frame_rate, motion.first_frame, thinned.frames)
         .unwrap_or_else(|_too_short| motion.clone())
 }
 
@@ -36,7 +36,7 @@ pub struct TrackerNoise {
 #[must_use]
 pub fn noisy(motion: &JointMotion, noise: TrackerNoise, seed: u64) -> JointMotion {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let keep = (-1.0 / (noise.memory_s * motion.frame_rate())).exp();
+    let keep = (-1.0 / (noise.memory_s * motion.frame_rate)).exp();
     let mut slow: Joints = std::array::from_fn(|_| gaussian(&mut random));
     let (white, smooth) = ((1.0 - noise.smooth).sqrt(), noise.smooth.sqrt());
     motion.map(|joints| {
@@ -74,7 +74,7 @@ mod tests {
             let found = noisy(&motion, noise, 5);
             assert_eq!(found, noisy(&motion, noise, 5));
             let added: Vec<f64> =
-                found.frames().iter().zip(motion.frames()).map(|(a, b)| a[3].x - b[3].x).collect();
+                found.frames.iter().zip(&motion.frames).map(|(a, b)| a[3].x - b[3].x).collect();
             let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / added.len() as f64;
             let variance = mean(&mut added.iter().map(|x| x * x));
             assert!((variance.sqrt() - 0.03).abs() < 0.004, "{}", variance.sqrt());
@@ -87,7 +87,7 @@ mod tests {
     fn a_faster_motion_is_shorter() {
         let motion = walker(3.0, 1.0);
         let quick = faster(&motion, 1.5);
-        assert_eq!((quick.frames().len(), quick.frame_rate()), (60, 30.0));
+        assert_eq!((quick.frames.len(), quick.frame_rate), (60, 30.0));
         assert_eq!(mirrored(&mirrored(&motion)), motion);
     }
 }

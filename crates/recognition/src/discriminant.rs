@@ -4,7 +4,7 @@
 //! the same, so that a person with many recordings does not become the class. Two scatters say what does not make a class: W, the mean over
 //! all classes of the scatter within cells, and B, that of people: Σ (m − m̄)(m − m̄)ᵀ/Σ (n − 1) with m the mean of a cell and m̄ of the n cells of its
 //! class. Each is shrunk towards a sphere, S' = (1 − κ) S + κ tr(S)/d I, and what a stranger adds counts λ times: N = W' + λ B'.
-//! In the coordinates in which N is the unit matrix ([`Learnt::whitening`]) the principal components of the classes' means (of which there are one less
+//! In the coordinates in which N is the unit matrix ([`Nuisance::whitening`]) the principal components of the classes' means (of which there are one less
 //! than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989; the scatter of people: Hatch,
 //! Kajarekar and Stolcke, "Within-class covariance normalization for SVM-based speaker recognition", 2006.)
 
@@ -84,8 +84,8 @@ impl Default for AxesOptions {
 pub struct Learnt {
     /// The axes.
     pub discriminant: Discriminant,
-    /// Turns standardised numbers into coordinates in which what does not make a class is the unit matrix.
-    pub whitening: DMatrix<f64>,
+    /// What does not make a class, and what does.
+    pub nuisance: Nuisance,
     /// What the samples scatter by.
     pub cells: Cells,
 }
@@ -103,7 +103,7 @@ pub struct Cells {
 /// What does not make a class, and what does.
 #[derive(Debug, Clone)]
 pub struct Nuisance {
-    /// See [`Learnt::whitening`].
+    /// Turns standardised numbers into coordinates in which what does not make a class is the unit matrix.
     pub whitening: DMatrix<f64>,
     /// The number of each class that has a cell, and its mean.
     pub means: Vec<(usize, DVector<f64>)>,
@@ -183,12 +183,13 @@ impl Discriminant {
         });
         let mut found = Self { deviation: deviation.collect(), mean, axes: Vec::new(), origin: Vec::new() };
         let cells = Cells::of(&found, samples);
-        let Nuisance { whitening, means } = cells.without(None, options);
-        let means: Vec<DVector<f64>> = means.into_iter().map(|(_, mean)| mean).collect();
-        let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + b) / means.len().max(1) as f64;
+        let nuisance = cells.without(None, options);
+        let whitening = &nuisance.whitening;
+        let means: Vec<&DVector<f64>> = nuisance.means.iter().map(|(_, mean)| mean).collect();
+        let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + *b) / means.len().max(1) as f64;
         let mut between = DMatrix::zeros(dimension, dimension);
-        for mean in &means {
-            let white = &whitening * (mean - &centre);
+        for &mean in &means {
+            let white = whitening * (mean - &centre);
             between.syger(1.0, &white, &white, 1.0);
         }
         between.fill_upper_triangle_with_lower_triangle();
@@ -198,7 +199,7 @@ impl Discriminant {
             found.origin.push(axis.dot(&centre));
             found.axes.push(axis.as_slice().to_vec());
         }
-        Learnt { discriminant: found, whitening, cells }
+        Learnt { discriminant: found, nuisance, cells }
     }
 
     /// A row's numbers in deviations from their means, pressed together where they are far away.
@@ -256,8 +257,7 @@ mod tests {
         };
         assert!(weight(0.0) > 0.5 && weight(3.0) < 0.1, "{} and {}", weight(0.0), weight(3.0));
         let learnt = Discriminant::learn(&samples, AxesOptions::default());
-        let all = learnt.cells.without(None, AxesOptions::default());
-        assert_eq!(all.whitening, learnt.whitening);
+        let all = &learnt.nuisance;
         let some = learnt.cells.without(Some(0), AxesOptions::default());
         // Who is left out draws no mean.
         assert!(some.means[0].1[1] < all.means[0].1[1] - 0.1, "{:?} {:?}", some.means, all.means);

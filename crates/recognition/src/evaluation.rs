@@ -99,14 +99,13 @@ impl Count {
 }
 
 /// Counts while clips go by.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Tally {
     /// Clips, windows, frames of joined clips, windows in context.
     counts: BTreeMap<Method, [Count; 4]>,
     /// The same of the method that names takes, by person.
     people: BTreeMap<String, [Count; 4]>,
-    clips: Vec<Vec<usize>>,
-    windows: Vec<Vec<usize>>,
+    confusion: Confusion,
     results: Vec<ClipResult>,
 }
 
@@ -116,21 +115,17 @@ pub const JOINED_S: f64 = 40.0;
 const DRAWS: usize = 1000;
 
 impl Tally {
-    fn new(class_count: usize) -> Self {
-        let zeros = vec![vec![0; class_count]; class_count];
-        Self { clips: zeros.clone(), windows: zeros, ..Self::default() }
+    fn new(classes: Vec<String>) -> Self {
+        let zeros = vec![vec![0; classes.len()]; classes.len()];
+        let confusion = Confusion { classes, clips: zeros.clone(), windows: zeros };
+        Self { counts: BTreeMap::new(), people: BTreeMap::new(), confusion, results: Vec::new() }
     }
 
     /// Names clips, and the takes that they are joined to.
-    fn add(
-        &mut self,
-        recognizer: &Recognizer,
-        classes: &[String],
-        motions: &[NamedMotion],
-    ) -> Result<(), LearnError> {
+    fn add(&mut self, recognizer: &Recognizer, motions: &[NamedMotion]) -> Result<(), LearnError> {
         let seen = motions.iter().map(observe).collect::<Result<Vec<Observed>, LearnError>>()?;
         for (motion, seen) in motions.iter().zip(&seen) {
-            self.name(recognizer, classes, motion, seen);
+            self.name(recognizer, motion, seen);
         }
         for (take, truth) in joined(&motions.iter().collect::<Vec<_>>())? {
             self.cut(recognizer, &observe(&take)?, &truth);
@@ -138,8 +133,9 @@ impl Tally {
         Ok(())
     }
 
-    /// Names a clip and its windows; `classes` are those of the rows and columns.
-    fn name(&mut self, recognizer: &Recognizer, classes: &[String], motion: &NamedMotion, seen: &Observed) {
+    /// Names a clip and its windows.
+    fn name(&mut self, recognizer: &Recognizer, motion: &NamedMotion, seen: &Observed) {
+        let Confusion { classes, clips, windows } = &mut self.confusion;
         let number = |name: &str| classes.iter().position(|class| class == name);
         let column = |found: usize| number(&recognizer.classes[found]);
         let truth = number(&motion.class);
@@ -156,7 +152,7 @@ impl Tally {
                 own[1].add(is_right(window));
                 own[3].add(is_right(largest(&beliefs[seen.step_of(start + WINDOW / 2)])));
                 if let (true, Some(row), Some(column)) = (is_combined, truth, column(window)) {
-                    self.windows[row][column] += 1;
+                    windows[row][column] += 1;
                 }
             }
             let all = self.counts.entry(method).or_default();
@@ -167,7 +163,7 @@ impl Tally {
             let person = self.people.entry(motion.subject.clone()).or_default();
             person.iter_mut().zip(own).for_each(|(all, own)| all.join(own));
             if let (Some(row), Some(column)) = (truth, column(found)) {
-                self.clips[row][column] += 1;
+                clips[row][column] += 1;
             }
             let strangeness = recognizer.clip_strangeness(seen);
             self.results.push(ClipResult {
@@ -213,7 +209,7 @@ impl Tally {
         })
     }
 
-    fn finish(self, classes: Vec<String>) -> Evaluation {
+    fn finish(self) -> Evaluation {
         let methods = self.counts.iter().map(|(method, counts)| {
             let [clips, windows, joined, in_context] = counts.map(Count::part);
             (method.name(), Score { clips, windows, in_context, joined })
@@ -223,7 +219,7 @@ impl Tally {
             methods: methods.collect(),
             spread: self.spread(),
             unknown: unknown as f64 / self.results.len().max(1) as f64,
-            confusion: Confusion { classes, clips: self.clips, windows: self.windows },
+            confusion: self.confusion,
             clips: self.results,
         }
     }
@@ -241,9 +237,9 @@ pub fn evaluate(
     let motions: Vec<NamedMotion> =
         motions.iter().zip(0..).map(|(motion, number)| tracked(motion, noise, number)).collect();
     let classes = distinct(recognizer.classes.iter().chain(motions.iter().map(|motion| &motion.class)));
-    let mut tally = Tally::new(classes.len());
-    tally.add(recognizer, &classes, &motions)?;
-    Ok(tally.finish(classes))
+    let mut tally = Tally::new(classes);
+    tally.add(recognizer, &motions)?;
+    Ok(tally.finish())
 }
 
 fn observe(named: &NamedMotion) -> Result<Observed, LearnError> {
@@ -292,7 +288,7 @@ pub(crate) fn join(motions: &[&NamedMotion]) -> Result<(JointMotion, Vec<String>
     for named in motions {
         let motion = named.motion.resampled(RATE);
         let size = body_size(&motion);
-        let first = motion.frames()[0];
+        let first = motion.frames[0];
         let turn = match frames.last() {
             Some(last) => DQuat::from_rotation_y(heading(last) - heading(&first)),
             None => DQuat::IDENTITY,
@@ -300,7 +296,7 @@ pub(crate) fn join(motions: &[&NamedMotion]) -> Result<(JointMotion, Vec<String>
         let shift = frames.last().map_or(DVec3::ZERO, |last| {
             (middle(last) - turn * middle(&first) / size) * DVec3::new(1.0, 0.0, 1.0)
         });
-        frames.extend(motion.frames().iter().map(|joints| joints.map(|p| turn * p / size + shift)));
+        frames.extend(motion.frames.iter().map(|joints| joints.map(|p| turn * p / size + shift)));
         truth.resize(frames.len(), named.class.clone());
     }
     Ok((JointMotion::new(RATE, 0, frames)?, truth))
@@ -325,9 +321,9 @@ mod tests {
     fn joined_motions_go_on_where_they_ended() {
         let (fast, slow) = (named("", "fast", "a", 1.0, 2.0), named("", "slow", "a", 1.0, 0.5));
         let (motion, truth) = join(&[&fast, &slow, &fast]).unwrap();
-        assert_eq!((motion.frames().len(), truth.len()), (90, 90));
+        assert_eq!((motion.frames.len(), truth.len()), (90, 90));
         assert_eq!([&truth[29], &truth[30], &truth[60]], ["fast", "slow", "fast"]);
-        for pair in motion.frames().windows(2) {
+        for pair in motion.frames.windows(2) {
             let step = (middle(&pair[1]) - middle(&pair[0])) * DVec3::new(1.0, 0.0, 1.0);
             assert!(step.length() < 0.1, "{step}");
         }

@@ -115,9 +115,12 @@ const MAX_COORDINATE: f64 = 1e9;
 /// Joints over time: evenly spaced frames, y up, in any unit. Made by [`JointMotion::from_named`]; whatever one holds can be recognised.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMotion {
-    frame_rate: f64,
-    first_frame: usize,
-    frames: Vec<Joints>,
+    /// Frames a second.
+    pub(crate) frame_rate: f64,
+    /// Number of the first frame.
+    pub(crate) first_frame: usize,
+    /// The frames, y up, in the unit that they came in.
+    pub(crate) frames: Vec<Joints>,
 }
 
 impl JointMotion {
@@ -183,24 +186,6 @@ impl JointMotion {
         Ok(Self { frame_rate, first_frame, frames })
     }
 
-    /// Frames a second.
-    #[must_use]
-    pub fn frame_rate(&self) -> f64 {
-        self.frame_rate
-    }
-
-    /// Number of the first frame.
-    #[must_use]
-    pub fn first_frame(&self) -> usize {
-        self.first_frame
-    }
-
-    /// The frames, y up, in the unit that they came in.
-    #[must_use]
-    pub fn frames(&self) -> &[Joints] {
-        &self.frames
-    }
-
     /// How long it is.
     #[must_use]
     pub fn seconds(&self) -> f64 {
@@ -258,12 +243,12 @@ mod tests {
     fn gaps_are_bridged_and_up_becomes_y() {
         let frame = |number: usize| (number, vec![DVec3::new(1.0, 2.0, number as f64); 17]);
         let motion = named(&[frame(3), frame(4), frame(13)], 10.0, DVec3::Z).unwrap();
-        assert_eq!((motion.frames().len(), motion.first_frame()), (11, 3));
-        assert!((motion.frames()[6][0].y - 9.0).abs() < 1e-12, "{:?}", motion.frames()[6][0]);
-        assert!((motion.frames()[6][0].x - 1.0).abs() < 1e-12);
+        assert_eq!((motion.frames.len(), motion.first_frame), (11, 3));
+        assert!((motion.frames[6][0].y - 9.0).abs() < 1e-12, "{:?}", motion.frames[6][0]);
+        assert!((motion.frames[6][0].x - 1.0).abs() < 1e-12);
         let faster = motion.resampled(30.0);
-        assert_eq!(faster.frames().len(), 31);
-        assert!((faster.frames()[1][0].y - 3.0 - 1.0 / 3.0).abs() < 1e-9);
+        assert_eq!(faster.frames.len(), 31);
+        assert!((faster.frames[1][0].y - 3.0 - 1.0 / 3.0).abs() < 1e-9);
     }
 
     #[test]

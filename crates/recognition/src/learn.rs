@@ -8,7 +8,7 @@ use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
 use crate::augment::{self, TrackerNoise, unit};
-use crate::discriminant::{AxesOptions, Discriminant, Learnt, Sample, balanced_weights};
+use crate::discriminant::{AxesOptions, Discriminant, Learnt, Nuisance, Sample, balanced_weights};
 use crate::features::body_size;
 use crate::hmm::{HiddenMarkov, HmmOptions};
 use crate::joints::{JointMotion, MotionError};
@@ -175,7 +175,7 @@ impl Recognizer {
         let short = Discriminant::learn(&shorts, options.axes).discriminant;
         let weights = balanced_weights(&seconds);
         let novelty = Novelty::learn(&learnt, &seconds, &weights, options.axes);
-        let Learnt { discriminant: long, whitening, .. } = learnt;
+        let Learnt { discriminant: long, nuisance: Nuisance { whitening, .. }, .. } = learnt;
         let places: Vec<Vec<f64>> = seconds.iter().map(|one| long.project(&one.row)).collect();
         let numbers: Vec<usize> = seconds.iter().map(|one| one.class).collect();
         let white = |one: &Sample| &whitening * DVector::from_vec(long.standardised(&one.row));

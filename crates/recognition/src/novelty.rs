@@ -1,7 +1,7 @@
 //! Motions that are nothing known.
 //!
 //! Standardised measures z of a window are brought to the coordinates in which what does not make a class, within a person and between
-//! people, is the unit matrix N⁻¹ᐟ² ([`Learnt::whitening`]). A window's strangeness is its squared distance there from the nearest class's mean m,
+//! people, is the unit matrix N⁻¹ᐟ² ([`Nuisance::whitening`]). A window's strangeness is its squared distance there from the nearest class's mean m,
 //! minₖ |N⁻¹ᐟ² (z − mₖ)|²/d. How strange known motions of strangers are is found by leaving each person out of N and m in turn; what is stranger
 //! than all but `1 − KNOWN_PART` of those windows is called unknown.
 
@@ -29,7 +29,6 @@ impl Novelty {
     /// Learns from windows, their weights and the axes that were learnt from them.
     #[must_use]
     pub fn learn(learnt: &Learnt, samples: &[Sample], weights: &[f64], options: AxesOptions) -> Self {
-        let all = learnt.cells.without(None, options);
         let standardised = |sample: &Sample| learnt.discriminant.standardised(&sample.row);
         let mut known: Vec<(f64, f64)> = Vec::new();
         let subjects = samples.iter().map(|sample| sample.subject + 1).max().unwrap_or(0);
@@ -41,7 +40,7 @@ impl Novelty {
             let own = own.filter(|(sample, _)| sample.subject == subject && can_know(sample.class));
             known.extend(own.map(|(sample, weight)| (found.strangeness(&standardised(sample)), *weight)));
         }
-        Self { threshold: threshold(known), ..Self::of(&all) }
+        Self { threshold: threshold(known), ..Self::of(&learnt.nuisance) }
     }
 
     fn of(nuisance: &Nuisance) -> Self {

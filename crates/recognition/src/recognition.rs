@@ -69,13 +69,13 @@ impl Recognizer {
         let places: Vec<[f64; 2]> =
             seen.frames().iter().map(|row| first_two(&self.plane.project(row))).collect();
         let apart: Vec<[f64; 2]> = seen.short.iter().map(|row| first_two(&self.short.project(row))).collect();
-        let frames = (0..motion.frames().len()).map(|index| {
-            let at = (index as f64 * RATE / motion.frame_rate()) as usize;
+        let frames = (0..motion.frames.len()).map(|index| {
+            let at = (index as f64 * RATE / motion.frame_rate) as usize;
             let at = at.min(seen.length - 1);
             let step = seen.step_of(at);
             let class = names[step];
             FrameName {
-                frame: motion.first_frame() + index,
+                frame: motion.first_frame + index,
                 class: (!unknown[step]).then_some(class),
                 confidence: beliefs[step][class],
                 shares: beliefs[step].clone(),
@@ -85,7 +85,7 @@ impl Recognizer {
         });
         let frames: Vec<FrameName> = frames.collect();
         Ok(Recognition {
-            stretches: stretches(&frames, motion.frame_rate()),
+            stretches: stretches(&frames, motion.frame_rate),
             classes: self.classes.clone(),
             frames,
         })

@@ -6,7 +6,7 @@ use crate::discriminant::Discriminant;
 use crate::hmm::{HiddenMarkov, Network, log_sum};
 use crate::nearest::Exemplars;
 use crate::novelty::Novelty;
-use crate::observed::{Observed, SHORT, STEP};
+use crate::observed::{Observed, SHORT, STEP, WINDOW};
 use crate::principal::PrincipalComponents;
 use crate::svm::SupportVectors;
 
@@ -42,6 +42,8 @@ impl Method {
 
 /// Short windows overlap: so much of each is news.
 const NEWS: f64 = STEP as f64 / SHORT as f64;
+/// What a short window's news is of a second.
+const SECOND: f64 = STEP as f64 / WINDOW as f64;
 /// Margins are made probabilities by a softmax of this many times the margin.
 const MARGIN_NATS: f64 = 6.0;
 /// What hidden Markov models say counts so much beside the support vectors: of people that were left out, they are sure too soon.
@@ -178,27 +180,21 @@ impl Recognizer {
     fn evidence(&self, seen: &Observed, method: Method) -> Vec<Vec<Vec<f64>>> {
         let moment = |step: usize| -> Vec<Vec<f64>> {
             let place = self.short.project(&seen.short[step]);
-            let states = |weight: f64| -> Vec<Vec<f64>> {
-                let scaled = |log: f64| weight * log;
-                self.models
-                    .iter()
-                    .map(|model| model.log_densities(&place).into_iter().map(scaled).collect())
-                    .collect()
-            };
             let window = || seen.window(seen.window_about(step));
-            let second = STEP as f64 / crate::observed::WINDOW as f64;
-            let with = |mut states: Vec<Vec<f64>>, logs: Vec<f64>| {
-                for (states, log) in states.iter_mut().zip(logs) {
-                    states.iter_mut().for_each(|state| *state += second * log);
-                }
-                states
+            let (weight, logs) = match method {
+                Method::Hmm => (NEWS, None),
+                Method::Svm => (0.0, Some(self.machine_logs(&window()))),
+                Method::Nearest => (0.0, Some(self.neighbour_logs(&window()))),
+                Method::Combined => (HMM_SHARE * NEWS, Some(self.machine_logs(&window()))),
             };
-            match method {
-                Method::Hmm => states(NEWS),
-                Method::Svm => with(states(0.0), self.machine_logs(&window())),
-                Method::Nearest => with(states(0.0), self.neighbour_logs(&window())),
-                Method::Combined => with(states(HMM_SHARE * NEWS), self.machine_logs(&window())),
-            }
+            let states = |(class, model): (usize, &HiddenMarkov)| {
+                let states = model.log_densities(&place).into_iter().map(|log| weight * log);
+                match &logs {
+                    Some(logs) => states.map(|state| state + SECOND * logs[class]).collect(),
+                    None => states.collect(),
+                }
+            };
+            self.models.iter().enumerate().map(states).collect()
         };
         (0..seen.short.len()).map(moment).collect()
     }

@@ -5,13 +5,6 @@
 //! in with it ([`Basin::from_starts`]). A fit succeeds when root and leaf joints end within a limit of the target on
 //! average ([`leaf_error_mm`]).
 //! Every trial can be made by itself, in any order, and gives the same numbers every time.
-//!
-//! | module | holds |
-//! |---|---|
-//! | `choice` | [`FitChoice`]: how a start is fitted, and what it is compared with |
-//! | `starts` | [`Starts`]: random by level, or a [`StartGrid`] of two angles |
-//! | `result` | [`BasinResult`]: trials as they come, and the rates of success |
-//! | `files` | a result as JSON, CSV, plot and table |
 
 mod choice;
 mod files;

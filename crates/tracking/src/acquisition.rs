@@ -14,10 +14,6 @@
 //! There is no prior of proportions and no least squares: it is quick and rough, a body to begin
 //! [`fit_body_from`](crate::body_fit::fit_body_from) or a track with. Lengths that end nowhere (spine, hips, clavicles) keep the body's
 //! proportions.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `sizes` | all sizes of posed bodies |
 
 mod sizes;
 
@@ -31,7 +27,7 @@ use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitError, FitOptions, FitView};
 use crate::numbers::{AT_LEAST_ONE, OptionError, Range, check_options};
 use crate::search::{WithoutStartError, WithoutStartOptions, hull_scale, without_start};
-use crate::templates::{Silhouettes, TemplateBody, TemplateError, TemplateOptions, TemplateStep, place};
+use crate::templates::{Silhouettes, TemplateBody, TemplateError, TemplateOptions, place};
 
 /// Why no body was acquired.
 #[derive(Debug, Error, Clone, PartialEq)]
@@ -62,8 +58,6 @@ pub struct Acquired {
     pub scale: f64,
     /// Sizes that were measured, of all lengths and radii, a limb each, in the last round.
     pub measured: usize,
-    /// The turns of the templates, where the pose came of them.
-    pub steps: Vec<TemplateStep>,
     /// The rounds of growing, in order.
     pub rounds: Vec<GrowthRound>,
 }
@@ -111,20 +105,20 @@ pub fn acquire(
     cancel: &CancelToken,
 ) -> Result<Acquired, AcquireError> {
     options.check()?;
-    let (scaled, scale, pose, steps) = match &options.pose {
+    let (scaled, scale, pose) = match &options.pose {
         FirstPose::Search(choices) => {
             let found = without_start(model, views, choices, cancel)?;
-            (Arc::clone(&found.model), found.scale, found.pose().clone(), Vec::new())
+            (Arc::clone(&found.model), found.scale, found.pose().clone())
         }
         FirstPose::Templates(choices) => {
             let scale = hull_scale(model, views, choices.up, cancel)?;
             let scaled = Arc::new(model.scaled(scale)?);
-            let placed = place(&scaled, views, choices, cancel)?;
-            (scaled, scale, placed.pose, placed.steps)
+            let pose = place(&scaled, views, choices, cancel)?.pose;
+            (scaled, scale, pose)
         }
     };
     let acquired = acquire_posed(&scaled, &[(views.to_vec(), pose)], options, cancel)?;
-    Ok(Acquired { scale, steps, ..acquired })
+    Ok(Acquired { scale, ..acquired })
 }
 
 /// The same from poses that are about right, of a body of about the right size, in one moment or several.
@@ -160,7 +154,7 @@ pub fn acquire_posed(
     for ((views, _), pose) in frames.iter().zip(&mut poses) {
         *pose = turned(&body, views, pose, cancel)?;
     }
-    Ok(Acquired { model: body, poses, scale: 1.0, measured, steps: Vec::new(), rounds })
+    Ok(Acquired { model: body, poses, scale: 1.0, measured, rounds })
 }
 
 /// All limbs turned by a fit that goes on from a pose.

@@ -5,18 +5,6 @@
 //! another tool are a fourth cue. Each gives pulls at limbs ([`CueSet`]) that the fit takes beside its pixels, each with its
 //! own weight, robust loss and analytic Jacobian ([`residual::cue`](crate::residual::cue)).
 //!
-//! | file | holds |
-//! |---|---|
-//! | `source` | the trait that every cue implements, what it is shown of a frame, and points of limbs that a camera sees |
-//! | `coverage` | which limbs have a boundary of their own, in which camera; [`LimbHold`]: what held which limb |
-//! | `options` | [`CueOptions`]: which cues pull, at what, how strongly |
-//! | `keypoints` | 2-D keypoints, and how far each is from its joint, learnt over frames |
-//! | `picture` | [`GreyPicture`]: grey levels between pixels, pyramids |
-//! | `flow` | [`follow_point`]: pyramidal Lucas-Kanade with a forward-backward check; points carried from the last frame |
-//! | `edges` | gradients along a limb's outline, their polarity kept from frame to frame |
-//! | `stereo` | patches that neighbouring cameras see alike, as points in space |
-//! | `watch` | [`CueWatch`]: all of it from frame to frame |
-//!
 //! [`Tracker::with_cues`](crate::track::Tracker::with_cues) does the rest: each frame's fit starts where the motion leads,
 //! the limbs that are covered there are asked for cues, and the fitted pose says what held them.
 //!

@@ -13,15 +13,6 @@
 //! (B. M. Bell, F. W. Cathey, "The iterated Kalman filter update as a Gauss-Newton method", 1993), so as R → 0
 //! it is the plain fit, as the report derives. Nothing here knows of bodies: how a pose takes a step is the
 //! caller's. F and G are the Jacobians of steps on the manifold ([`tangent`]).
-//!
-//! | | |
-//! |---|---|
-//! | [`Belief`] | mean velocity and covariance |
-//! | [`ConstantVelocity`] | prediction |
-//! | [`update`] | what a measurement adds |
-//! | [`smoother`] | what later frames say of earlier ones |
-//! | [`tangent`] | what becomes of a step when its mean pose moves |
-//! | [`consistency`] | whether errors are as large as is believed |
 
 pub mod consistency;
 mod constant_velocity;

@@ -20,11 +20,6 @@
 //!
 //! Costs are the fit's kernels' without derivatives. Every particle has random numbers of its own, by seed, step and index:
 //! the result is the same bits for any number of threads.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `likelihood` | [`Likelihood`]: the cost of a pose, all limbs drawn or some |
-//! | `filter` | [`ParticleFilter`]: step by step |
 
 mod filter;
 mod likelihood;

@@ -1,13 +1,4 @@
 //! Looking for the pose elsewhere than downhill from the start.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `hypotheses` | [`search`]: other poses that the silhouettes allow, ranked; [`fit_best`] goes on from the first |
-//! | `chains` | the body taken apart into its trunk and its arms, legs and head |
-//! | `reseed` | new places for one chain while the rest of the body is held |
-//! | `sketch` | flat limbs on coarse pictures, by which thousands of places are sifted |
-//! | `without_start` | [`without_start()`]: a pose where no start is known, from the visual hull |
-//! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 
 #[doc(inline)]
 pub use crate::{acquisition, particles, templates, visual_hull};
@@ -23,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fit::OptionsError;
 
-pub use chains::{Chain, Chains};
+pub use chains::Chains;
 pub use hypotheses::{Hypothesis, Origin, SearchResult, fit_best, search};
 pub use without_start::{
     Doubt, Heights, WithoutStartError, WithoutStartOptions, WithoutStartResult, hull_scale, standing,

@@ -19,12 +19,6 @@
 //!    in which it holds most of the subject and least background, then turned as the trunk is; then the limb after it.
 //!
 //! The report's sizes of limbs are given here. Every turn is kept as a [`TemplateStep`]. The result is rough, the start of a fit.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `pictures` | what a template holds in every camera, and the point nearest to the centroids' rays |
-//! | `body` | the body's parts as templates: neck, trunk, chains |
-//! | `limbs` | limb after limb |
 
 mod body;
 mod limbs;
@@ -152,8 +146,6 @@ pub struct TemplateResult {
     pub cost: f64,
     /// Evaluations of Λ: trunks that face every way, and whole bodies. Looks at single templates are not counted.
     pub evaluations: usize,
-    /// Bodies that were put together; this is the one that costs least.
-    pub bodies: usize,
     /// The turns of its templates, in order.
     pub steps: Vec<TemplateStep>,
 }
@@ -184,7 +176,7 @@ pub fn place(
     let pictures = Silhouettes::new(&seen);
     let heads = heads(&pictures, &place, model.limbs()[skull].radius, options.heads);
     let memory = likelihood.memory();
-    let mut placing = Placing { frame, pictures, options, likelihood, memory, evaluations: 0, bodies: 0 };
+    let mut placing = Placing { frame, pictures, options, likelihood, memory, evaluations: 0 };
     let mut best: Option<TemplateResult> = None;
     for head in heads {
         for placed in placing.bodies_at(head, &place, cancel)? {
@@ -193,8 +185,8 @@ pub fn place(
             }
         }
     }
-    let (evaluations, bodies) = (placing.evaluations, placing.bodies);
-    best.map(|best| TemplateResult { evaluations, bodies, ..best }).ok_or(TemplateError::NowhereInside)
+    let evaluations = placing.evaluations;
+    best.map(|best| TemplateResult { evaluations, ..best }).ok_or(TemplateError::NowhereInside)
 }
 
 struct Placing<'a> {
@@ -204,7 +196,6 @@ struct Placing<'a> {
     likelihood: Likelihood,
     memory: LikelihoodMemory,
     evaluations: usize,
-    bodies: usize,
 }
 
 impl Placing<'_> {
@@ -221,7 +212,7 @@ impl Placing<'_> {
         if let Some(first) = record.first_mut() {
             first.held = head.held;
         }
-        let drawn = body::trunk_limbs(&self.frame);
+        let drawn = self.frame.trunk_limbs();
         let facings = body::facings(&self.frame, &hung, head.centre, self.options.headings[0]);
         let mut facings: Vec<(f64, Pose)> =
             facings.into_iter().map(|pose| (self.cost(&pose, &drawn), pose)).collect();
@@ -243,8 +234,7 @@ impl Placing<'_> {
             let pose = limbs::placed(frame, &mut free, options, &facing, drawn.clone(), &mut steps);
             let all = vec![true; frame.model.limbs().len()];
             let cost = self.cost(&pose, &all);
-            self.bodies += 1;
-            bodies.push(TemplateResult { pose, cost, evaluations: 0, bodies: 0, steps });
+            bodies.push(TemplateResult { pose, cost, evaluations: 0, steps });
         }
         Ok(bodies)
     }

@@ -4,7 +4,6 @@
 pub use crate::{cues, filter};
 
 mod attempt;
-mod cued;
 mod estimate;
 pub mod join;
 mod lost;

@@ -101,17 +101,16 @@ pub fn leave_out(
     mut progress: impl FnMut(usize, usize),
 ) -> Result<Evaluation, LearnError> {
     let prepared = prepare_all(motions, options)?;
-    let classes = distinct(motions.iter().map(|motion| &motion.class));
     let folds = left_out.folds(motions);
-    let mut tally = Tally::new(classes.len());
+    let mut tally = Tally::new(distinct(motions.iter().map(|motion| &motion.class)));
     for (done, fold) in folds.iter().enumerate() {
         let others: Vec<&Prepared<'_>> = fold.learnt.iter().map(|&number| &prepared[number]).collect();
         let recognizer = Recognizer::learn_prepared(&others, options)?;
         let own = fold.named.iter().map(|&number| tracked(&motions[number], noise, number as u64));
-        tally.add(&recognizer, &classes, &own.collect::<Vec<_>>())?;
+        tally.add(&recognizer, &own.collect::<Vec<_>>())?;
         progress(done + 1, folds.len());
     }
-    Ok(tally.finish(classes))
+    Ok(tally.finish())
 }
 
 #[cfg(test)]

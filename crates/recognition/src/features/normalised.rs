@@ -72,10 +72,10 @@ impl Normalised {
     /// # Errors
     /// The joints do not lie as a person's.
     pub fn new(motion: &JointMotion) -> Result<Self, MotionError> {
-        let deviation = SMOOTHING_S * motion.frame_rate();
+        let deviation = SMOOTHING_S * motion.frame_rate;
         let mut smooth = motion.clone();
         if deviation > 0.3 {
-            let of = |joint: usize| motion.frames().iter().map(move |frame| frame[joint]);
+            let of = |joint: usize| motion.frames.iter().map(move |frame| frame[joint]);
             let columns: Vec<Vec<DVec3>> = (0..JOINT_COUNT)
                 .map(|joint| smoothing::gaussian(&of(joint).collect::<Vec<_>>(), deviation))
                 .collect();
@@ -85,7 +85,7 @@ impl Normalised {
                 std::array::from_fn(|joint| columns[joint][index - 1])
             });
         }
-        Self::of_smooth(smooth.resampled(RATE).frames())
+        Self::of_smooth(&smooth.resampled(RATE).frames)
     }
 
     fn of_smooth(frames: &[Joints]) -> Result<Self, MotionError> {
@@ -160,7 +160,7 @@ fn leg_and_trunk(frames: &[Joints]) -> (f64, f64) {
 /// The size of a body, in the motion's unit: about a metre of an adult.
 #[must_use]
 pub fn body_size(motion: &JointMotion) -> f64 {
-    let (leg, trunk) = leg_and_trunk(motion.frames());
+    let (leg, trunk) = leg_and_trunk(&motion.frames);
     (leg + trunk) / BODY
 }
 

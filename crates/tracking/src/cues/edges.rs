@@ -140,10 +140,7 @@ impl EdgeMemory {
 }
 
 /// Contrasts of outlines, by camera's name.
-#[derive(Debug, Default)]
-pub(super) struct EdgeSource {
-    by_camera: BTreeMap<String, EdgeMemory>,
-}
+pub(super) type EdgeSource = BTreeMap<String, EdgeMemory>;
 
 impl CueSource for EdgeSource {
     fn cue(&self) -> Cue {
@@ -151,7 +148,7 @@ impl CueSource for EdgeSource {
     }
 
     fn pulls(&self, frame: &CueFrame<'_>, camera: usize, strength: CueStrength) -> Vec<CuePull> {
-        let edges = self.by_camera.get(frame.cameras[camera].name());
+        let edges = self.get(frame.cameras[camera].name());
         let Some((edges, picture)) = edges.zip(frame.picture(camera)) else { return Vec::new() };
         edges.pulls(&frame.sight(camera), camera, picture, &frame.limbs, strength)
     }
@@ -160,7 +157,7 @@ impl CueSource for EdgeSource {
         let is_on = frame.options.strength(Cue::Edges).weight > 0.0;
         for camera in (0..frame.cameras.len()).filter(|_| is_on) {
             let Some(picture) = frame.picture(camera) else { continue };
-            let edges = self.by_camera.entry(frame.cameras[camera].name().to_owned()).or_default();
+            let edges = self.entry(frame.cameras[camera].name().to_owned()).or_default();
             edges.learn(&frame.sight(camera), picture);
         }
     }

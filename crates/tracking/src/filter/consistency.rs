@@ -11,7 +11,7 @@
 //! and so are their sums over frames (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, "Estimation with Applications to Tracking
 //! and Navigation", 2001, section 5.4). A sum above the bounds is a filter that is too sure of itself.
 
-use std::ops::{Add, AddAssign};
+use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -35,15 +35,6 @@ impl AddAssign for Innovation {
     fn add_assign(&mut self, other: Self) {
         self.squared += other.squared;
         self.directions += other.directions;
-    }
-}
-
-impl Add for Innovation {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
     }
 }
 

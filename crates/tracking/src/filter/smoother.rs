@@ -7,16 +7,8 @@ use super::FilterError;
 use super::constant_velocity::ConstantVelocity;
 use super::tangent;
 
-/// One frame smoothed: the step that its filtered mean pose takes, and what is then believed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Smoothed {
-    /// From the filtered mean pose, n numbers.
-    pub step: DVector<f64>,
-    /// Velocity and covariance given all frames.
-    pub belief: Belief,
-}
-
-/// Smooths a frame by the one after it.
+/// Smooths a frame by the one after it: the step that its filtered mean pose takes, n numbers, and velocity and covariance given all
+/// frames.
 ///
 /// `filtered` is the belief at the frame, `predicted` what it predicted for the next one `seconds` later,
 /// `next` what is believed there given all frames, and `difference` the step from the predicted to the smoothed
@@ -31,7 +23,7 @@ pub fn smooth(
     next: &Belief,
     difference: &DVector<f64>,
     seconds: f64,
-) -> Result<Smoothed, FilterError> {
+) -> Result<(DVector<f64>, Belief), FilterError> {
     let n = filtered.columns();
     let transition = model.transition(&filtered.velocity, seconds);
     // Cᵀ = (P⁻)⁻¹ F P
@@ -49,7 +41,7 @@ pub fn smooth(
     let velocity = &filtered.velocity + correction.rows(n, n);
     let step = correction.rows(0, n).into_owned();
     let belief = Belief { velocity, covariance }.about(&tangent::reset(&step));
-    Ok(Smoothed { step, belief })
+    Ok((step, belief))
 }
 
 #[cfg(test)]
@@ -78,7 +70,7 @@ mod tests {
             let pose_variance = belief.pose_covariance()[(0, 0)];
             let step = (value - mean) * pose_variance / (pose_variance + variance);
             let products = DMatrix::from_element(1, 1, 1.0);
-            let after = update(&belief, &DVector::from_element(1, step), &products, variance).unwrap().belief;
+            let after = update(&belief, &DVector::from_element(1, step), &products, variance).unwrap().0;
             filtered.push((mean + step, after));
             assert_eq!(filtered.len(), frame + 1);
         }
@@ -88,8 +80,8 @@ mod tests {
             let (predicted_mean, prior) = &predicted[frame + 1];
             let (next_mean, next) = smoothed.last().unwrap().clone();
             let difference = DVector::from_element(1, next_mean - predicted_mean);
-            let found = smooth(&model, belief, prior, &next, &difference, seconds).unwrap();
-            smoothed.push((mean + found.step[0], found.belief));
+            let (step, found) = smooth(&model, belief, prior, &next, &difference, seconds).unwrap();
+            smoothed.push((mean + step[0], found));
         }
         smoothed.reverse();
 

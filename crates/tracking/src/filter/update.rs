@@ -10,16 +10,8 @@ use super::tangent;
 /// A direction counts as seen where the measurement takes this share of its predicted variance off.
 const SEEN: f64 = 0.1;
 
-/// A belief after a measurement, and how the measurement agreed with what was predicted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Updated {
-    /// About the pose that the step leads to.
-    pub belief: Belief,
-    /// Over the directions that the measurement sees.
-    pub innovation: Innovation,
-}
-
-/// The belief after a measurement.
+/// The belief after a measurement, about the pose that the step leads to, and how the measurement agreed with what was predicted, over
+/// the directions that it sees.
 ///
 /// `step` leads from the predicted mean pose to the pose that minimises ‖D − Λ‖²/R + δᵀ Pₓₓ⁻¹ δ, n numbers;
 /// `products` is JᵀJ there, n × n, without any prior; `variance` is R, squared grey levels. The velocity
@@ -36,7 +28,7 @@ pub fn update(
     step: &DVector<f64>,
     products: &DMatrix<f64>,
     variance: f64,
-) -> Result<Updated, FilterError> {
+) -> Result<(Belief, Innovation), FilterError> {
     let n = prior.columns();
     let cross = prior.covariance.view((n, 0), (n, n));
     let weighted = prior.pose_covariance().cholesky().ok_or(FilterError::Certain)?.solve(step);
@@ -73,7 +65,7 @@ pub fn update(
     let covariance = &kept * &prior.covariance * kept.transpose() + gained * gain.transpose();
     let covariance = (&covariance + covariance.transpose()) * 0.5;
     if velocity.iter().chain(covariance.iter()).all(|value| value.is_finite()) {
-        Ok(Updated { belief: Belief { velocity, covariance }, innovation })
+        Ok((Belief { velocity, covariance }, innovation))
     } else {
         Err(FilterError::NotFinite)
     }
@@ -123,7 +115,7 @@ mod tests {
         let (prior, jacobian, variance) = (prior(), jacobian(), 0.4);
         let residual = DVector::from_fn(5, |i, _| (i as f64).cos());
         let step = equations(&residual, &prior.pose_information().unwrap(), variance).step(0.0);
-        let found = update(&prior, &step, &jacobian.tr_mul(&jacobian), variance).unwrap();
+        let (found, _) = update(&prior, &step, &jacobian.tr_mul(&jacobian), variance).unwrap();
         let mut observed = DMatrix::zeros(5, 6);
         observed.columns_mut(0, 3).copy_from(&jacobian);
         let innovation =
@@ -132,8 +124,8 @@ mod tests {
         let mean = &gain * &residual;
         let covariance = (DMatrix::identity(6, 6) - gain * observed) * &prior.covariance;
         assert!((mean.rows(0, 3) - step).amax() < 1e-10);
-        assert!((mean.rows(3, 3) + &prior.velocity - found.belief.velocity).amax() < 1e-10);
-        assert!((covariance - found.belief.covariance).amax() < 1e-10);
+        assert!((mean.rows(3, 3) + &prior.velocity - found.velocity).amax() < 1e-10);
+        assert!((covariance - found.covariance).amax() < 1e-10);
     }
 
     /// The innovation is the textbook's νᵀ S⁻¹ ν over the three directions that five numbers tell of well.
@@ -142,7 +134,7 @@ mod tests {
         let (prior, jacobian, variance) = (prior(), jacobian(), 1e-4);
         let residual = DVector::from_fn(5, |i, _| (i as f64).cos());
         let step = equations(&residual, &prior.pose_information().unwrap(), variance).step(0.0);
-        let found = update(&prior, &step, &jacobian.tr_mul(&jacobian), variance).unwrap().innovation;
+        let found = update(&prior, &step, &jacobian.tr_mul(&jacobian), variance).unwrap().1;
         let pseudo_inverse = jacobian.pseudo_inverse(1e-12).unwrap();
         let seen = &pseudo_inverse * residual;
         let spread = prior.pose_covariance() + &pseudo_inverse * pseudo_inverse.transpose() * variance;
@@ -165,7 +157,7 @@ mod tests {
             assert!(difference < 0.02 * last, "{variance}: {difference}, {last} before");
             last = difference;
             let products = jacobian().tr_mul(&jacobian());
-            let found = update(&prior, &step, &products, variance).unwrap().belief.pose_covariance();
+            let found = update(&prior, &step, &products, variance).unwrap().0.pose_covariance();
             let measured = products.try_inverse().unwrap() * variance;
             // (A + Λ)⁻¹ = A⁻¹ − A⁻¹ Λ A⁻¹ + …, and rounding of the difference of two numbers near one.
             let second_order = information.norm() * measured.norm_squared();
@@ -180,7 +172,7 @@ mod tests {
         let prior = prior();
         let mut products = DMatrix::zeros(3, 3);
         products[(0, 0)] = 100.0;
-        let found = update(&prior, &DVector::zeros(3), &products, 1.0).unwrap().belief;
+        let (found, _) = update(&prior, &DVector::zeros(3), &products, 1.0).unwrap();
         assert!(found.covariance[(0, 0)] < 0.5 * prior.covariance[(0, 0)]);
         assert!((found.covariance[(1, 1)] - prior.covariance[(1, 1)]).abs() < 1e-15);
     }

@@ -82,8 +82,6 @@ impl Generation {
 pub struct FilterSummary {
     /// The pose of least cost in the last generation.
     pub pose: Pose,
-    /// Its cost by the last layer's stage.
-    pub cost: f64,
     /// Evaluations of Λ: predictions of whole or partial bodies in all cameras.
     pub evaluations: usize,
     /// Whether it was cancelled before its end.
@@ -102,7 +100,7 @@ pub struct ParticleFilter {
     poses: Vec<(Pose, usize)>,
     next: usize,
     evaluations: usize,
-    best: (f64, Pose),
+    best: Pose,
 }
 
 impl ParticleFilter {
@@ -136,7 +134,7 @@ impl ParticleFilter {
             poses: (0..options.particles).map(pose).collect(),
             next: 0,
             evaluations: 0,
-            best: (f64::INFINITY, prepared.start),
+            best: prepared.start,
             model,
             options,
         })
@@ -185,7 +183,7 @@ impl ParticleFilter {
         self.next += 1;
         let generation =
             Generation { layer, part: index, drawn, particles, beta, evaluations: self.evaluations };
-        self.best = (generation.best().cost, generation.best().pose.clone());
+        self.best = generation.best().pose.clone();
         Some(generation)
     }
 
@@ -197,8 +195,8 @@ impl ParticleFilter {
                 None => break,
             }
         }
-        let (cost, pose) = self.best.clone();
-        FilterSummary { pose, cost, evaluations: self.evaluations, cancelled: self.next < self.steps() }
+        let (pose, evaluations) = (self.best.clone(), self.evaluations);
+        FilterSummary { pose, evaluations, cancelled: self.next < self.steps() }
     }
 
     /// A pose with one part moved by the layer's noise.
@@ -248,10 +246,10 @@ fn parts(model: &Model, partitioned: bool) -> Vec<Partition> {
         }];
     }
     let mut chains = Chains::new(model);
-    chains.chains.sort_by_key(|chain| chain.rotations.len());
+    chains.chains.sort_by_key(Vec::len);
     let trunk = ("trunk".to_owned(), chains.trunk.clone());
     let name = |rotation: usize| model.limbs()[model.rotation_owners()[rotation]].name.clone();
-    let own = chains.chains.iter().map(|chain| (name(chain.rotations[0]), chain.rotations.clone()));
+    let own = chains.chains.iter().map(|chain| (name(chain[0]), chain.clone()));
     let mut drawn = vec![false; limbs];
     let mut list = Vec::with_capacity(chains.chains.len() + 1);
     for (index, (name, rotations)) in std::iter::once(trunk).chain(own).enumerate() {

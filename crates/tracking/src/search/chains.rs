@@ -5,20 +5,13 @@
 
 use crate::body::Model;
 
-/// A run of rotations from the trunk outwards.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Chain {
-    /// Its rotations, from the trunk outwards.
-    pub rotations: Vec<usize>,
-}
-
 /// The limbs that each rotation turns directly, and the chains.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chains {
     /// Per rotation, the limbs that follow it, parents first.
     pub groups: Vec<Vec<usize>>,
-    /// Free-hanging chains, in the order of their first rotations.
-    pub chains: Vec<Chain>,
+    /// Free-hanging chains: the rotations of each from the trunk outwards, in the order of the first ones.
+    pub chains: Vec<Vec<usize>>,
     /// The other rotations, parents first.
     pub trunk: Vec<usize>,
 }
@@ -35,7 +28,7 @@ impl Chains {
         let children = |rotation: usize| {
             (0..count).filter(move |&child| model.rotation_parents()[child] == Some(rotation))
         };
-        let mut chains: Vec<Chain> = Vec::new();
+        let mut chains: Vec<Vec<usize>> = Vec::new();
         for end in (0..count).filter(|&rotation| children(rotation).next().is_none()) {
             let mut rotations = vec![end];
             let mut next = model.rotation_parents()[end];
@@ -49,11 +42,11 @@ impl Chains {
             }
             if model.rotation_parents()[end].is_some() {
                 rotations.reverse();
-                chains.push(Chain { rotations });
+                chains.push(rotations);
             }
         }
-        chains.sort_by_key(|chain| chain.rotations[0]);
-        let in_chain = |rotation: &usize| chains.iter().any(|chain| chain.rotations.contains(rotation));
+        chains.sort_by_key(|chain| chain[0]);
+        let in_chain = |rotation: &usize| chains.iter().any(|chain| chain.contains(rotation));
         let trunk = model.rotations_parents_first().iter().copied().filter(|r| !in_chain(r)).collect();
         Self { groups, chains, trunk }
     }
@@ -73,8 +66,7 @@ mod tests {
         let model = builtin::upper_body();
         let parts = Chains::new(&model);
         assert_eq!(names(&model, &parts.trunk), ["torso"]);
-        let chains: Vec<Vec<String>> =
-            parts.chains.iter().map(|chain| names(&model, &chain.rotations)).collect();
+        let chains: Vec<Vec<String>> = parts.chains.iter().map(|chain| names(&model, chain)).collect();
         assert_eq!(chains[0], ["right shoulder", "right upper arm", "right forearm"]);
         assert_eq!(chains[1], ["left shoulder", "left upper arm", "left forearm"]);
         assert_eq!(chains[2], ["head"]);
@@ -85,7 +77,7 @@ mod tests {
         for model in [builtin::single_limb(), builtin::upper_body(), builtin::full_body()] {
             let parts = Chains::new(&model);
             let mut all = parts.trunk.clone();
-            all.extend(parts.chains.iter().flat_map(|chain| chain.rotations.clone()));
+            all.extend(parts.chains.concat());
             all.sort_unstable();
             assert_eq!(all, (0..model.rotation_count()).collect::<Vec<_>>(), "{}", model.name());
             assert_eq!(parts.groups.iter().map(Vec::len).sum::<usize>(), model.limbs().len());

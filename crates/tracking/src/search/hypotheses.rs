@@ -289,7 +289,7 @@ impl<'a> Search<'a> {
 
     /// Every two chains again: the places of one, with the other taken off, then the best place of that.
     fn try_pairs(&mut self, chains: &[usize]) {
-        let longer = |&chain: &usize| std::cmp::Reverse(self.reseeder.parts.chains[chain].rotations.len());
+        let longer = |&chain: &usize| std::cmp::Reverse(self.reseeder.parts.chains[chain].len());
         let mut by_length = chains.to_vec();
         by_length.sort_by_key(longer);
         for (index, &first) in by_length.iter().enumerate() {

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::SearchOptions;
-use super::chains::{Chain, Chains};
+use super::chains::Chains;
 use super::sketch::{Canvas, LimbPositions, Sketch};
 use crate::body::{Model, Pose};
 use crate::geometry::rotation::{exp, log};
@@ -62,7 +62,7 @@ struct RatedTurn {
 impl Reseeder<'_> {
     /// Name of a chain's first limb.
     pub(super) fn name(&self, chain: usize) -> String {
-        let first = self.parts.chains[chain].rotations[0];
+        let first = self.parts.chains[chain][0];
         self.model.limbs()[self.model.rotation_owners()[first]].name.clone()
     }
 
@@ -75,7 +75,7 @@ impl Reseeder<'_> {
         let skeleton = LimbPositions::new(self.model, pose);
         let mut canvas = self.sketch.blank();
         for (rotation, group) in self.parts.groups.iter().enumerate() {
-            if absent.iter().any(|&chain| self.parts.chains[chain].rotations.contains(&rotation)) {
+            if absent.iter().any(|&chain| self.parts.chains[chain].contains(&rotation)) {
                 continue;
             }
             for &limb in group {
@@ -88,7 +88,7 @@ impl Reseeder<'_> {
     /// All chains put again on a pose's trunk, one after the other, the shortest (a head) first.
     pub(super) fn assemble(&self, trunk: &Pose, chains: &[usize]) -> Pose {
         let mut order = chains.to_vec();
-        order.sort_by_key(|&chain| self.parts.chains[chain].rotations.len());
+        order.sort_by_key(|&chain| self.parts.chains[chain].len());
         let mut pose = trunk.clone();
         for (index, &chain) in order.iter().enumerate() {
             if let Some((_, best)) = self.propose(&pose, chain, &order[index + 1..]).into_iter().next() {
@@ -107,8 +107,8 @@ impl Reseeder<'_> {
         let mut beam = vec![PartialChain { pose: base.clone(), skeleton, canvas, cost }];
         let chain = &self.parts.chains[chain];
         let wide = self.wide_rotations(chain);
-        for &rotation in &chain.rotations {
-            let is_last = Some(&rotation) == chain.rotations.last();
+        for &rotation in chain {
+            let is_last = Some(&rotation) == chain.last();
             let turns = self.turns(base, rotation, wide.contains(&rotation));
             let mut candidates = Vec::with_capacity(beam.len() * turns.len());
             for (index, partial) in beam.iter_mut().enumerate() {
@@ -211,11 +211,11 @@ impl Reseeder<'_> {
     }
 
     /// The two rotations of a chain with the longest limbs.
-    fn wide_rotations(&self, chain: &Chain) -> Vec<usize> {
+    fn wide_rotations(&self, chain: &[usize]) -> Vec<usize> {
         let length = |&rotation: &usize| -> f64 {
             self.parts.groups[rotation].iter().map(|&limb| self.model.limbs()[limb].length).sum()
         };
-        let mut by_length = chain.rotations.clone();
+        let mut by_length = chain.to_vec();
         by_length.sort_by(|a, b| length(b).total_cmp(&length(a)));
         by_length.truncate(2);
         by_length

@@ -10,11 +10,6 @@
 //! 4. **Judgement.** By the last stage's cost without any pull to a start. Where the other way costs as good as the same,
 //!    the body is taken to face the cameras if these stand on one side of it, and that is said ([`Doubt`]).
 //!
-//! | file | holds |
-//! |---|---|
-//! | `place` | where the subject is, by its silhouettes |
-//! | `rounds` | the rounds of the search, each with fewer candidates and a closer look |
-//!
 //! All of it is the same for any number of threads.
 
 mod place;

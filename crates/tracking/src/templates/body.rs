@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::pictures::{Silhouettes, Template};
 use super::{Record, TemplateOptions, TemplateStep};
 use crate::body::{Kinematics, Model, Pose};
-use crate::search::{Chain, Chains, Stance, turn_whole};
+use crate::search::{Chains, Stance, turn_whole};
 
 /// The rotations of a chain that are searched: those with the longest limbs.
 const WIDE: usize = 2;
@@ -46,12 +46,13 @@ impl<'a> TemplateBody<'a> {
         let at_rest = Pose::rest(model);
         let up = stance.up_of(model, &at_rest);
         let kinematics = Kinematics::new(model, &at_rest);
-        let end =
-            |chain: &Chain| chain_end(&parts, chain).map_or(f64::NAN, |limb| kinematics.ends()[limb].dot(up));
+        let end = |chain: &[usize]| {
+            chain_end(&parts, chain).map_or(f64::NAN, |limb| kinematics.ends()[limb].dot(up))
+        };
         let chains = parts.chains.iter().enumerate();
         let head = chains.max_by(|a, b| end(a.1).total_cmp(&end(b.1))).map(|(index, _)| index)?;
         let flesh = |chain: usize| -> f64 {
-            let limbs = parts.chains[chain].rotations.iter().flat_map(|&rotation| &parts.groups[rotation]);
+            let limbs = parts.chains[chain].iter().flat_map(|&rotation| &parts.groups[rotation]);
             limbs.map(|&limb| model.limbs()[limb].length * model.limbs()[limb].radius).sum()
         };
         let mut limbs: Vec<usize> = (0..parts.chains.len()).filter(|&chain| chain != head).collect();
@@ -62,7 +63,7 @@ impl<'a> TemplateBody<'a> {
     /// The limb that the head's ball is the end of, and the one that begins at the neck.
     pub(crate) fn skull_and_neck(&self) -> [usize; 2] {
         let chain = &self.parts.chains[self.head];
-        let first = self.parts.groups[chain.rotations[0]].first().copied().unwrap_or(0);
+        let first = self.parts.groups[chain[0]].first().copied().unwrap_or(0);
         [chain_end(&self.parts, chain).unwrap_or(first), first]
     }
 
@@ -81,7 +82,7 @@ impl<'a> TemplateBody<'a> {
     /// The rotations of a chain as templates, from the trunk outwards.
     pub(crate) fn segments(&self, chain: usize) -> Vec<Segment> {
         let kinematics = Kinematics::new(self.model, &Pose::rest(self.model));
-        let rotations = &self.parts.chains[chain].rotations;
+        let rotations = &self.parts.chains[chain];
         let segment = |(index, &rotation): (usize, &usize)| {
             let group = &self.parts.groups[rotation];
             let first = *group.first()?;
@@ -140,6 +141,20 @@ impl<'a> TemplateBody<'a> {
         Template { from, to, radius: 0.5 * (thick + broad) }
     }
 
+    /// Which limbs are the head's and the trunk's.
+    pub(super) fn trunk_limbs(&self) -> Vec<bool> {
+        self.limbs_of(&[&self.parts.trunk[..], &self.parts.chains[self.head]].concat())
+    }
+
+    /// Which limbs these rotations turn.
+    fn limbs_of(&self, rotations: &[usize]) -> Vec<bool> {
+        let mut drawn = vec![false; self.model.limbs().len()];
+        for &limb in rotations.iter().flat_map(|&rotation| &self.parts.groups[rotation]) {
+            drawn[limb] = true;
+        }
+        drawn
+    }
+
     /// Turns the whole body about a point.
     pub(crate) fn turn_about(&self, pose: &mut Pose, point: DVec3, turn: DQuat) {
         pose.root = point + turn * (pose.root - point);
@@ -147,8 +162,8 @@ impl<'a> TemplateBody<'a> {
     }
 }
 
-fn chain_end(parts: &Chains, chain: &Chain) -> Option<usize> {
-    chain.rotations.last().and_then(|&rotation| parts.groups[rotation].last().copied())
+fn chain_end(parts: &Chains, chain: &[usize]) -> Option<usize> {
+    chain.last().and_then(|&rotation| parts.groups[rotation].last().copied())
 }
 
 /// The template of the trunk at one head, resting.
@@ -168,11 +183,11 @@ pub(super) fn hung(
     record.push(TemplateStep::of(
         "head",
         pose.clone(),
-        head_limbs(frame),
+        frame.limbs_of(&frame.parts.chains[frame.head]),
         [ball, ball],
         model.limbs()[skull].radius,
     ));
-    let drawn = trunk_limbs(frame);
+    let drawn = frame.trunk_limbs();
     for turn in 1..=options.turns {
         let template = Template { radius: template.radius, ..frame.trunk_template(&pose) };
         let held = pictures.held(&template);
@@ -203,23 +218,4 @@ pub(super) fn facings(frame: &TemplateBody<'_>, pose: &Pose, ball: DVec3, headin
         frame.standing(neck, ball, up, turn * ahead)
     };
     (0..headings).map(facing).collect()
-}
-
-/// Which limbs are the head's.
-fn head_limbs(frame: &TemplateBody<'_>) -> Vec<bool> {
-    limbs_of(frame.model, frame, &frame.parts.chains[frame.head].rotations)
-}
-
-/// Which limbs are the head's and the trunk's.
-pub(super) fn trunk_limbs(frame: &TemplateBody<'_>) -> Vec<bool> {
-    let rotations = [&frame.parts.trunk[..], &frame.parts.chains[frame.head].rotations].concat();
-    limbs_of(frame.model, frame, &rotations)
-}
-
-fn limbs_of(model: &Model, frame: &TemplateBody<'_>, rotations: &[usize]) -> Vec<bool> {
-    let mut drawn = vec![false; model.limbs().len()];
-    for &limb in rotations.iter().flat_map(|&rotation| &frame.parts.groups[rotation]) {
-        drawn[limb] = true;
-    }
-    drawn
 }

@@ -2,11 +2,10 @@
 
 use thiserror::Error;
 
-use super::cued::watched;
 use super::estimate::FrameEstimate;
 use super::lost::{LastResort, UsualCost};
-use super::motion::{KalmanOptions, Motion, MotionError, MotionFilter, Predicted};
-use super::tracker::Tracker;
+use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, MotionFilter, Predicted};
+use super::tracker::{Tracker, watched};
 use crate::body::{Model, Parameters, Pose, PoseError};
 use crate::cues::{CueMemory, CueWatch, FrameCues};
 use crate::filter::Belief;
@@ -115,7 +114,10 @@ impl Tracker {
             usual: self.usual.clone(),
             last_resort: self.last_resort,
             has_start: self.start.is_some(),
-            filter: self.filter.as_ref().and_then(MotionFilter::memory),
+            filter: self.filter.as_ref().and_then(|filter| {
+                let (pose, belief) = filter.last.clone()?;
+                Some(FilterMemory { noise: filter.noise, pose, belief })
+            }),
             cues: self.cues.as_ref().map(CueWatch::memory),
         })
     }
@@ -137,9 +139,9 @@ impl Tracker {
             (None, None) => {}
             (cues, _) => return Err(MemoryError::Cues { with: cues.is_some() }),
         }
-        if let Some(memory) = filter {
-            self.motion = Motion::Kalman(memory.noise);
-            self.filter = Some(MotionFilter::remembering(&self.model, memory));
+        if let Some(FilterMemory { noise, pose, belief }) = filter {
+            self.motion = Motion::Kalman(noise);
+            self.filter = Some(MotionFilter { noise, last: Some((pose, belief)) });
         }
         self.start = has_start.then(|| last.pose.clone());
         (self.last, self.usual, self.last_resort) = (Some(last), usual, last_resort);
@@ -221,7 +223,9 @@ pub(super) fn waiting_again(
             Predicted::after(&noise, &pose, &belief, seconds)
         });
         before = belief.clone().map(|belief| (frame, pose.clone(), belief));
-        let belief = belief.map(|belief| MotionFilter::believed(belief, foretold));
+        let believed =
+            |belief| FrameBelief { belief, predicted: foretold, innovation: None, begins: None, seen: None };
+        let belief = belief.map(believed);
         FrameEstimate { pose, belief, ..estimate }
     };
     known.into_iter().zip(waiting).map(again).collect()

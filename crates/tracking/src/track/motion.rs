@@ -7,8 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::memory::FilterMemory;
-use crate::body::{Model, Parameters, Pose};
+use crate::body::{Parameters, Pose};
 use crate::filter::{Belief, ConstantVelocity, FilterError, Innovation, update};
 use crate::fit::Preset;
 use crate::numbers::Brief;
@@ -165,10 +164,9 @@ impl Predicted {
 /// The filter of one track.
 #[derive(Debug, Clone)]
 pub(super) struct MotionFilter {
-    options: KalmanOptions,
-    model: ConstantVelocity,
+    pub(super) noise: KalmanOptions,
     /// The last frame's mean pose and what is believed of it.
-    last: Option<(Pose, Belief)>,
+    pub(super) last: Option<(Pose, Belief)>,
 }
 
 impl KalmanOptions {
@@ -191,49 +189,28 @@ pub(super) fn start_belief(n: usize) -> Belief {
 }
 
 impl MotionFilter {
-    pub(super) fn new(model: &Model, options: KalmanOptions) -> Self {
-        let n = Parameters::Tangent.columns(model.rotation_count());
-        Self { options, model: options.model(n), last: None }
-    }
-
     /// What is foretold `seconds` after the last frame, if there was one.
     pub(super) fn predict(&self, seconds: f64) -> Option<Predicted> {
         let (last, belief) = self.last.as_ref()?;
-        Some(Predicted::after(&self.options, last, belief, seconds))
+        Some(Predicted::after(&self.noise, last, belief, seconds))
     }
 
-    /// What is believed after the last frame, if there was one.
-    pub(super) fn memory(&self) -> Option<FilterMemory> {
-        let (pose, belief) = self.last.clone()?;
-        Some(FilterMemory { noise: self.options, pose, belief })
-    }
-
-    /// A filter that goes on from there.
-    pub(super) fn remembering(model: &Model, memory: FilterMemory) -> Self {
-        Self { last: Some((memory.pose, memory.belief)), ..Self::new(model, memory.noise) }
-    }
-
-    /// What smoothing needs of a frame.
-    pub(super) fn believed(belief: Belief, predicted: Option<Predicted>) -> FrameBelief {
-        FrameBelief { belief, predicted, innovation: None, begins: None, seen: None }
-    }
-
-    /// Learns a frame's pose with its JᵀJ and Jᵀρ; `seen` is `None` where there was nothing to see. Without a prediction it
+    /// Learns a frame's pose; `seen` is `None` where there was nothing to see. Without a prediction it
     /// begins, for the reason given.
     pub(super) fn learn(
         &mut self,
         pose: &Pose,
-        seen: Option<(DMatrix<f64>, DVector<f64>)>,
+        seen: Option<Seen>,
         predicted: Result<Predicted, Begins>,
     ) -> FrameBelief {
-        let products = seen.as_ref().map(|seen| &seen.0);
+        let products = seen.as_ref().map(|seen| &seen.products);
         let mut learned = match predicted {
             Ok(predicted) => self
                 .go_on(pose, products, predicted)
-                .unwrap_or_else(|error| self.begin(products, Begins::Broken(error))),
-            Err(begins) => self.begin(products, begins),
+                .unwrap_or_else(|error| self.begin(pose, products, Begins::Broken(error))),
+            Err(begins) => self.begin(pose, products, begins),
         };
-        learned.seen = seen.map(|(products, pull)| Seen { products, pull });
+        learned.seen = seen;
         self.last = Some((pose.clone(), learned.belief.clone()));
         learned
     }
@@ -247,23 +224,23 @@ impl MotionFilter {
         let step = DVector::from_vec(pose.local(&predicted.mean));
         let (belief, innovation) = match products {
             Some(products) => {
-                let variance = self.options.measurement_deviation.powi(2);
-                let updated = update::update(&predicted.belief, &step, products, variance)?;
-                (updated.belief, Some(updated.innovation))
+                let variance = self.noise.measurement_deviation.powi(2);
+                let (belief, innovation) = update::update(&predicted.belief, &step, products, variance)?;
+                (belief, Some(innovation))
             }
             None => (predicted.belief.clone(), None),
         };
         Ok(FrameBelief { belief, predicted: Some(predicted), innovation, begins: None, seen: None })
     }
 
-    fn begin(&self, products: Option<&DMatrix<f64>>, begins: Begins) -> FrameBelief {
-        let n = self.model.acceleration.len();
+    fn begin(&self, pose: &Pose, products: Option<&DMatrix<f64>>, begins: Begins) -> FrameBelief {
+        let n = Parameters::Tangent.columns(pose.rotations.len());
         let start = start_belief(n);
-        let variance = self.options.measurement_deviation.powi(2);
+        let variance = self.noise.measurement_deviation.powi(2);
         // Where even this cannot be learned, what is believed is what a start is.
         let belief = products
             .and_then(|products| update::update(&start, &DVector::zeros(n), products, variance).ok())
-            .map_or(start, |updated| updated.belief);
+            .map_or(start, |(belief, _)| belief);
         FrameBelief { belief, predicted: None, innovation: None, begins: Some(begins), seen: None }
     }
 }

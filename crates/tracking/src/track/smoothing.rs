@@ -194,23 +194,23 @@ fn smoothed_by(
     };
     let difference = DVector::from_vec(pose.local(&predicted.mean));
     let model = predicted.noise.model(filtered.columns());
-    let found =
+    let (step, belief) =
         smoother::smooth(&model, filtered, &predicted.belief, &belief, &difference, predicted.seconds)
             .map_err(|error| SmoothingError::Filter { frame: here.frame, error })?;
-    Ok(Some((here.pose.retract(Parameters::Tangent, found.step.as_slice()), found.belief)))
+    Ok(Some((here.pose.retract(Parameters::Tangent, step.as_slice()), belief)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::track::motion::MotionFilter;
+    use crate::track::motion::{MotionFilter, Seen};
     use nalgebra::DMatrix;
 
     /// A limb that the filter follows through these frames of a movement.
     fn followed(frames: &[usize]) -> Vec<FrameEstimate> {
         let model = builtin::single_limb();
-        let mut filter = MotionFilter::new(&model, KalmanOptions::default());
+        let mut filter = MotionFilter { noise: KalmanOptions::default(), last: None };
         let mut last = None;
         let mut found = Vec::new();
         for &frame in frames {
@@ -221,9 +221,9 @@ mod tests {
                 .and_then(|before: usize| filter.predict((frame as f64 - before as f64) * (1.0 / 30.0)))
                 .ok_or(crate::track::Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
-            let belief = Some(filter.learn(&pose, Some((products, DVector::zeros(6))), predicted));
+            let belief = filter.learn(&pose, Some(Seen { products, pull: DVector::zeros(6) }), predicted);
             last = Some(frame);
-            found.push(FrameEstimate { belief, ..FrameEstimate::of_pose(frame, pose) });
+            found.push(FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, pose) });
         }
         found
     }

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::attempt::{Attempt, FittedPose, rms};
-use super::cued::watched;
 use super::estimate::{FrameEstimate, iou, overlaps};
 use super::lost::{LastResort, Lost, UsualCost};
 use super::memory::LastFrame;
-use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
+use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted, Seen};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::cues::{CueOptions, CueWatch, FrameCues};
-use crate::fit::{Fit, FitError, FitOptions, FitView};
+use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView};
 use crate::numbers::OptionError;
 use crate::residual::learnt_prior::LearntPrior;
 use crate::search::{self, SearchOptions, WithoutStartError, WithoutStartOptions};
@@ -106,7 +105,7 @@ impl Tracker {
         self.motion = motion;
         self.frame_seconds = 1.0 / frame_rate;
         self.filter = match motion {
-            Motion::Kalman(options) => Some(MotionFilter::new(&self.model, options)),
+            Motion::Kalman(noise) => Some(MotionFilter { noise, last: None }),
             Motion::Still | Motion::Velocity => None,
         };
         Ok(self)
@@ -271,7 +270,8 @@ impl Tracker {
             }
         }
         let belief = self.filter.as_mut().map(|filter| {
-            let seen = lost.is_none().then(|| fit.frame_equations()).map(|own| (own.jtj, own.jtr));
+            let seen = lost.is_none().then(|| fit.frame_equations());
+            let seen = seen.map(|own| Seen { products: own.jtj, pull: own.jtr });
             filter.learn(&summary.pose, seen, predicted)
         });
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
@@ -405,4 +405,19 @@ impl Tracker {
         let velocity = before.map(|last| last.velocity_to(&pose, self.seconds_between(last.frame, frame)));
         self.last = Some(LastFrame { frame, pose, lost, velocity });
     }
+}
+
+/// The cameras that see somebody, with their cues: one that sees nobody, or is left out, holds nothing and has no cues.
+pub(super) fn watched(views: &[FitView], mut cues: FrameCues) -> (Vec<WatchedCamera>, FrameCues) {
+    let camera = |view: &FitView| WatchedCamera {
+        camera: Arc::clone(&view.camera),
+        mask: match &view.evidence {
+            Evidence::Mask(mask) => Some(Arc::clone(mask)),
+            Evidence::Measurement(_) => None,
+        },
+    };
+    cues.cameras.resize_with(views.len(), Default::default);
+    let used = views.iter().zip(cues.cameras).filter(|(view, _)| view.has_data());
+    let (cameras, cues) = used.map(|(view, cues)| (camera(view), cues)).unzip();
+    (cameras, FrameCues { cameras: cues })
 }
