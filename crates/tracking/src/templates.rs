@@ -27,7 +27,7 @@ mod pictures;
 use std::sync::Arc;
 
 use glam::DVec3;
-use limbs::{HeadHypothesis, heads};
+use limbs::{HeadHypothesis, Limbs, heads};
 use thiserror::Error;
 
 use crate::body::{Model, Pose};
@@ -222,7 +222,6 @@ impl Placing<'_> {
             if cancel.is_cancelled() {
                 return Err(TemplateError::Cancelled);
             }
-            let mut steps = record.clone();
             let mut free = self.pictures.clone();
             free.claim(&self.frame.trunk_template(&facing));
             for segment in self.frame.segments(self.frame.head) {
@@ -230,9 +229,12 @@ impl Placing<'_> {
             }
             let radius = self.frame.model.limbs()[self.frame.skull_and_neck()[0]].radius;
             free.claim(&Template { from: head.centre, to: head.centre, radius });
-            let (frame, options) = (&self.frame, self.options);
-            let pose = limbs::placed(frame, &mut free, options, &facing, drawn.clone(), &mut steps);
-            let all = vec![true; frame.model.limbs().len()];
+            let (frame, drawn, record) = (&self.frame, drawn.clone(), record.clone());
+            let mut limbs =
+                Limbs { frame, options: self.options, pictures: free, pose: facing, drawn, record };
+            limbs.place();
+            let Limbs { pose, record: steps, .. } = limbs;
+            let all = vec![true; self.frame.model.limbs().len()];
             let cost = self.cost(&pose, &all);
             bodies.push(TemplateResult { pose, cost, evaluations: 0, steps });
         }

@@ -156,13 +156,12 @@ fn run(
     let subject = BACKGROUND * BACKGROUND * subject_pixels(&prepared.views);
     let pairs_above = effort.pairs_above * subject;
     let mut search = Search::about(&prepared.start, model, prepared, options, effort, cancel);
-    let chains: Vec<usize> = (0..search.reseeder.parts.chains.len()).collect();
     let (cost, pose) = search.refine(&prepared.start, 0);
     search.keep(Hypothesis { pose, cost, origin: Origin::Start });
-    search.try_trunks(&prepared.start, &chains);
-    search.sweep(&chains, pairs_above);
+    search.try_trunks(&prepared.start);
+    search.sweep(pairs_above);
     if effort.turned && !cancel.is_cancelled() {
-        search.try_the_other_way(prepared, &chains, subject);
+        search.try_the_other_way(prepared, subject);
     }
     search.hypotheses.truncate(effort.kept.max(1));
     let Search { hypotheses, tried, evaluations, .. } = search;
@@ -200,7 +199,7 @@ impl<'a> Search<'a> {
     }
 
     /// Other trunks, and all chains again on them and on the best one.
-    fn try_trunks(&mut self, start: &Pose, chains: &[usize]) {
+    fn try_trunks(&mut self, start: &Pose) {
         let best = self.hypotheses[0].pose.clone();
         let mut trunks: Vec<(f32, Pose)> = Vec::with_capacity(self.effort.trunk_samples);
         for sample in 0..self.effort.trunk_samples {
@@ -210,7 +209,7 @@ impl<'a> Search<'a> {
             let distance = self.effort.trunk_distance * (sample % 3 + 1) as f64 / 3.0;
             let seed = self.effort.seed.wrapping_add(sample as u64);
             let pose = start::perturb(self.model, about, angle, distance, seed);
-            trunks.push((self.reseeder.cost(&pose, chains), pose));
+            trunks.push((self.reseeder.trunk_cost(&pose), pose));
         }
         trunks.sort_by(|a, b| a.0.total_cmp(&b.0));
         trunks.truncate(self.effort.trunks);
@@ -218,7 +217,7 @@ impl<'a> Search<'a> {
             if self.cancel.is_cancelled() {
                 return;
             }
-            let whole = self.reseeder.assemble(&trunk, chains);
+            let whole = self.reseeder.assemble(&trunk);
             let (cost, pose) = self.refine(&whole, self.refining_stage());
             self.keep(Hypothesis { pose, cost, origin: Origin::Trunk });
         }
@@ -228,11 +227,16 @@ impl<'a> Search<'a> {
     ///
     /// Its priors pull towards its own start, or the start's would hold it back by a whole turn. It is ranked as if
     /// it were as far from the start as the best of the others, and a little behind.
-    fn try_the_other_way(&mut self, prepared: &PreparedFit, chains: &[usize], subject: f64) {
+    fn try_the_other_way(&mut self, prepared: &PreparedFit, subject: f64) {
         let best = self.hypotheses[0].clone();
         let turned = posing::turn_round(self.model, &best.pose);
         let mut other = Search::about(&turned, self.model, prepared, self.options, self.effort, self.cancel);
-        other.try_turned(&turned, chains);
+        // As it is, and put together again.
+        let whole = other.reseeder.assemble(&turned);
+        for (pose, stage) in [(&turned, 0), (&whole, other.refining_stage())] {
+            let (cost, pose) = other.refine(pose, stage);
+            other.keep(Hypothesis { pose, cost, origin: Origin::TurnedRound });
+        }
         let last = self.options.stages[self.options.stages.len() - 1];
         let free = FitOptions { proximal_weight: 0.0, ..self.options.clone() };
         let PreparedFit { views, distances, start, .. } = prepared;
@@ -244,7 +248,7 @@ impl<'a> Search<'a> {
         };
         let of_best = judged(&best.pose);
         if judged(&other.hypotheses[0].pose) < RIVAL * of_best {
-            other.sweep(chains, self.effort.pairs_above * subject);
+            other.sweep(self.effort.pairs_above * subject);
         }
         self.evaluations += other.evaluations;
         for hypothesis in other.hypotheses {
@@ -255,22 +259,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A body that faces the other way: as it is, and put together again.
-    fn try_turned(&mut self, turned: &Pose, chains: &[usize]) {
-        let whole = self.reseeder.assemble(turned, chains);
-        for (pose, stage) in [(turned, 0), (&whole, self.refining_stage())] {
-            let (cost, pose) = self.refine(pose, stage);
-            self.keep(Hypothesis { pose, cost, origin: Origin::TurnedRound });
-        }
-    }
-
     /// Sweeps over the chains, and the pairs where the fit is poor, until one brings nothing.
-    pub(super) fn sweep(&mut self, chains: &[usize], pairs_above: f64) {
+    pub(super) fn sweep(&mut self, pairs_above: f64) {
         for _ in 0..self.effort.sweeps {
             let before = self.hypotheses[0].cost;
-            self.try_chains(chains);
+            self.try_chains();
             if self.hypotheses[0].cost > pairs_above {
-                self.try_pairs(chains);
+                self.try_pairs();
             }
             if self.hypotheses[0].cost > before * (1.0 - LEAST_GAIN) {
                 break;
@@ -279,8 +274,8 @@ impl<'a> Search<'a> {
     }
 
     /// Every chain again, one after the other, each on the best pose so far.
-    fn try_chains(&mut self, chains: &[usize]) {
-        for &chain in chains {
+    fn try_chains(&mut self) {
+        for chain in 0..self.reseeder.parts.chains.len() {
             let proposals = self.reseeder.propose(&self.hypotheses[0].pose, chain, &[]);
             let origin = Origin::Chain { limb: self.reseeder.name(chain) };
             self.refine_best(proposals.into_iter().map(|(_, pose)| pose).collect(), &origin);
@@ -288,10 +283,10 @@ impl<'a> Search<'a> {
     }
 
     /// Every two chains again: the places of one, with the other taken off, then the best place of that.
-    fn try_pairs(&mut self, chains: &[usize]) {
-        let longer = |&chain: &usize| std::cmp::Reverse(self.reseeder.parts.chains[chain].len());
-        let mut by_length = chains.to_vec();
-        by_length.sort_by_key(longer);
+    fn try_pairs(&mut self) {
+        let chains = &self.reseeder.parts.chains;
+        let mut by_length: Vec<usize> = (0..chains.len()).collect();
+        by_length.sort_by_key(|&chain| std::cmp::Reverse(chains[chain].len()));
         for (index, &first) in by_length.iter().enumerate() {
             for &second in &by_length[index + 1..] {
                 if self.cancel.is_cancelled() {

@@ -66,9 +66,10 @@ impl Reseeder<'_> {
         self.model.limbs()[self.model.rotation_owners()[first]].name.clone()
     }
 
-    /// Sketch cost of a pose with some chains left out.
-    pub(super) fn cost(&self, pose: &Pose, absent: &[usize]) -> f32 {
-        self.sketch.cost(&self.drawn(pose, absent).1)
+    /// Sketch cost of a pose's trunk alone.
+    pub(super) fn trunk_cost(&self, pose: &Pose) -> f32 {
+        let all: Vec<usize> = (0..self.parts.chains.len()).collect();
+        self.sketch.cost(&self.drawn(pose, &all).1)
     }
 
     fn drawn(&self, pose: &Pose, absent: &[usize]) -> (LimbPositions, Canvas) {
@@ -86,8 +87,8 @@ impl Reseeder<'_> {
     }
 
     /// All chains put again on a pose's trunk, one after the other, the shortest (a head) first.
-    pub(super) fn assemble(&self, trunk: &Pose, chains: &[usize]) -> Pose {
-        let mut order = chains.to_vec();
+    pub(super) fn assemble(&self, trunk: &Pose) -> Pose {
+        let mut order: Vec<usize> = (0..self.parts.chains.len()).collect();
         order.sort_by_key(|&chain| self.parts.chains[chain].len());
         let mut pose = trunk.clone();
         for (index, &chain) in order.iter().enumerate() {

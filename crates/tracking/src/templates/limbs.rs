@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::body::{Segment, TemplateBody};
-use super::pictures::{Silhouettes, Template, TemplateContent};
+use super::pictures::{Silhouettes, Template};
 use super::{Record, TemplateOptions, TemplateStep};
 use crate::body::{Kinematics, Pose};
 use crate::geometry::rotation::exp;
@@ -17,91 +17,79 @@ const CLAIMED: f64 = 0.1;
 /// Twists that are tried of a limb, so that the joint after it bends as it can.
 const TWISTS: usize = 24;
 
-/// Puts all chains but the head's on a trunk. `drawn` says which limbs are placed already.
-pub(super) fn placed(
-    frame: &TemplateBody<'_>,
-    pictures: &mut Silhouettes,
-    options: &TemplateOptions,
-    trunk: &Pose,
-    mut drawn: Vec<bool>,
-    record: &mut Record,
-) -> Pose {
-    let mut pose = trunk.clone();
-    for &chain in &frame.limbs {
-        let segments = frame.segments(chain);
-        for segment in &segments {
-            if segment.is_wide {
-                begin(frame, pictures, options, &mut pose, segment);
+/// A body whose limbs are put on its trunk.
+pub(super) struct Limbs<'a> {
+    pub(super) frame: &'a TemplateBody<'a>,
+    pub(super) options: &'a TemplateOptions,
+    /// With what templates hold already.
+    pub(super) pictures: Silhouettes,
+    pub(super) pose: Pose,
+    /// Per limb, whether it is placed.
+    pub(super) drawn: Vec<bool>,
+    pub(super) record: Record,
+}
+
+impl Limbs<'_> {
+    /// Puts all chains but the head's on the trunk.
+    pub(super) fn place(&mut self) {
+        let frame = self.frame;
+        for &chain in &frame.limbs {
+            let segments = frame.segments(chain);
+            for segment in &segments {
+                if segment.is_wide {
+                    self.begin(segment);
+                }
+                for &limb in &frame.parts.groups[segment.rotation] {
+                    self.drawn[limb] = true;
+                }
+                if segment.is_wide {
+                    self.turn_until_it_rests(segment);
+                }
+                self.pictures.claim(&frame.template(&self.pose, segment));
             }
-            for &limb in &frame.parts.groups[segment.rotation] {
-                drawn[limb] = true;
+            for two in segments.windows(2) {
+                untwist(frame, &mut self.pose, [&two[0], &two[1]]);
             }
-            if segment.is_wide {
-                turn_until_it_rests(frame, pictures, options, &mut pose, segment, &drawn, record);
-            }
-            pictures.claim(&frame.template(&pose, segment));
-        }
-        for two in segments.windows(2) {
-            untwist(frame, &mut pose, [&two[0], &two[1]]);
         }
     }
-    pose
-}
 
-/// The direction in which a limb holds most of the subject and least background.
-fn begin(
-    frame: &TemplateBody<'_>,
-    pictures: &Silhouettes,
-    options: &TemplateOptions,
-    pose: &mut Pose,
-    segment: &Segment,
-) {
-    let rest = frame.template(pose, segment);
-    let (from, length) = (rest.from, segment.rest.length());
-    let along = (rest.to - from).normalize_or(DVec3::X);
-    let worth = |direction: DVec3| {
-        let held = pictures.held(&Template { to: from + direction * length, ..rest });
-        worth(&held)
-    };
-    let mut best = (worth(along), along);
-    for direction in sphere(options.directions) {
-        let value = worth(direction);
-        if value > best.0 {
-            best = (value, direction);
+    /// The direction in which a limb holds most of the subject and least background.
+    fn begin(&mut self, segment: &Segment) {
+        let rest = self.frame.template(&self.pose, segment);
+        let (from, length) = (rest.from, segment.rest.length());
+        let along = (rest.to - from).normalize_or(DVec3::X);
+        let worth = |direction: DVec3| {
+            let held = self.pictures.held(&Template { to: from + direction * length, ..rest });
+            held.subject + CLAIMED * held.claimed - held.background
+        };
+        let mut best = (worth(along), along);
+        for direction in sphere(self.options.directions) {
+            let value = worth(direction);
+            if value > best.0 {
+                best = (value, direction);
+            }
         }
+        self.frame.point(&mut self.pose, segment, best.1);
     }
-    frame.point(pose, segment, best.1);
-}
 
-fn worth(held: &TemplateContent) -> f64 {
-    held.subject + CLAIMED * held.claimed - held.background
-}
-
-/// Turns a limb to the centroid of its pixels, and again.
-fn turn_until_it_rests(
-    frame: &TemplateBody<'_>,
-    pictures: &Silhouettes,
-    options: &TemplateOptions,
-    pose: &mut Pose,
-    segment: &Segment,
-    drawn: &[bool],
-    record: &mut Record,
-) {
-    let name = &frame.model.limbs()[segment.first].name;
-    for turn in 1..=options.turns {
-        let template = frame.template(pose, segment);
-        let held = pictures.held(&template);
-        let (before, after) =
-            (template.to - template.from, held.towards.map_or(DVec3::ZERO, |to| to - template.from));
-        let by = before.angle_between(after);
-        let rests = !(by >= options.rest_rad && by.is_finite()) || turn == options.turns;
-        let ends = [template.from, template.to];
-        let step = TemplateStep::of(name, pose.clone(), drawn.to_vec(), ends, template.radius);
-        record.push(TemplateStep { held: held.subject, turned_rad: by, rests, ..step });
-        if rests {
-            break;
+    /// Turns a limb to the centroid of its pixels, and again.
+    fn turn_until_it_rests(&mut self, segment: &Segment) {
+        let name = &self.frame.model.limbs()[segment.first].name;
+        for turn in 1..=self.options.turns {
+            let template = self.frame.template(&self.pose, segment);
+            let held = self.pictures.held(&template);
+            let (before, after) =
+                (template.to - template.from, held.towards.map_or(DVec3::ZERO, |to| to - template.from));
+            let by = before.angle_between(after);
+            let rests = !(by >= self.options.rest_rad && by.is_finite()) || turn == self.options.turns;
+            let ends = [template.from, template.to];
+            let step = TemplateStep::of(name, self.pose.clone(), self.drawn.clone(), ends, template.radius);
+            self.record.push(TemplateStep { held: held.subject, turned_rad: by, rests, ..step });
+            if rests {
+                break;
+            }
+            self.frame.point(&mut self.pose, segment, after);
         }
-        frame.point(pose, segment, after);
     }
 }
 

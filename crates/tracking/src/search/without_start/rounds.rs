@@ -123,10 +123,9 @@ impl Rounds<'_> {
         let stages = stages[from..].iter().take(COARSE_STAGES).map(coarse).collect();
         let options = FitOptions { stages, ..self.options.clone() };
         let mut search = self.search(&begin, &options, &self.choices.coarse);
-        let chains = chains(&search);
-        let trunks = self.trunks(&begin, &search, &chains);
+        let trunks = self.trunks(&begin, &search);
         let whole = |trunk: Pose| {
-            let whole = search.reseeder.assemble(&trunk, &chains);
+            let whole = search.reseeder.assemble(&trunk);
             of_hull(search.refine(&whole, 0))
         };
         let rated = trunks.into_iter().map(whole).collect();
@@ -135,9 +134,9 @@ impl Rounds<'_> {
     }
 
     /// The trunks of a heading that lie best in the silhouettes.
-    fn trunks(&self, begin: &Pose, search: &Search<'_>, chains: &[usize]) -> Vec<Pose> {
+    fn trunks(&self, begin: &Pose, search: &Search<'_>) -> Vec<Pose> {
         let place = self.place;
-        let rated = |pose: Pose| (search.reseeder.cost(&pose, chains), pose);
+        let rated = |pose: Pose| (search.reseeder.trunk_cost(&pose), pose);
         let (floor, top) = (place.bottom + self.stance.below, place.top - self.stance.above);
         let (low, high) = (floor.min(top) - BEYOND_M, floor.max(top) + BEYOND_M);
         let steps = (((high - low) / STEP_M).ceil() as usize).clamp(1, MOST_STEPS);
@@ -171,7 +170,7 @@ impl Rounds<'_> {
         let mut search = self.search(pose, &options, effort);
         let refined = search.refine(pose, 0);
         search.keep(of_hull(refined));
-        search.sweep(&chains(&search), effort.pairs_above * self.subject());
+        search.sweep(effort.pairs_above * self.subject());
         self.count(&search);
         search.hypotheses.swap_remove(0)
     }
@@ -211,7 +210,7 @@ impl Rounds<'_> {
         turn_whole(self.model, &mut turned, DQuat::from_axis_angle(up, PI));
         let no_stages = FitOptions { stages: Vec::new(), ..self.options.clone() };
         let search = self.search(&turned, &no_stages, &self.choices.fine);
-        search.reseeder.assemble(&turned, &chains(&search))
+        search.reseeder.assemble(&turned)
     }
 
     /// By cost; where costs hardly differ, by how far joints are turned from rest and by the facing that is expected.
@@ -273,8 +272,4 @@ impl Rounds<'_> {
 
 fn of_hull((cost, pose): (f64, Pose)) -> Hypothesis {
     Hypothesis { pose, cost, origin: Origin::Hull }
-}
-
-fn chains(search: &Search<'_>) -> Vec<usize> {
-    (0..search.reseeder.parts.chains.len()).collect()
 }
