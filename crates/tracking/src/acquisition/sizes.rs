@@ -173,8 +173,8 @@ mod tests {
 
     use glam::DVec2;
 
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
     use crate::fit::{Evidence, FitView};
+    use crate::fixtures;
     use crate::silhouette::{Label, Mask};
 
     use super::*;
@@ -182,9 +182,8 @@ mod tests {
     /// Two cameras' pictures of a capsule.
     fn pictures(from: DVec3, to: DVec3, radius: f64) -> Silhouettes {
         let view = |at: DVec3| {
-            let place = CameraFromWorld::looking_at(at, 0.5 * (from + to), DVec3::Z);
-            let pinhole = Intrinsics { fx: 400.0, fy: 400.0, cx: 99.5, cy: 99.5 };
-            let camera = Camera::new("c", [200, 200], pinhole, Distortion::None, place).unwrap();
+            let intrinsics = [400.0, 400.0, 99.5, 99.5];
+            let camera = fixtures::camera([200, 200], intrinsics, at, 0.5 * (from + to), DVec3::Z);
             let label = |index: usize| {
                 let ray =
                     camera.ray_in_world(DVec2::new((index % 200) as f64, (index / 200) as f64)).unwrap();

@@ -282,7 +282,6 @@ mod tests {
     use glam::DQuat;
 
     use crate::body::{Pose, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
     use crate::fixtures;
 
     use super::*;
@@ -291,9 +290,8 @@ mod tests {
     fn camera(degrees: f64) -> Camera {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let at = DVec3::new(-3.0 * sine, 3.0 * cosine, 1.1);
-        let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.0, 0.9), DVec3::Z);
-        let pinhole = Intrinsics { fx: 320.0, fy: 320.0, cx: 89.5, cy: 129.5 };
-        Camera::new("c", [180, 260], pinhole, Distortion::None, place).unwrap()
+        let intrinsics = [320.0, 320.0, 89.5, 129.5];
+        fixtures::camera([180, 260], intrinsics, at, DVec3::new(0.0, 0.0, 0.9), DVec3::Z)
     }
 
     fn posed(model: &Model, turns: &[(&str, DQuat)]) -> Pose {

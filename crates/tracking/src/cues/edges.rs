@@ -169,13 +169,13 @@ mod tests {
 
     use super::*;
     use crate::body::{Kinematics, Model, Pose, builtin};
-    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::camera::Camera;
+    use crate::fixtures;
     use crate::render::{Ramp, RendererKind, View};
 
     fn camera() -> Camera {
-        let place = CameraFromWorld::looking_at(DVec3::new(0.2, 0.0, 1.5), DVec3::X * 0.2, DVec3::Y);
-        let pinhole = Intrinsics { fx: 200.0, fy: 200.0, cx: 79.5, cy: 59.5 };
-        Camera::new("c", [160, 120], pinhole, Distortion::None, place).unwrap()
+        let (from, at) = (DVec3::new(0.2, 0.0, 1.5), DVec3::X * 0.2);
+        fixtures::camera([160, 120], [200.0, 200.0, 79.5, 59.5], from, at, DVec3::Y)
     }
 
     /// A bar as bright as this on a ground of 100, from row to row, its edges a pixel wide.

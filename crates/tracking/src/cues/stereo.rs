@@ -197,15 +197,11 @@ mod tests {
 
     use super::*;
     use crate::body::{Kinematics, Pose, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
     use crate::render::{Ramp, RendererKind, View};
 
-    const SIZE: [u64; 2] = [160, 120];
-
     fn camera(at: DVec3) -> Camera {
-        let place = CameraFromWorld::looking_at(at, DVec3::new(0.2, 0.0, 0.0), DVec3::Y);
-        let pinhole = Intrinsics { fx: 260.0, fy: 260.0, cx: 79.5, cy: 59.5 };
-        Camera::new("c", SIZE, pinhole, Distortion::None, place).unwrap()
+        fixtures::camera([160, 120], [260.0, 260.0, 79.5, 59.5], at, DVec3::new(0.2, 0.0, 0.0), DVec3::Y)
     }
 
     /// What a camera sees of a wall z = `wall` with a pattern that nowhere repeats nearby.

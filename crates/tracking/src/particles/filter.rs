@@ -56,8 +56,6 @@ pub struct Generation {
     pub drawn: Vec<bool>,
     /// All of them.
     pub particles: Vec<Particle>,
-    /// The likelihood's β, per squared grey level.
-    pub beta: f64,
     /// Evaluations of Λ up to here.
     pub evaluations: usize,
 }
@@ -174,15 +172,14 @@ impl ParticleFilter {
         );
         let sampled: Vec<(f64, Pose)> = sampled.collect();
         let costs: Vec<f64> = sampled.iter().map(|(cost, _)| *cost).collect();
-        let (weights, beta) = tempered(&costs, self.options.alive);
+        let (weights, _) = tempered(&costs, self.options.alive);
         self.poses = children(&sampled, &resampled(&weights, self.random(step, 0).random_range(0.0..1.0)));
         let particles = sampled.into_iter().zip(weights);
         let particles: Vec<Particle> =
             particles.map(|((cost, pose), weight)| Particle { pose, cost, weight }).collect();
         self.evaluations += particles.len();
         self.next += 1;
-        let generation =
-            Generation { layer, part: index, drawn, particles, beta, evaluations: self.evaluations };
+        let generation = Generation { layer, part: index, drawn, particles, evaluations: self.evaluations };
         self.best = generation.best().pose.clone();
         Some(generation)
     }

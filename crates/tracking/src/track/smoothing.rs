@@ -122,12 +122,6 @@ impl Smoother {
         self
     }
 
-    /// Frames that it keeps now.
-    #[must_use]
-    pub fn kept(&self) -> usize {
-        self.waiting.len()
-    }
-
     /// Takes the next frame in the order of tracking; gives those that enough frames have followed by now, smoothed.
     ///
     /// # Errors
@@ -255,10 +249,10 @@ mod tests {
             let mut known = Vec::new();
             for estimate in all {
                 known.extend(smoother.push(estimate).unwrap());
-                assert!(smoother.kept() < 2 * WHOLE_LAG, "{}", smoother.kept());
+                assert!(smoother.waiting.len() < 2 * WHOLE_LAG, "{}", smoother.waiting.len());
             }
             known.extend(smoother.finish().unwrap());
-            assert_eq!((known.len(), smoother.kept()), (400, 0));
+            assert_eq!((known.len(), smoother.waiting.len()), (400, 0));
             let mut farthest = 0.0_f64;
             for estimate in &known {
                 let other = &whole.frames[&estimate.frame];
@@ -302,7 +296,7 @@ mod tests {
                 KalmanOptions::default(),
                 30.0,
             );
-            assert_eq!(again.kept(), 120 - before.len());
+            assert_eq!(again.waiting.len(), 120 - before.len());
             for estimate in &all[120..] {
                 let [one, other] =
                     [&mut again, &mut whole].map(|smoother| smooth(smoother.push(estimate.clone()).unwrap()));
