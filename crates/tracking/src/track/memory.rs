@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::estimate::FrameEstimate;
 use super::lost::{LastResort, UsualCost};
-use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, MotionFilter, Predicted};
+use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, Predicted};
 use super::tracker::{Tracker, watched};
 use crate::body::{Model, Parameters, Pose, PoseError};
 use crate::cues::{CueMemory, CueWatch, FrameCues};
@@ -114,10 +114,7 @@ impl Tracker {
             usual: self.usual.clone(),
             last_resort: self.last_resort,
             has_start: self.start.is_some(),
-            filter: self.filter.as_ref().and_then(|filter| {
-                let (pose, belief) = filter.last.clone()?;
-                Some(FilterMemory { noise: filter.noise, pose, belief })
-            }),
+            filter: self.filter.clone(),
             cues: self.cues.as_ref().map(CueWatch::memory),
         })
     }
@@ -131,7 +128,7 @@ impl Tracker {
     pub fn with_memory(mut self, memory: TrackerMemory) -> Result<Self, MemoryError> {
         memory.check(&self.model)?;
         let TrackerMemory { last, usual, last_resort, has_start, filter, cues } = memory;
-        if filter.is_some() != self.filter.is_some() {
+        if filter.is_some() != matches!(self.motion, Motion::Kalman(_)) {
             return Err(MemoryError::Filter { with: filter.is_some() });
         }
         match (cues, &mut self.cues) {
@@ -139,10 +136,10 @@ impl Tracker {
             (None, None) => {}
             (cues, _) => return Err(MemoryError::Cues { with: cues.is_some() }),
         }
-        if let Some(FilterMemory { noise, pose, belief }) = filter {
+        if let Some(FilterMemory { noise, .. }) = filter {
             self.motion = Motion::Kalman(noise);
-            self.filter = Some(MotionFilter { noise, last: Some((pose, belief)) });
         }
+        self.filter = filter;
         self.start = has_start.then(|| last.pose.clone());
         (self.last, self.usual, self.last_resort) = (Some(last), usual, last_resort);
         Ok(self)

@@ -1,6 +1,6 @@
 //! How motion is carried from frame to frame.
 //!
-//! `MotionFilter` joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
+//! [`KalmanOptions`] joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
 //! [`Pose::retract`], differences are [`Pose::local`], both in tangent columns.
 
 use nalgebra::{DMatrix, DVector};
@@ -161,14 +161,6 @@ impl Predicted {
     }
 }
 
-/// The filter of one track.
-#[derive(Debug, Clone)]
-pub(super) struct MotionFilter {
-    pub(super) noise: KalmanOptions,
-    /// The last frame's mean pose and what is believed of it.
-    pub(super) last: Option<(Pose, Belief)>,
-}
-
 impl KalmanOptions {
     /// The motion model of a body with n tangent columns.
     pub(super) fn model(&self, n: usize) -> ConstantVelocity {
@@ -188,31 +180,23 @@ pub(super) fn start_belief(n: usize) -> Belief {
     Belief::at_rest(&pose, &columns(n, START_MOVE_VELOCITY, START_TURN_VELOCITY))
 }
 
-impl MotionFilter {
-    /// What is foretold `seconds` after the last frame, if there was one.
-    pub(super) fn predict(&self, seconds: f64) -> Option<Predicted> {
-        let (last, belief) = self.last.as_ref()?;
-        Some(Predicted::after(&self.noise, last, belief, seconds))
-    }
-
-    /// Learns a frame's pose; `seen` is `None` where there was nothing to see. Without a prediction it
+impl KalmanOptions {
+    /// What is believed after a frame of this pose; `seen` is `None` where there was nothing to see. Without a prediction the filter
     /// begins, for the reason given.
     pub(super) fn learn(
-        &mut self,
+        &self,
         pose: &Pose,
         seen: Option<Seen>,
         predicted: Result<Predicted, Begins>,
     ) -> FrameBelief {
         let products = seen.as_ref().map(|seen| &seen.products);
-        let mut learned = match predicted {
+        let learned = match predicted {
             Ok(predicted) => self
                 .go_on(pose, products, predicted)
                 .unwrap_or_else(|error| self.begin(pose, products, Begins::Broken(error))),
             Err(begins) => self.begin(pose, products, begins),
         };
-        learned.seen = seen;
-        self.last = Some((pose.clone(), learned.belief.clone()));
-        learned
+        FrameBelief { seen, ..learned }
     }
 
     fn go_on(
@@ -224,7 +208,7 @@ impl MotionFilter {
         let step = DVector::from_vec(pose.local(&predicted.mean));
         let (belief, innovation) = match products {
             Some(products) => {
-                let variance = self.noise.measurement_deviation.powi(2);
+                let variance = self.measurement_deviation.powi(2);
                 let (belief, innovation) = update::update(&predicted.belief, &step, products, variance)?;
                 (belief, Some(innovation))
             }
@@ -236,7 +220,7 @@ impl MotionFilter {
     fn begin(&self, pose: &Pose, products: Option<&DMatrix<f64>>, begins: Begins) -> FrameBelief {
         let n = Parameters::Tangent.columns(pose.rotations.len());
         let start = start_belief(n);
-        let variance = self.noise.measurement_deviation.powi(2);
+        let variance = self.measurement_deviation.powi(2);
         // Where even this cannot be learned, what is believed is what a start is.
         let belief = products
             .and_then(|products| update::update(&start, &DVector::zeros(n), products, variance).ok())

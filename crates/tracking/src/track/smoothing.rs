@@ -198,25 +198,25 @@ fn smoothed_by(
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::track::motion::{MotionFilter, Seen};
+    use crate::track::motion::{Begins, Predicted, Seen};
     use nalgebra::DMatrix;
 
     /// A limb that the filter follows through these frames of a movement.
     fn followed(frames: &[usize]) -> Vec<FrameEstimate> {
         let model = builtin::single_limb();
-        let mut filter = MotionFilter { noise: KalmanOptions::default(), last: None };
-        let mut last = None;
-        let mut found = Vec::new();
+        let noise = KalmanOptions::default();
+        let mut found: Vec<FrameEstimate> = Vec::new();
         for &frame in frames {
             let seconds = frame as f64 / 30.0;
             let step = [0.1 * seconds, 0.0, 0.0, 0.4 * (5.0 * seconds).sin(), 0.2, 0.3 * seconds];
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
-            let predicted = last
-                .and_then(|before: usize| filter.predict((frame as f64 - before as f64) * (1.0 / 30.0)))
-                .ok_or(crate::track::Begins::First);
+            let foretold = |before: &FrameEstimate| {
+                let (belief, since) = (before.belief.as_ref().unwrap(), frame as f64 - before.frame as f64);
+                Predicted::after(&noise, &before.pose, &belief.belief, since * (1.0 / 30.0))
+            };
+            let predicted = found.last().map(foretold).ok_or(Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
-            let belief = filter.learn(&pose, Some(Seen { products, pull: DVector::zeros(6) }), predicted);
-            last = Some(frame);
+            let belief = noise.learn(&pose, Some(Seen { products, pull: DVector::zeros(6) }), predicted);
             found.push(FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, pose) });
         }
         found

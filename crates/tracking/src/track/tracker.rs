@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 use super::attempt::{Attempt, FittedPose, rms};
 use super::estimate::{FrameEstimate, iou, overlaps};
 use super::lost::{LastResort, Lost, UsualCost};
-use super::memory::LastFrame;
-use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted, Seen};
+use super::memory::{FilterMemory, LastFrame};
+use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView};
 use crate::numbers::OptionError;
+use crate::optimize::NormalEquations;
 use crate::residual::learnt_prior::LearntPrior;
 use crate::search::{self, SearchOptions, WithoutStartError, WithoutStartOptions};
 use crate::silhouette::Overlap;
@@ -49,7 +50,8 @@ pub struct Tracker {
     pub(super) last_resort: LastResort,
     pub(super) motion: Motion,
     search: WhenToSearch,
-    pub(super) filter: Option<MotionFilter>,
+    /// What a Kalman filter believes after the last frame.
+    pub(super) filter: Option<FilterMemory>,
     frame_seconds: f64,
     pub(super) cues: Option<CueWatch>,
 }
@@ -102,12 +104,7 @@ impl Tracker {
         if let Motion::Kalman(options) = &motion {
             options.check()?;
         }
-        self.motion = motion;
-        self.frame_seconds = 1.0 / frame_rate;
-        self.filter = match motion {
-            Motion::Kalman(noise) => Some(MotionFilter { noise, last: None }),
-            Motion::Still | Motion::Velocity => None,
-        };
+        (self.motion, self.frame_seconds, self.filter) = (motion, 1.0 / frame_rate, None);
         Ok(self)
     }
 
@@ -269,11 +266,8 @@ impl Tracker {
                 Err(error) => predicted = Err(Begins::Broken(error)),
             }
         }
-        let belief = self.filter.as_mut().map(|filter| {
-            let seen = lost.is_none().then(|| fit.frame_equations());
-            let seen = seen.map(|own| Seen { products: own.jtj, pull: own.jtr });
-            filter.learn(&summary.pose, seen, predicted)
-        });
+        let equations = || lost.is_none().then(|| fit.frame_equations());
+        let belief = self.believe(&summary.pose, equations, predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
         let estimate = FrameEstimate {
             frame,
@@ -293,6 +287,20 @@ impl Tracker {
         estimate
     }
 
+    /// What a Kalman filter believes after a frame, if there is one.
+    fn believe(
+        &mut self,
+        pose: &Pose,
+        seen: impl FnOnce() -> Option<NormalEquations>,
+        predicted: Result<Predicted, Begins>,
+    ) -> Option<FrameBelief> {
+        let Motion::Kalman(noise) = self.motion else { return None };
+        let seen = seen().map(|own| Seen { products: own.jtj, pull: own.jtr });
+        let learned = noise.learn(pose, seen, predicted);
+        self.filter = Some(FilterMemory { noise, pose: pose.clone(), belief: learned.belief.clone() });
+        Some(learned)
+    }
+
     /// A frame in which there is nobody, or nobody to be found: the pose is the predicted one.
     fn lost(
         &mut self,
@@ -304,7 +312,7 @@ impl Tracker {
     ) -> FrameEstimate {
         let names = || views.iter().map(|view| view.camera.name().to_owned()).collect();
         let empty = if because == Lost::Nobody { names() } else { Vec::new() };
-        let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
+        let belief = self.believe(&pose, || None, predicted);
         if let Some(watch) = &mut self.cues {
             watch.learn(&pose, false);
         }
@@ -388,7 +396,8 @@ impl Tracker {
             return Err(Begins::AfterLoss);
         }
         let seconds = self.seconds_between(last.frame, frame);
-        self.filter.as_ref().and_then(|filter| filter.predict(seconds)).ok_or(Begins::First)
+        let FilterMemory { noise, pose, belief } = self.filter.as_ref().ok_or(Begins::First)?;
+        Ok(Predicted::after(noise, pose, belief, seconds))
     }
 
     /// Negative backwards.

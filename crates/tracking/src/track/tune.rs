@@ -184,7 +184,7 @@ mod tests {
 
     use super::*;
     use crate::body::{Parameters, builtin};
-    use crate::track::motion::{MotionFilter, Seen};
+    use crate::track::motion::{Predicted, Seen};
     use crate::track::{Begins, FrameEstimate};
 
     /// A limb that moves by a known noise and is measured with a known noise: both are found again, from far off.
@@ -208,7 +208,7 @@ mod tests {
         };
         let model = builtin::single_limb();
         let products = DMatrix::from_diagonal_element(6, 6, 1e7);
-        let mut filter = MotionFilter { noise: given, last: None };
+        let mut last: Option<(Pose, Belief)> = None;
         let (mut pose, mut velocity) = (Pose::rest(&model), DVector::zeros(6));
         let mut track = Track::default();
         for frame in 0..400 {
@@ -220,9 +220,11 @@ mod tests {
             velocity = noise.velocity + drawn.rows(6, 6);
             let error = normal(6) * (truth.measurement_deviation / 1e7f64.sqrt());
             let measured = pose.retract(Parameters::Tangent, error.as_slice());
-            let predicted = filter.predict(seconds).ok_or(Begins::First);
+            let foretold = |(pose, belief): &(_, _)| Predicted::after(&given, pose, belief, seconds);
+            let predicted = last.as_ref().map(foretold).ok_or(Begins::First);
             let seen = Seen { products: products.clone(), pull: DVector::zeros(6) };
-            let belief = filter.learn(&measured, Some(seen), predicted);
+            let belief = given.learn(&measured, Some(seen), predicted);
+            last = Some((measured.clone(), belief.belief.clone()));
             let estimate = FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, measured) };
             track.frames.insert(frame, estimate);
         }
