@@ -5,8 +5,8 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::camera_badge;
 use egui::{
-    Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetText,
-    vec2,
+    Align, Button, Label, Layout, Rect, Response, RichText, Role, TextStyle, TextWrapMode, Ui, UiBuilder,
+    WidgetInfo, WidgetText, vec2,
 };
 
 use crate::context::pane::Pane;
@@ -20,6 +20,26 @@ pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], requests: &mut Re
             requests.request(ShellRequest::Pane(*sibling, PaneEvent::Open));
         }
     }
+}
+
+/// A row of a header.
+pub(crate) fn row(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), size::TILE_HEADER);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_height(size::TILE_HEADER);
+        add(ui);
+    });
+}
+
+/// What stands in the middle of a pane that has nothing to show.
+pub(crate) fn in_the_middle(ui: &mut Ui, size: egui::Vec2, text: &str, below: impl FnOnce(&mut Ui)) {
+    let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), size);
+    let builder = UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        ui.label(RichText::new(text).color(theme::palette(ui).text3));
+        ui.add_space(space::WIDGET);
+        below(ui);
+    });
 }
 
 /// The ground of a pane that is no picture, in all of the space that is left.

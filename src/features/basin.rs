@@ -2,12 +2,6 @@
 //!
 //! The experiment, its results and their files are [`backlit_runs::basin`]'s, the same that `backlit experiment basin` runs.
 //! Here is what the window adds: settings as they are typed, results as they arrive.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `settings` | [`BasinSettings`]: what is typed and chosen, and the options that follow |
-//! | `update` | begun, one fit a step, stopped, its starts taken, its files written |
-//! | `panel` | the pane and the section of the right panel |
 
 mod panel;
 pub(crate) mod settings;
@@ -41,26 +35,18 @@ impl FileKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Json];
 
+    /// The endings of its files, and what is in them, on the menu.
+    const fn words(self) -> (&'static [&'static str], &'static str) {
+        match self {
+            Self::Csv => (&["csv"], "Table as CSV…"),
+            Self::Png => (&["png"], "Picture as PNG…"),
+            Self::Json => (&["json"], "Numbers as JSON…"),
+        }
+    }
+
     /// The ending of its files.
     pub const fn extension(self) -> &'static str {
-        self.endings()[0]
-    }
-
-    const fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Csv => &["csv"],
-            Self::Png => &["png"],
-            Self::Json => &["json"],
-        }
-    }
-
-    /// What is in it, on the menu.
-    const fn text(self) -> &'static str {
-        match self {
-            Self::Csv => "Table as CSV…",
-            Self::Png => "Picture as PNG…",
-            Self::Json => "Numbers as JSON…",
-        }
+        self.words().0[0]
     }
 }
 

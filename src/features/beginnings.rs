@@ -2,15 +2,7 @@
 //! one another; and a body acquired from nothing. Nothing here is saved; what is taken is an edit like any other.
 //!
 //! The methods are the core's (`backlit_tracking::initialisation`), the same that `backlit experiment begin` counts.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `record` | what a method tries, as bodies to draw and words |
-//! | `job` | the runs, one a step of the pool; what each led to |
-//! | `update` | begun, stopped, played, taken |
-//! | `panel` | the pane |
 
-mod job;
 mod panel;
 mod record;
 #[cfg(test)]
@@ -27,7 +19,7 @@ use backlit_ui::drawing::Ghosts;
 
 use crate::context::priority;
 use crate::session::prediction::FitInputs;
-use job::{BeginningMessage, Outcome};
+use update::{BeginningMessage, Outcome};
 
 /// The methods that are compared with one another, in the order of their rows.
 const COMPARED: [Method; 5] =

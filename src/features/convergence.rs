@@ -1,11 +1,4 @@
 //! Runs of the fit: their curves over their steps, one by one, and as files.
-//!
-//! | file | holds |
-//! |---|---|
-//! | this | what the plot shows, kept from start to start; runs removed and brought back, files written |
-//! | `quantity` | `Quantity`: cost, RMS, step norm, damping, decrease; the points of a run's curve, and ends of the axes |
-//! | `panel`, `runs`, `steps` | the pane: the plot, the list of runs, the steps of one |
-//! | `plot`, `picture` | the plot, on the screen and as a file |
 
 use std::path::Path;
 
@@ -168,10 +161,8 @@ fn clear(context: &Context<'_>, requests: &mut Requests) {
     let count = context.runs().all().len();
     requests.request(FeatureRequest::InterruptFit);
     requests.request(SessionRequest::Runs(RunChange::Clear));
-    inform(
-        if count == 1 { "Removed the run.".to_owned() } else { format!("Removed {count} runs.") },
-        requests,
-    );
+    let text = if count == 1 { "Removed the run.".to_owned() } else { format!("Removed {count} runs.") };
+    inform(text, requests);
 }
 
 fn inform(text: String, requests: &mut Requests) {

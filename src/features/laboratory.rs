@@ -1,17 +1,4 @@
 //! The laboratory: several ways to fit, from one start, side by side. Nothing here is saved or undone.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `lineup` | which ways are compared: renderers, ramps, presets, updates |
-//! | `start` | where they all begin |
-//! | `push` | a direction of the body, and how hard every pixel pushes along it |
-//! | `check` | the analytic Jacobian against differences, column by column |
-//! | `comparison` | the curves of one comparison, and the step that is looked at |
-//! | `commands` | what commands mean in its layout |
-//! | `update` | begun again, stepped, what its pictures lack |
-//! | `job` | the steps, the pictures, the checks |
-//! | `panel` | the centre of its layout |
-//! | `table` | the curves as text and as a figure |
 
 pub(crate) mod check;
 mod commands;
@@ -31,7 +18,7 @@ use backlit_jobs::Task;
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::body::{Model, Pose};
 
-pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
+pub(crate) use check::{Checked, Worst};
 pub use comparison::{Basis, Comparison, Contestant};
 use job::{Lacking, Look, Racing, Stepped};
 pub use lineup::{Entrant, Lineup};
@@ -41,21 +28,35 @@ pub(crate) use start::StartChoice;
 use crate::context::file_dialog::FileDialogs;
 use crate::context::priority;
 
-/// The feature.
-#[derive(Debug, Default)]
-pub struct Laboratory {
+/// What is chosen in its layout.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LaboratoryChoices {
     /// What is compared.
     pub lineup: Lineup,
     /// Where all begin.
     pub(crate) start: StartChoice,
     /// Along which motion pushes are shown; what suits the body until it is chosen.
-    pub(crate) axis: Option<PushAxis>,
+    axis: Option<PushAxis>,
     /// The camera whose pictures are shown.
     pub camera: usize,
     /// Whether the plot's heights are logarithmic.
     pub is_log: bool,
     /// The fit whose worst pixel is marked.
     pub marked: Option<usize>,
+}
+
+impl LaboratoryChoices {
+    /// The motion along which pushes are shown.
+    fn axis_for(&self, model: &Model) -> PushAxis {
+        self.axis.unwrap_or_else(|| PushAxis::of(model))
+    }
+}
+
+/// The feature.
+#[derive(Debug, Default)]
+pub struct Laboratory {
+    /// What is chosen.
+    pub choices: LaboratoryChoices,
     /// The comparison, once it has begun.
     pub comparison: Option<Comparison>,
     /// Time of the last step of every fit, in seconds.
@@ -71,14 +72,14 @@ pub struct Laboratory {
     steps: Task<(), Stepped, { priority::LABORATORY }>,
     looks: Task<Lacking, Look, { priority::LABORATORY_LOOK }>,
     /// Known by the fits and poses whose gradients are checked.
-    checks: Task<Vec<(usize, Pose)>, job::CheckedFit, { priority::LABORATORY_CHECK }>,
+    checks: Task<Vec<(usize, Pose)>, (usize, Checked), { priority::LABORATORY_CHECK }>,
     dialogs: FileDialogs<()>,
 }
 
 impl Laboratory {
     /// A take was opened: its comparison begins as its demonstration does, if it is one.
     pub(crate) fn begin_with(&mut self, demonstration: Option<Demonstration>) {
-        self.start = StartChoice::of(demonstration);
+        self.choices.start = StartChoice::of(demonstration);
     }
 
     /// Whether fits are being stepped.
@@ -94,11 +95,6 @@ impl Laboratory {
     /// The comparison, where there is something of it to be seen.
     fn begun(&self) -> Option<&Comparison> {
         self.comparison.as_ref().filter(|comparison| comparison.has_begun())
-    }
-
-    /// The motion along which pushes are shown.
-    fn axis_for(&self, model: &Model) -> PushAxis {
-        self.axis.unwrap_or_else(|| PushAxis::of(model))
     }
 
     /// The time of one step of all fits together, from their newest ones.

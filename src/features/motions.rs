@@ -1,20 +1,9 @@
 //! What the tracked motion is called: walking, running, boxing. Names come from `backlit_recognition`, which knows nothing of
 //! silhouettes; here are the joints of the document's track, a lane's worth of names for the timeline, and the plane
 //! on which a motion is a curve. Nothing here is saved or undone, and nothing changes the document.
-//!
-//! | file | holds |
-//! |---|---|
-//! | [`joints`] | joints of a track as the recognizer reads them, the same for `backlit recognise` |
-//! | [`model`] | what was learnt: the program's own, or a file |
-//! | `job` | names of a track's frames, run by run |
-//! | `update` | asked for when the track has changed, and taken in |
-//! | `words` | classes and methods in plain words |
-//! | `preferences` | what is chosen, kept from start to start |
-//! | `panel` | the Motions pane: the plane, and the probabilities of the frame on the screen |
 
 mod job;
 mod panel;
-mod preferences;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -24,12 +13,40 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_jobs::Task;
+use backlit_recognition::Method;
+use serde::{Deserialize, Serialize};
 
 use crate::context::file_dialog::FileDialogs;
 use crate::context::marks::MotionMarks;
 use crate::context::priority;
 use job::{Inputs, Missing, RecognisedMotions};
-pub(crate) use preferences::MotionsPreferences;
+
+/// What the plane is of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Plane {
+    /// Axes that tell motions apart.
+    #[default]
+    Apart,
+    /// Principal components of single frames.
+    Principal,
+}
+
+/// All that is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MotionsPreferences {
+    /// How motions are named.
+    pub(crate) method: Method,
+    /// What the plane is of.
+    pub(crate) plane: Plane,
+}
+
+impl Default for MotionsPreferences {
+    fn default() -> Self {
+        Self { method: Method::Combined, plane: Plane::default() }
+    }
+}
 
 /// The feature.
 #[derive(Debug, Default)]

@@ -1,12 +1,5 @@
 //! What the cameras see of the pose, and what they do not: directions, how the body sways along one, ellipses of joints, sets
 //! of cameras. Nothing here is saved or undone, and swaying never changes the document.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `sway` | the way along a direction, and the body on it |
-//! | `update` | [`Observed`]: the figures of a pose; commands; figures are asked for where they are wanted and old |
-//! | `panel` | the Observability section, with its chart of singular values |
-//! | `camera_subsets` | the Camera subsets section |
 
 mod camera_subsets;
 mod panel;
@@ -60,12 +53,13 @@ struct PanelMarks {
 }
 
 /// The feature.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Observability {
     found: Option<Arc<Observed>>,
     /// What a Kalman filter believed of the joints of the pose on the screen, if the pose is a filter's.
     believed: Option<Arc<Vec<JointUncertainty>>>,
-    is_stale: bool,
+    /// Whether the figures are of the pose, frame and set of cameras on the screen.
+    is_current: bool,
     /// What panels have shown in the last frame, and what they show in this one.
     shown: PanelMarks,
     drawn: PanelMarks,
@@ -73,22 +67,6 @@ pub struct Observability {
     sway: Option<Sway>,
     choices: Choices,
     task: Task<PosedInputs, Result<Arc<Observed>, FitError>, { priority::OBSERVABILITY }>,
-}
-
-impl Default for Observability {
-    fn default() -> Self {
-        Self {
-            found: None,
-            believed: None,
-            is_stale: true,
-            shown: PanelMarks::default(),
-            drawn: PanelMarks::default(),
-            picked: None,
-            sway: None,
-            choices: Choices::default(),
-            task: Task::default(),
-        }
-    }
 }
 
 impl Observability {
@@ -99,7 +77,7 @@ impl Observability {
 
     /// Whether the figures are of an older pose, frame or set of cameras than the one on the screen.
     pub fn is_stale(&self) -> bool {
-        self.is_stale
+        !self.is_current
     }
 
     /// Index of the direction that is looked at: the one picked, or else the weakest that is seen at all.

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use backlit_formats::Footage;
 use backlit_formats::synchronise::{self, OffsetShift, TakeClocks, TakeClocksError, shift_offsets};
-use backlit_formats::take::Take;
 use backlit_formats::video::Video;
 use backlit_jobs::{News, Outbox, Task, once, one_step};
 use backlit_tracking::camera::Camera;
@@ -24,7 +23,7 @@ use crate::context::unavailable::{Why, because, no_take};
 use crate::context::write_advice::write_advice;
 use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest, priority};
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Offsets {
     /// The cameras of the left and of the right picture.
     shown: [usize; 2],
@@ -52,23 +51,6 @@ struct PictureSide {
     problem: Option<String>,
 }
 
-impl Default for Offsets {
-    fn default() -> Self {
-        Self {
-            shown: [0, 1],
-            frame: 0,
-            shifts: Vec::new(),
-            sides: Default::default(),
-            pointed_at: None,
-            find: Task::default(),
-            progress: None,
-            found: None,
-            write: Task::default(),
-            path: PathBuf::new(),
-        }
-    }
-}
-
 /// Height of the pictures on the card, pixels, at least.
 const HEIGHT: usize = 360;
 
@@ -83,15 +65,10 @@ struct OffsetPicture {
 /// The picture, and by how much it is reduced; nothing where the camera has none then; or why it cannot be read.
 type PictureRead = Result<Option<Arc<ColorImage>>, String>;
 
-/// By how much pictures of this height are reduced.
-fn divisor(height: usize) -> usize {
-    (height / HEIGHT).max(1)
-}
-
 fn read(footage: &Footage, wanted: OffsetPicture) -> PictureRead {
-    let height =
-        footage.original().full_rig().cameras().get(wanted.camera).map_or(HEIGHT, |camera| camera.height());
-    let picture = footage.take().shifted_frame(wanted.camera, wanted.frame, wanted.shift, divisor(height));
+    let height = Offsets::full_cameras(footage).get(wanted.camera).map_or(HEIGHT, |camera| camera.height());
+    let divisor = (height / HEIGHT).max(1);
+    let picture = footage.take().shifted_frame(wanted.camera, wanted.frame, wanted.shift, divisor);
     let picture = picture.map_err(|error| error.to_string())?;
     Ok(picture.map(|picture| {
         let size = [picture.width() as usize, picture.height() as usize];
@@ -161,14 +138,11 @@ impl Feature for Offsets {
         if command != Command::Offsets {
             return None;
         }
-        let take = context.session.take.as_ref();
-        let is_file = context.session.take_path().is_some();
-        let is_one = take.is_some_and(|take| Self::full_cameras(take).len() < 2);
+        let is_built_in = context.session.take_path().is_none();
+        let is_one = context.session.take.as_ref().is_some_and(|take| Self::full_cameras(take).len() < 2);
+        let built_in = "This take comes with the program and cannot be changed: open one of your own";
         no_take(context)
-            .or(because(
-                !is_file,
-                "This take comes with the program and cannot be changed: open one of your own",
-            ))
+            .or(because(is_built_in, built_in))
             .or(because(is_one, "The take has one camera only"))
     }
 
@@ -199,21 +173,15 @@ impl Offsets {
         requests.request(ShellRequest::OpenCard(FeatureCard::Offsets));
     }
 
-    /// What a side is to show.
-    fn wanted(&self, side: usize) -> OffsetPicture {
-        let camera = self.shown[side];
-        OffsetPicture { camera, frame: self.frame, shift: self.shifts.get(camera).copied().unwrap_or(0) }
-    }
-
     fn read_pictures(&mut self, context: &Context<'_>) {
         let Some(take) = &context.session.take else { return };
-        for side in 0..2 {
-            let wanted = self.wanted(side);
-            if self.sides[side].picture.as_ref().is_some_and(|(of, _)| *of == wanted) {
-                continue;
+        for (side, &camera) in self.sides.iter_mut().zip(&self.shown) {
+            let shift = self.shifts.get(camera).copied().unwrap_or(0);
+            let wanted = OffsetPicture { camera, frame: self.frame, shift };
+            if side.picture.as_ref().is_none_or(|(of, _)| *of != wanted) {
+                let take = take.clone();
+                side.task.ask(context.pool, wanted, |&wanted| once(move |_| read(&take, wanted)));
             }
-            let take = take.clone();
-            self.sides[side].task.ask(context.pool, wanted, |&wanted| once(move |_| read(&take, wanted)));
         }
     }
 
@@ -225,10 +193,6 @@ impl Offsets {
 
     fn stop(&self) {
         self.find.stop();
-    }
-
-    const fn is_finding(&self) -> bool {
-        self.find.is_busy()
     }
 
     fn write(&mut self, context: &Context<'_>) {
@@ -262,14 +226,10 @@ impl PictureSide {
 
 fn shifts_of(take: &Footage, shifts: &[i64]) -> Vec<OffsetShift> {
     let shift = |(camera, &frames): (usize, &i64)| {
-        let rate = frame_rate(take.take(), camera);
+        let video = take.take().footage().get(camera).and_then(|footage| footage.video());
+        let rate = video.and_then(Video::frame_rate).unwrap_or(take.take().frame_rate());
         let camera = Offsets::full_cameras(take).get(camera)?.name().to_owned();
         (frames != 0).then(|| OffsetShift { camera, frames, seconds: frames as f64 / rate })
     };
     shifts.iter().enumerate().filter_map(shift).collect()
-}
-
-fn frame_rate(take: &Take, camera: usize) -> f64 {
-    let own = take.footage().get(camera).and_then(|footage| footage.video()).and_then(Video::frame_rate);
-    own.unwrap_or(take.frame_rate())
 }

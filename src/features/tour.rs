@@ -11,7 +11,7 @@ use egui::accesskit::Role;
 use egui::{Rect, Ui};
 use glam::DVec3;
 
-use card::{CardAnswer, STEPS, TourCard};
+use card::{CardAnswer, STEPS};
 
 use crate::context::command::Command;
 use crate::context::feature::Feature;
@@ -187,9 +187,8 @@ impl Tour {
         let answer = match self.stage {
             TourStage::Offered if can_offer(context) => card::offer(ui, bottom),
             TourStage::At(step) if !context.is_covered => {
-                let (target, camera) = self.target(step, context);
                 let can_go_on = step == 0 || step < self.furthest;
-                card::card(ui, &TourCard { step, target, camera, can_go_on })
+                card::card(ui, step, self.target(step, context), can_go_on)
             }
             TourStage::Over | TourStage::Offered | TourStage::Opening | TourStage::At(_) => None,
         };
@@ -274,6 +273,5 @@ fn frames_tracked(context: &Context<'_>) -> usize {
 }
 
 fn run_has_ended(context: &Context<'_>) -> bool {
-    let run = context.run();
-    run.is_some_and(|run| run.ending.is_some())
+    context.run().is_some_and(|run| run.ending.is_some())
 }

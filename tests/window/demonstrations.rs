@@ -87,7 +87,7 @@ fn one_camera_is_fooled_and_two_are_not() {
     assert!(fooled.iter().all(|(_, error)| *error > 25.0), "{fooled:?} mm");
     harness.get_by_label("Joints, mm");
     assert_eq!(harness.document().used_cameras().count(), 1);
-    assert_eq!(harness.state().inspector.features.laboratory.camera, 1, "the camera that shows it");
+    assert_eq!(harness.state().inspector.features.laboratory.choices.camera, 1, "the camera that shows it");
 
     click(&mut harness, "Fit with camera 2 too");
     assert_eq!(harness.document().used_cameras().count(), 2);

@@ -125,10 +125,10 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     assert_eq!(steps(&harness), (0, 0), "an own take waits");
     assert_whole(&harness);
     press(&mut harness, NONE, Key::Num2);
-    assert_eq!(laboratory(&harness).camera, 1);
+    assert_eq!(laboratory(&harness).choices.camera, 1);
     assert_whole(&harness);
     choose_entry(&mut harness, "Camera", "Camera 1");
-    assert_eq!(laboratory(&harness).camera, 0);
+    assert_eq!(laboratory(&harness).choices.camera, 0);
     choose_entry(&mut harness, "Limb", "Right forearm");
     choose_entry(&mut harness, "Motion", "twists");
     for fit in &comparison(&harness).contestants {
@@ -139,10 +139,10 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     choose_entry(&mut harness, "Motion", "slides along its axis");
     for (lineup, name) in Lineup::ALL.into_iter().rev() {
         choose_entry(&mut harness, "Compare", name);
-        assert_eq!(laboratory(&harness).lineup, lineup);
-        harness.get_by_label(lineup.title());
+        assert_eq!(laboratory(&harness).choices.lineup, lineup);
+        harness.get_by_label(lineup.words().title);
         caption(&harness, "Before the first step");
-        click(&mut harness, &format!("Run {}", lineup.all_text()));
+        click(&mut harness, &format!("Run {}", lineup.words().all));
         let comparison = comparison(&harness);
         assert!(comparison.is_over(), "{name}");
         assert_eq!(comparison.cursor, comparison.last());
@@ -188,15 +188,15 @@ fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
     };
     let at = label(&harness);
     point(&mut harness, at);
-    assert_eq!(laboratory(&harness).marked, Some(1));
+    assert_eq!(laboratory(&harness).choices.marked, Some(1));
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let [x, y] = worst.pixel;
     let words = format!("Camera 1, pixel ({x}, {y}), column {}", worst.column);
     assert!(harness.get_all_by_label_contains(&words).next().is_some());
     point(&mut harness, at);
-    assert_eq!(laboratory(&harness).marked, None);
+    assert_eq!(laboratory(&harness).choices.marked, None);
     choose(&mut harness, Role::RadioButton, "Log");
-    assert!(laboratory(&harness).is_log);
+    assert!(laboratory(&harness).choices.is_log);
 }
 
 /// The worst pixel over all cameras: named with its camera, which a click shows.
@@ -206,7 +206,7 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
     let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
     let other = 1 - worst.camera;
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
-    assert_eq!(laboratory(&harness).camera, other);
+    assert_eq!(laboratory(&harness).choices.camera, other);
     let button = harness.get_all_by_label_contains("Gradient check of Capsule").next().unwrap();
     let at = button.rect().center();
     harness
@@ -214,13 +214,16 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
         .next()
         .unwrap();
     point(&mut harness, at);
-    assert_eq!((laboratory(&harness).marked, laboratory(&harness).camera), (Some(1), worst.camera));
+    assert_eq!(
+        (laboratory(&harness).choices.marked, laboratory(&harness).choices.camera),
+        (Some(1), worst.camera)
+    );
     assert_whole(&harness);
     press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
     point(&mut harness, at);
-    assert_eq!(laboratory(&harness).camera, worst.camera, "back to it, still marked");
+    assert_eq!(laboratory(&harness).choices.camera, worst.camera, "back to it, still marked");
     point(&mut harness, at);
-    assert_eq!(laboratory(&harness).marked, None);
+    assert_eq!(laboratory(&harness).choices.marked, None);
 }
 
 /// At the least size of the window nothing of the caption has to be scrolled to, whatever is compared.

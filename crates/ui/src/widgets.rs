@@ -5,6 +5,7 @@
 pub mod accessible;
 mod buttons;
 mod cards;
+mod curves;
 mod handles;
 pub mod heat_map;
 mod icons;
@@ -20,6 +21,7 @@ pub use cards::{
     Card, button_row, card, first_that_fits, fitting_label, named_section, search_card, search_field,
     section, text_field,
 };
+pub use curves::{PointMark, apart, end_with_room, mark_points, paint_run_sample, run_line};
 pub use handles::{Grip, JointLook, SizeHandles, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;
 pub use image_canvas::{Framing, ViewTransform};

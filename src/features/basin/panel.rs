@@ -7,9 +7,9 @@ mod success;
 use backlit_runs::basin::FitCount;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::space;
 use backlit_ui::widgets::segmented;
-use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, vec2};
 
 use super::{Basin, BasinProgress, FileKind};
 use crate::context::command::{BasinCommand, BasinView, Command};
@@ -52,30 +52,28 @@ impl Basin {
     /// The name and all that can be done: in one row, or in two where the pane is a narrow column.
     fn header(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
         let is_narrow = ui.available_width() < ONE_ROW;
-        let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-            let size = vec2(ui.available_width(), size::TILE_HEADER);
-            ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
-                ui.set_min_height(size::TILE_HEADER);
-                add(ui);
-            });
-        };
-        row(ui, &mut |ui| {
+        pane_title::row(ui, |ui| {
             pane_title::show(ui, Pane::Basin, siblings, requests);
             if !is_narrow {
                 ui.add_space(space::ROW);
                 self.controls(ui, context, requests);
-                self.choice_of_map(ui);
+                if self.has_several_maps() {
+                    map::choice_box(ui, &mut self.results);
+                }
             }
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 ui.add_space(HEADER_BUTTONS);
                 self.export(ui, context, requests);
-                progress(ui, self);
+                if let Some(running) = self.results.running {
+                    let text = RichText::new(progress_text(running)).small();
+                    ui.add(egui::Label::new(text.color(theme::palette(ui).text2)).truncate());
+                }
             });
         });
         if is_narrow {
-            row(ui, &mut |ui| self.controls(ui, context, requests));
+            pane_title::row(ui, |ui| self.controls(ui, context, requests));
             if self.has_several_maps() {
-                row(ui, &mut |ui| self.choice_of_map(ui));
+                pane_title::row(ui, |ui| map::choice_box(ui, &mut self.results));
             }
         }
     }
@@ -84,12 +82,6 @@ impl Basin {
     fn has_several_maps(&self) -> bool {
         let is_map = self.preferences.view == BasinView::Map;
         is_map && self.results.map.as_ref().is_some_and(|map| map.options.choices.len() > 1)
-    }
-
-    fn choice_of_map(&mut self, ui: &mut Ui) {
-        if self.has_several_maps() {
-            map::choice_box(ui, &mut self.results);
-        }
     }
 
     fn controls(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
@@ -103,7 +95,7 @@ impl Basin {
         ui.add_enabled_ui(self.results.of(self.preferences.view).is_some(), |ui| {
             ui.menu_button("Export", |ui| {
                 for kind in FileKind::ALL {
-                    if ui.add(Button::new(kind.text())).clicked() {
+                    if ui.add(Button::new(kind.words().1)).clicked() {
                         self.ask_for_file(kind, context, requests);
                         ui.close();
                     }
@@ -113,13 +105,6 @@ impl Basin {
             .on_hover_text("Write what is shown to a file")
             .on_disabled_hover_text("There is nothing to write yet");
         });
-    }
-}
-
-fn progress(ui: &mut Ui, basin: &Basin) {
-    if let Some(running) = basin.results.running {
-        let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
-        ui.add(egui::Label::new(text).truncate());
     }
 }
 
@@ -184,7 +169,6 @@ fn conditions(ui: &mut Ui, basin: &Basin) {
 }
 
 fn empty(ui: &mut Ui, basin: &Basin, context: &Context<'_>, requests: &mut Requests) {
-    let palette = theme::palette(ui);
     let text = match basin.preferences.view {
         BasinView::Angles => {
             "How far off may a start be and still find the right pose? Starts are drawn around the pose on the \
@@ -196,11 +180,7 @@ fn empty(ui: &mut Ui, basin: &Basin, context: &Context<'_>, requests: &mut Reque
              target it ends. Click a cell to take its start and step it."
         }
     };
-    let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), vec2(420.0, 110.0));
-    let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
-    ui.scope_builder(builder, |ui| {
-        ui.label(RichText::new(text).color(palette.text3));
-        ui.add_space(space::WIDGET);
+    pane_title::in_the_middle(ui, vec2(420.0, 110.0), text, |ui| {
         run_or_cancel(ui, basin, context, requests, basin.preferences.view);
     });
 }

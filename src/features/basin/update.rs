@@ -1,22 +1,19 @@
 //! The basin of the frame on the screen: begun, stopped, its starts taken, its results written.
 
-use backlit_formats::Footage;
-use egui::Ui;
 use std::path::Path;
 use std::time::Instant;
 
 use backlit_document::edit::Edit;
+use backlit_formats::Footage;
 use backlit_jobs::{Job, News, Outbox, Turn};
 use backlit_runs::basin::{self, BasinError, BasinOptions, BasinResult, Subject, Trial};
 use backlit_tracking::search::start;
 use backlit_ui::style::format;
+use egui::Ui;
 
-use super::BasinResults;
 use super::panel::progress_text;
-use super::settings::BasinProblem;
-use super::{Basin, BasinProgress, BasinSettings, FileKind, Reference};
-use crate::context::command::Command;
-use crate::context::command::{BasinCommand, BasinView};
+use super::{Basin, BasinProblem, BasinProgress, BasinResults, BasinSettings, FileKind, Reference};
+use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::feature::Feature;
 use crate::context::file_dialog::DialogKind;
 use crate::context::pane::Pane;
@@ -104,7 +101,7 @@ impl Feature for Basin {
     }
 
     fn sections(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        self.section(ui, context, requests, false);
+        self.section(ui, context, requests);
     }
 
     fn sentence(&self, _: &Context<'_>) -> Option<String> {
@@ -248,7 +245,7 @@ impl Basin {
     /// Asks where what the pane shows is to be written.
     pub(super) fn ask_for_file(&self, kind: FileKind, context: &Context<'_>, requests: &mut Requests) {
         let name = format!("{} basin.{}", context.take_name(), kind.extension());
-        let wanted = DialogKind::NewFile(name, kind.endings());
+        let wanted = DialogKind::NewFile(name, kind.words().0);
         if let Err(why) = self.dialogs.ask(context.egui, kind, "Export basin", wanted) {
             requests.complain(why.to_string());
         }

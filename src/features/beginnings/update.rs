@@ -1,27 +1,96 @@
-//! Begun, stopped, played step by step, taken.
+//! Begun, one method a step of the pool, stopped, played step by step, taken.
 
-use backlit_formats::Footage;
-use egui::Ui;
 use std::sync::Arc;
 use std::time::Duration;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::News;
-use backlit_runs::initialisation::InitialisationRun;
+use backlit_formats::Footage;
+use backlit_jobs::{Job, News, Outbox, Turn};
+use backlit_runs::initialisation::{InitialisationMessage, InitialisationOutcome, InitialisationRun};
 use backlit_tracking::initialisation::{InitialisationMethod as Method, InitialisationOptions};
+use egui::Ui;
 
-use super::job::{BeginJob, BeginningMessage};
+use super::record::{Recorder, ShownAttempt};
 use super::{AttemptIndex, Beginnings, COMPARED, InitialisedFrame, MethodWords};
-use crate::context::Published;
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::next_gesture;
 use crate::context::feature::Feature;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit, no_take};
-use crate::context::{Context, PaneEvent, Requests, ShellRequest};
+use crate::context::{Context, PaneEvent, Published, Requests, ShellRequest};
+use crate::session::prediction::{FitInputs, Predicted};
 
 /// Seconds between two steps that are played.
 const SECONDS: f64 = 0.35;
+
+/// What the job says.
+#[derive(Debug)]
+pub(super) enum BeginningMessage {
+    /// A method begins.
+    Begun(Method),
+    /// It has come by a pose.
+    Ended(Method, Box<Outcome>),
+    /// It leads nowhere; why.
+    Failed(Method, String),
+}
+
+/// What a method led to.
+#[derive(Debug, Clone)]
+pub(super) struct Outcome {
+    /// All that it did; never empty.
+    pub(super) steps: Vec<ShownAttempt>,
+    /// Mismatch of the pose, as the window measures every pose.
+    pub(super) cost: f64,
+    pub(super) iou: Option<f64>,
+    /// Evaluations of Λ, where they are counted.
+    pub(super) evaluations: Option<usize>,
+    pub(super) seconds: f64,
+    /// Mean distance of the joints from the take's reference.
+    pub(super) error_mm: Option<f64>,
+}
+
+/// Methods to be tried.
+#[derive(Debug)]
+struct BeginJob {
+    run: InitialisationRun,
+    inputs: FitInputs,
+}
+
+impl Job<BeginningMessage> for BeginJob {
+    fn step(&mut self, out: &Outbox<BeginningMessage>) -> Turn {
+        let (model, inputs) = (Arc::clone(&self.run.model), &self.inputs);
+        let mut recorder = None;
+        let goes_on = self.run.step(out.cancel(), &mut |message| match message {
+            InitialisationMessage::Begun(method) => {
+                recorder = Some(Recorder::new(method, &model));
+                out.send(BeginningMessage::Begun(method));
+            }
+            InitialisationMessage::Attempt(attempt) => {
+                if let Some(recorder) = &mut recorder {
+                    recorder.record(attempt);
+                }
+            }
+            InitialisationMessage::Ended(method, outcome) => {
+                if let Some(recorder) = recorder.take() {
+                    let outcome = measured(inputs, outcome, recorder);
+                    out.send(BeginningMessage::Ended(method, Box::new(outcome)));
+                }
+            }
+            InitialisationMessage::Failed(method, why) => out.send(BeginningMessage::Failed(method, why)),
+        });
+        if goes_on { Turn::Again } else { Turn::Done }
+    }
+}
+
+/// The figures of where a method ended, as the window measures every pose.
+fn measured(inputs: &FitInputs, outcome: InitialisationOutcome, mut recorder: Recorder) -> Outcome {
+    let InitialisationOutcome { result, pose, seconds, error_mm } = outcome;
+    recorder.end(&pose);
+    let inputs = FitInputs { model: result.model, ..inputs.clone() };
+    let predicted = Predicted::new(&inputs, &pose, None);
+    let (cost, iou) = (predicted.mismatch, predicted.iou());
+    Outcome { steps: recorder.steps, cost, iou, evaluations: result.evaluations, seconds, error_mm }
+}
 
 impl Feature for Beginnings {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {

@@ -6,7 +6,7 @@ use backlit_document::runs::StepRef;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{checkbox, segmented};
+use backlit_ui::widgets::{checkbox, choice, segmented};
 use egui::{
     Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
     WidgetInfo, vec2,
@@ -42,26 +42,26 @@ impl Convergence {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        pane_title::ground(ui, |ui| self.contents(ui, context, siblings, requests));
-    }
-
-    fn contents(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-        // What is chosen now is seen from the next frame on.
-        let preferences = self.preferences;
-        self.head(ui, context, siblings, requests);
-        let list = ui.available_width() >= LIST_FROM;
-        let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
-        let plot_height = (ui.available_height() - STEPS).max(80.0);
-        ui.horizontal_top(|ui| {
-            let width = ui.available_width() - list_width;
-            curves(ui, context, preferences, requests, vec2(width - space::WIDGET, plot_height), !list);
-            if list {
-                let area = vec2(list_width - space::WIDGET, plot_height);
-                let down = Direction::top_down(Align::Min);
-                ui.allocate_ui_with_layout(area, down, |ui| self.list(ui, context, requests, plot_height));
-            }
+        pane_title::ground(ui, |ui| {
+            // What is chosen now is seen from the next frame on.
+            let preferences = self.preferences;
+            self.head(ui, context, siblings, requests);
+            let list = ui.available_width() >= LIST_FROM;
+            let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
+            let plot_height = (ui.available_height() - STEPS).max(80.0);
+            ui.horizontal_top(|ui| {
+                let width = ui.available_width() - list_width;
+                curves(ui, context, preferences, requests, vec2(width - space::WIDGET, plot_height), !list);
+                if list {
+                    let area = vec2(list_width - space::WIDGET, plot_height);
+                    let down = Direction::top_down(Align::Min);
+                    ui.allocate_ui_with_layout(area, down, |ui| {
+                        self.list(ui, context, requests, plot_height)
+                    });
+                }
+            });
+            steps::ui(ui, context, requests);
         });
-        steps::ui(ui, context, requests);
     }
 
     fn head(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
@@ -136,13 +136,9 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
 fn choices(ui: &mut Ui, context: &Context<'_>, preferences: &mut ConvergencePreferences, folded: bool) {
     let has_truth = context.session.take.as_ref().is_some_and(|take| take.take().reference().is_some());
     let offered = Quantity::ALL.into_iter().filter(|quantity| has_truth || *quantity != Quantity::JointError);
-    let all: Vec<_> =
-        offered.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned())).collect();
-    if let Some(quantity) =
-        backlit_ui::widgets::choice(ui, "Quantity", QUANTITY, preferences.quantity.text(), &all)
-    {
-        preferences.quantity = quantity;
-    }
+    let row = |quantity: Quantity| (quantity, quantity.words().name, quantity.words().explanation.to_owned());
+    let (all, chosen): (Vec<_>, _) = (offered.map(row).collect(), preferences.quantity);
+    preferences.quantity = choice(ui, "Quantity", QUANTITY, chosen.words().name, &all).unwrap_or(chosen);
     segmented(ui, &mut preferences.is_log, &[(true, "Log"), (false, "Linear")])
         .on_hover_text("How the axis of heights runs");
     if !folded {
@@ -211,11 +207,15 @@ fn show_read_out(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground
                     ui.set_width(CARD.x - 20.0);
                     ui.spacing_mut().item_spacing.y = 2.0;
                     ui.spacing_mut().interact_size.y = 17.0;
-                    ui.add(
-                        egui::Label::new(RichText::new(&run.name).color(run_style_text(ui, run))).truncate(),
-                    );
+                    // The run's colour where it can be read as text.
+                    let style = run_style(run.colour);
+                    let colour = if style.width > 1.0 { style.colour } else { palette.text };
+                    ui.add(egui::Label::new(RichText::new(&run.name).color(colour)).truncate());
                     ui.horizontal(|ui| {
-                        ui.label(step_title(run, step.step).color(palette.text));
+                        let stage = run.stages.get(record.iteration.stage).filter(|_| run.stages.len() > 1);
+                        let stage = stage.map_or_else(String::new, |stage| format!(", ramp {stage} px"));
+                        let title = format!("Step {}{stage}", step.step);
+                        ui.label(RichText::new(title).color(palette.text));
                         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                             ui.label(RichText::new(kind(step.step, record)).small().color(palette.text3));
                         });
@@ -225,12 +225,6 @@ fn show_read_out(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground
                     }
                 });
         });
-}
-
-/// The run's colour where it can be read as text; else the text's own.
-fn run_style_text(ui: &Ui, run: &Run) -> egui::Color32 {
-    let colour = run_style(run.colour).colour;
-    if run_style(run.colour).width > 1.0 { colour } else { theme::palette(ui).text }
 }
 
 fn kind(index: usize, step: &RunStep) -> &'static str {
@@ -271,11 +265,4 @@ fn row(ui: &mut Ui, name: &str, value: &str) {
             ui.label(RichText::new(value).monospace().color(palette.text));
         });
     });
-}
-
-/// The number of a step's run and its place, as the read-out has it.
-fn step_title(run: &Run, step: usize) -> RichText {
-    let stage = run.steps.get(step).and_then(|record| run.stages.get(record.iteration.stage));
-    let stage = stage.filter(|_| run.stages.len() > 1).map_or_else(String::new, |s| format!(", ramp {s} px"));
-    RichText::new(format!("Step {step}{stage}"))
 }

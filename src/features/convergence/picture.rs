@@ -1,6 +1,6 @@
 //! The runs as files: the plot as a picture, and all their steps as a table.
 
-use backlit_document::run::Run;
+use backlit_document::run::{Run, RunStep};
 use backlit_plot::png;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::Theme;
@@ -8,8 +8,8 @@ use egui::{CentralPanel, Frame, Margin, RichText, Ui};
 use egui_painter::Headless;
 use image::ImageResult;
 
+use super::ConvergencePreferences;
 use super::plot::Plot;
-use super::{ConvergencePreferences, Quantity};
 
 /// Size in points; a pixel each.
 const SIZE: [f32; 2] = [820.0, 460.0];
@@ -49,7 +49,7 @@ impl PlotFile {
         let plot = Plot::of(runs, *preferences, None);
         let steps =
             if preferences.rejected { "accepted steps are dots, rejected ones ×" } else { "accepted steps" };
-        let subtitle = format!("{} over accepted steps; {steps}", label(preferences.quantity));
+        let subtitle = format!("{} over accepted steps; {steps}", preferences.quantity.words().label);
         let palette = theme::colours(*theme);
         let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(14, 10));
         CentralPanel::default().frame(frame).show(ui, |ui| {
@@ -60,77 +60,47 @@ impl PlotFile {
     }
 }
 
-const fn label(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Percent => "Cost in % of the start",
-        Quantity::Cost => "Cost in squared grey levels",
-        Quantity::Rms => "RMS in grey levels",
-        Quantity::Iou => "IoU of body and silhouettes",
-        Quantity::JointError => "Mean distance from the reference in mm",
-        Quantity::StepNorm => "Step in m and rad",
-        Quantity::Damping => "Damping in parts of the diagonal",
-        Quantity::Decrease => "Decrease in % of the cost before, expected ones as rings,",
-    }
-}
+/// What stands in a column of a run's step.
+type Field = fn(&Run, usize, &RunStep) -> String;
 
-/// Names of the columns.
-const TITLES: [&str; 20] = [
-    "run",
-    "name",
-    "choices",
-    "frame",
-    "step",
-    "stage",
-    "accepted",
-    "mismatch",
-    "percent_of_start",
-    "rms",
-    "stage_cost",
-    "trial_cost",
-    "fell",
-    "foretold",
-    "damping",
-    "step_norm",
-    "seconds",
-    "iou",
-    "joint_error_mm",
-    "ending",
+/// The columns with their names.
+const COLUMNS: [(&str, Field); 20] = [
+    ("run", |run, _, _| run.number.to_string()),
+    ("name", |run, _, _| run.name.clone()),
+    ("choices", |run, _, _| run.detail.clone()),
+    ("frame", |run, _, _| run.frame.to_string()),
+    ("step", |_, index, _| index.to_string()),
+    ("stage", |run, _, step| run.stages.get(step.iteration.stage).cloned().unwrap_or_default()),
+    ("accepted", |_, _, step| step.iteration.accepted.to_string()),
+    ("mismatch", |_, _, step| step.mismatch.to_string()),
+    ("percent_of_start", |run, index, _| known(run.fraction(index).map(|share| 100.0 * share))),
+    ("rms", |_, _, step| step.rms.to_string()),
+    ("stage_cost", |_, _, step| step.iteration.cost.to_string()),
+    ("trial_cost", |_, _, step| step.iteration.trial_cost.to_string()),
+    ("fell", |_, _, step| step.iteration.actual_decrease.to_string()),
+    ("foretold", |_, _, step| step.iteration.predicted_decrease.to_string()),
+    ("damping", |_, _, step| step.iteration.damping.to_string()),
+    ("step_norm", |_, _, step| step.iteration.step_norm.to_string()),
+    ("seconds", |_, _, step| step.seconds.to_string()),
+    ("iou", |_, _, step| known(step.iou)),
+    ("joint_error_mm", |_, _, step| known(step.joint_error_mm)),
+    ("ending", |run, index, _| if index == run.last_step() { run.ending_text() } else { String::new() }),
 ];
+
+fn known(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
 
 /// Every step of the runs as CSV, one row a step; mismatch and costs in squared grey levels, RMS in grey levels, the
 /// step in metres and radians together. `ending` is in a run's last row.
 pub(crate) fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let known = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     // A vector takes all that is written to it.
-    let mut row = |fields: &[String]| drop(writer.write_record(fields));
-    row(&TITLES.map(str::to_owned));
+    let mut row = |fields: [String; COLUMNS.len()]| drop(writer.write_record(&fields));
+    row(COLUMNS.map(|(name, _)| name.to_owned()));
     for run in runs {
         for (index, step) in run.steps.iter().enumerate() {
-            let percent = run.fraction(index).map_or_else(String::new, |share| (100.0 * share).to_string());
-            let is_last = index == run.last_step();
-            row(&[
-                run.number.to_string(),
-                run.name.clone(),
-                run.detail.clone(),
-                run.frame.to_string(),
-                index.to_string(),
-                run.stages.get(step.iteration.stage).cloned().unwrap_or_default(),
-                step.iteration.accepted.to_string(),
-                step.mismatch.to_string(),
-                percent,
-                step.rms.to_string(),
-                step.iteration.cost.to_string(),
-                step.iteration.trial_cost.to_string(),
-                step.iteration.actual_decrease.to_string(),
-                step.iteration.predicted_decrease.to_string(),
-                step.iteration.damping.to_string(),
-                step.iteration.step_norm.to_string(),
-                step.seconds.to_string(),
-                known(step.iou),
-                known(step.joint_error_mm),
-                if is_last { run.ending_text() } else { String::new() },
-            ]);
+            row(COLUMNS.map(|(_, field)| field(run, index, step)));
         }
     }
     writer.into_inner().unwrap_or_default()
@@ -169,7 +139,7 @@ mod tests {
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), run.steps.len());
-        let column = |name: &str| TITLES.iter().position(|title| *title == name).unwrap();
+        let column = |name: &str| COLUMNS.iter().position(|column| column.0 == name).unwrap();
         assert_eq!(&rows[1][column("name")], "Robust, capsule");
         assert_eq!(&rows[1][column("percent_of_start")], "50");
         assert_eq!(&rows[2][column("accepted")], "false");

@@ -7,18 +7,14 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{Palette, run_style, space};
-use backlit_ui::widgets::{grid_marks, still_plot};
+use backlit_ui::widgets::{PointMark, apart, end_with_room, grid_marks, mark_points, run_line, still_plot};
 use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
-use egui_plot::{
-    GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotResponse, PlotTransform, PlotUi,
-    Points, VLine,
-};
+use egui_plot::{GridMark, PlotPoint, PlotResponse, PlotTransform, PlotUi, VLine};
 
 use super::{ConvergencePreferences, CurvePoint, Quantity, points, quantity};
 
-/// Room of the axis of heights, and the least that is left for the curves.
+/// Room of the axis of heights.
 const AXIS: f64 = 56.0;
-const LEAST_CURVES: f64 = 120.0;
 /// Room for what stands at the ends of the curves: figures, or names and figures.
 const FIGURES: f32 = 64.0;
 const NAMES: f32 = 190.0;
@@ -100,8 +96,7 @@ impl PlotScale {
     }
 
     fn bounds(&self, width: f64, label_room: f64) -> [[f64; 2]; 2] {
-        let room = (width - AXIS).max(label_room + LEAST_CURVES);
-        let last = self.last_step * room / (room - label_room);
+        let last = end_with_room(self.last_step, width, AXIS, label_room);
         let [low, high] = self.heights.map(|end| self.y(end));
         let high_room = ABOVE * (high - low);
         [[-0.02 * last, last], [low - BELOW * (high - low), high + high_room]]
@@ -163,8 +158,7 @@ impl<'a> Plot<'a> {
         plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
         let Some(point) = curve.points.iter().find(|point| point.step == step) else { return };
         let at = vec![[point.x, self.scale.y(point.y)]];
-        let ring = Points::new("", PlotPoints::from(at)).color(palette.accent_text).filled(false);
-        plot.points(ring.radius(mark::CURRENT_STEP_RADIUS));
+        mark_points(plot, at, PointMark::Ring, palette.accent_text, mark::CURRENT_STEP_RADIUS);
     }
 
     /// What stands at the end of each curve, moved apart where curves end together.
@@ -182,7 +176,8 @@ impl<'a> Plot<'a> {
             })
             .collect();
         ends.sort_by(|a, b| a.0.y.total_cmp(&b.0.y));
-        let heights = apart(&ends.iter().map(|(at, ..)| at.y).collect::<Vec<_>>(), frame.y_range());
+        let (wanted, half): (Vec<f32>, _) = (ends.iter().map(|(at, ..)| at.y).collect(), 0.5 * LABEL_SPACING);
+        let heights = apart(&wanted, LABEL_SPACING, frame.top() + half, frame.bottom() - half);
         let painter = ui.painter().with_clip_rect(frame);
         for ((at, text, colour), y) in ends.iter().zip(heights) {
             let left = pos2(at.x + space::WIDGET + 2.0, y);
@@ -226,10 +221,6 @@ fn begins_at(runs: &[Run], run: &Run) -> usize {
 
 fn draw(plot: &mut PlotUi<'_>, curve: &RunCurve<'_>, scale: PlotScale, is_current: bool) {
     let style = run_style(curve.run.colour);
-    let dash = match style.dash {
-        [] => LineStyle::Solid,
-        [length, ..] => LineStyle::Dashed { length: *length },
-    };
     let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
     if scale.preferences.quantity == Quantity::Decrease {
         let said: Vec<[f64; 2]> = quantity::predicted(curve.run)
@@ -240,14 +231,12 @@ fn draw(plot: &mut PlotUi<'_>, curve: &RunCurve<'_>, scale: PlotScale, is_curren
                 [curve.begins_at + x, y]
             })
             .collect();
-        let rings = Points::new("", PlotPoints::from(said)).color(style.colour).filled(false);
-        plot.points(rings.radius(mark::CURRENT_STEP_RADIUS - 1.0).shape(MarkerShape::Circle));
+        mark_points(plot, said, PointMark::Ring, style.colour, mark::CURRENT_STEP_RADIUS - 1.0);
     }
     let line: Vec<[f64; 2]> = curve.points.iter().filter(|point| point.accepted).map(place).collect();
     let width = if is_current { style.width + 0.25 } else { style.width };
-    plot.line(Line::new("", PlotPoints::from(line.clone())).color(style.colour).width(width).style(dash));
-    let dots = Points::new("", PlotPoints::from(line)).color(style.colour).radius(mark::ACCEPTED_RADIUS);
-    plot.points(dots.shape(MarkerShape::Circle).filled(true));
+    run_line(plot, line.clone(), curve.run.colour, width);
+    mark_points(plot, line, PointMark::Dot, style.colour, mark::ACCEPTED_RADIUS);
     if scale.preferences.rejected {
         let frame = plot.response().rect;
         let crosses: Vec<[f64; 2]> = curve
@@ -260,8 +249,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &RunCurve<'_>, scale: PlotScale, is_curren
                 [at.x, at.y]
             })
             .collect();
-        let points = Points::new("", PlotPoints::from(crosses)).color(style.colour);
-        plot.points(points.radius(0.5 * mark::REJECTED_SIZE).shape(MarkerShape::Cross));
+        mark_points(plot, crosses, PointMark::Cross, style.colour, 0.5 * mark::REJECTED_SIZE);
     }
 }
 
@@ -272,22 +260,6 @@ fn cross_at(point: &CurvePoint, scale: PlotScale, on_screen: Pos2, frame: Rect) 
     }
     let y = on_screen.y - mark::REJECTED_SPACING * point.stacked as f32;
     pos2(on_screen.x, y.max(frame.top() + 0.5 * mark::REJECTED_SIZE))
-}
-
-/// The same heights in the same order, each at least a line from the one before.
-fn apart(sorted: &[f32], range: egui::Rangef) -> Vec<f32> {
-    let half = 0.5 * LABEL_SPACING;
-    let mut heights: Vec<f32> = Vec::with_capacity(sorted.len());
-    for &y in sorted {
-        let least = heights.last().map_or(range.min + half, |above| above + LABEL_SPACING);
-        heights.push(y.max(least));
-    }
-    let mut most = range.max - half;
-    for y in heights.iter_mut().rev() {
-        *y = y.min(most);
-        most = *y - LABEL_SPACING;
-    }
-    heights
 }
 
 #[cfg(test)]
@@ -311,13 +283,5 @@ mod tests {
         let starts: Vec<f64> = plot.curves.iter().map(|curve| curve.points[0].x).collect();
         assert_eq!(starts, [0.0, accepted as f64, (accepted + runs[1].accepted_until(1)) as f64]);
         assert!(plot.scale.last_step >= starts[2] + accepted as f64);
-    }
-
-    #[test]
-    fn labels_keep_apart_and_inside() {
-        let range = egui::Rangef::new(0.0, 100.0);
-        assert_eq!(apart(&[20.0, 60.0], range), [20.0, 60.0]);
-        assert_eq!(apart(&[20.0, 22.0, 23.0], range), [20.0, 34.0, 48.0]);
-        assert_eq!(apart(&[92.0, 95.0], range), [79.0, 93.0]);
     }
 }

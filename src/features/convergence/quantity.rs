@@ -29,6 +29,16 @@ pub(crate) enum Quantity {
     Decrease,
 }
 
+/// What is said of a quantity.
+pub(crate) struct QuantityWords {
+    /// On its choice.
+    pub(crate) name: &'static str,
+    /// With its unit, above a plot that is a file.
+    pub(crate) label: &'static str,
+    /// What it is, in a sentence without its full stop.
+    pub(crate) explanation: &'static str,
+}
+
 impl Quantity {
     /// All of them, in the order in which they are offered.
     pub(crate) const ALL: [Self; 8] = [
@@ -42,47 +52,52 @@ impl Quantity {
         Self::Decrease,
     ];
 
-    /// Its name.
-    pub(crate) const fn text(self) -> &'static str {
-        match self {
-            Self::Percent => "Cost, % of start",
-            Self::Cost => "Cost",
-            Self::Rms => "RMS",
-            Self::Iou => "IoU",
-            Self::JointError => "Joint error",
-            Self::StepNorm => "Step norm",
-            Self::Damping => "Damping",
-            Self::Decrease => "Decrease",
-        }
-    }
-
-    /// What it is, in a sentence without its full stop.
-    pub(crate) const fn explanation(self) -> &'static str {
-        match self {
-            Self::Percent => {
-                "Squared mismatch of body and silhouettes, in percent of the start’s. All runs of a frame are measured by the last \
-                 ramp of the first of them"
+    /// What is said of it.
+    pub(crate) const fn words(self) -> QuantityWords {
+        let (name, label, explanation) = match self {
+            Self::Percent => (
+                "Cost, % of start",
+                "Cost in % of the start",
+                "Squared mismatch of body and silhouettes, in percent of the start’s. All runs of a frame are measured by \
+                 the last ramp of the first of them",
+            ),
+            Self::Cost => (
+                "Cost",
+                "Cost in squared grey levels",
+                "Squared mismatch of body and silhouettes. All runs of a frame are measured by the last ramp of the first \
+                 of them",
+            ),
+            Self::Rms => (
+                "RMS",
+                "RMS in grey levels",
+                "Root mean square of D − Λ over the pixels that count, in grey levels. All runs of a frame are measured \
+                 by the last ramp of the first of them",
+            ),
+            Self::Iou => (
+                "IoU",
+                "IoU of body and silhouettes",
+                "Area that body and silhouettes share, over the area that either covers, all cameras together",
+            ),
+            Self::JointError => (
+                "Joint error",
+                "Mean distance from the reference in mm",
+                "Mean distance of the joints from the take’s reference, in millimetres",
+            ),
+            Self::StepNorm => {
+                ("Step norm", "Step in m and rad", "How long each step was, metres and radians together")
             }
-            Self::Cost => {
-                "Squared mismatch of body and silhouettes. All runs of a frame are measured by the last ramp of the first of \
-                 them"
-            }
-            Self::Rms => {
-                "Root mean square of D − Λ over the pixels that count, in grey levels. All runs of a frame are measured by \
-                 the last ramp of the first of them"
-            }
-            Self::Iou => {
-                "Area that body and silhouettes share, over the area that either covers, all cameras together"
-            }
-            Self::JointError => "Mean distance of the joints from the take’s reference, in millimetres",
-            Self::StepNorm => "How long each step was, metres and radians together",
-            Self::Damping => {
-                "How much each step was shortened: small is Gauss-Newton, large goes straight down"
-            }
-            Self::Decrease => {
-                "By how much a step lowered its cost (dots), and by how much it was expected to (rings)"
-            }
-        }
+            Self::Damping => (
+                "Damping",
+                "Damping in parts of the diagonal",
+                "How much each step was shortened: small is Gauss-Newton, large goes straight down",
+            ),
+            Self::Decrease => (
+                "Decrease",
+                "Decrease in % of the cost before, expected ones as rings,",
+                "By how much a step lowered its cost (dots), and by how much it was expected to (rings)",
+            ),
+        };
+        QuantityWords { name, label, explanation }
     }
 
     /// Whether its axis shows the range of the values alone, without zero.
@@ -160,8 +175,8 @@ pub(crate) fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
 
 /// What the linear model said of every step, in percent of the cost before it.
 pub(crate) fn predicted(run: &Run) -> Vec<CurvePoint> {
-    let value = |step: &RunStep| step.predicted_share().map(|share| 100.0 * share);
-    points_of(run, Quantity::Decrease, |step| if step == 0 { None } else { value(&run.steps[step]) })
+    let share = |step: usize| run.steps[step].predicted_share().filter(|_| step > 0);
+    points_of(run, Quantity::Decrease, |step| share(step).map(|share| 100.0 * share))
 }
 
 fn points_of(run: &Run, quantity: Quantity, value: impl Fn(usize) -> Option<f64>) -> Vec<CurvePoint> {
@@ -206,11 +221,16 @@ pub(crate) fn last_step(steps: f64) -> f64 {
     STEPS.into_iter().find(|end| *end >= steps).unwrap_or_else(|| (steps / 200.0).ceil() * 200.0)
 }
 
+/// The least and the largest of the values that are finite; the first is above the second where there is none.
+fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values
+        .filter(|value| value.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
 /// Ends of the axis of heights, as values: of all values that are finite, and on a logarithmic axis above zero.
 pub(crate) fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 2] {
-    let values = values.filter(|value| value.is_finite() && (!is_log || *value > 0.0));
-    let [low, high] = values
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    let [low, high] = ends(values.filter(|value| !is_log || *value > 0.0));
     if low > high {
         return [if is_log { 0.1 } else { 0.0 }, 1.0];
     }
@@ -229,9 +249,7 @@ pub(crate) fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 
 /// tenth apart at least.
 pub(crate) fn shares(values: impl Iterator<Item = f64>) -> [f64; 2] {
     const STEPS: f64 = 20.0;
-    let [low, high] = values
-        .filter(|value| value.is_finite())
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    let [low, high] = ends(values);
     if low > high {
         return [0.0, 1.0];
     }

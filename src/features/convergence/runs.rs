@@ -5,7 +5,7 @@ use backlit_document::runs::{RunChange, StepRef};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
-use backlit_ui::widgets::{Icon, icon_button};
+use backlit_ui::widgets::{Icon, icon_button, paint_run_sample};
 use egui::{
     Align, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit, Ui,
     WidgetInfo, vec2,
@@ -143,13 +143,7 @@ fn sample(ui: &Ui, rect: Rect, run: &Run) {
     let from = egui::pos2(rect.left() + 8.0, rect.top() + 15.0);
     let to = from + vec2(SAMPLE, 0.0);
     let colour = if run.is_shown { style.colour } else { style.colour.gamma_multiply(0.35) };
-    let stroke = Stroke::new(style.width, colour);
-    match style.dash {
-        [] => drop(ui.painter().line_segment([from, to], stroke)),
-        [length, ..] => {
-            ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, *length, *length));
-        }
-    }
+    paint_run_sample(ui.painter(), [from, to], run.colour, Stroke::new(style.width, colour), 1.0);
 }
 
 fn line(ui: &mut Ui, text: &str) {

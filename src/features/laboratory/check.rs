@@ -1,27 +1,16 @@
-//! The analytic Jacobian of every camera against central differences, one column of the state in one camera at a time,
-//! so that it can be watched and stopped.
+//! The analytic Jacobian of every camera against central differences, a few columns of the state at a time, so that it can
+//! be watched and stopped.
 
-use std::sync::Arc;
-
+use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
-use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::gradient_check::{DifferenceOptions, GradientCheck, check_column};
-use backlit_tracking::render::{Ramp, RendererKind, View, jacobian_along, prediction};
+use backlit_tracking::render::{View, jacobian_along, prediction};
+use rayon::prelude::*;
 
-/// One fit's Jacobian in one camera at one pose.
-#[derive(Debug, Clone)]
-pub(crate) struct ColumnCheck {
-    /// The body.
-    pub(crate) model: Arc<Model>,
-    pub(crate) pose: Pose,
-    pub(crate) camera: Arc<Camera>,
-    /// The solid of a limb.
-    pub(crate) renderer: RendererKind,
-    /// How distance becomes grey.
-    pub(crate) ramp: Ramp,
-    /// The columns of the state.
-    pub(crate) parameters: Parameters,
-}
+use crate::session::prediction::FitInputs;
+
+/// Columns of a gradient that are checked at once.
+const COLUMNS_A_STEP: usize = 8;
 
 /// The pixel in which analytic and numeric derivative differ most.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,60 +56,115 @@ impl CheckProgress {
     pub fn passes(&self) -> bool {
         self.mismatches == 0
     }
+}
+
+/// A check of the gradient at one pose in all cameras.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// The pose.
+    pub pose: Pose,
+    /// What was found so far.
+    pub progress: CheckProgress,
+}
+
+/// The check of one fit's Jacobian at one pose.
+#[derive(Debug)]
+pub(super) struct FitCheck {
+    /// The fit.
+    index: usize,
+    scene: FitInputs,
+    /// The cameras in the order in which they are checked; all see the same state.
+    cameras: Vec<usize>,
+    checked: Checked,
+}
+
+impl FitCheck {
+    pub(super) fn new(index: usize, scene: FitInputs, pose: Pose, cameras: Vec<usize>) -> Self {
+        let checked = Checked { pose, progress: CheckProgress::default() };
+        let mut check = Self { index, scene, cameras, checked };
+        check.checked.progress.total = check.columns() * check.cameras.len();
+        check
+    }
+
+    /// Columns of the state.
+    fn columns(&self) -> usize {
+        self.scene.fit.parameters.columns(self.scene.model.rotation_count())
+    }
+
+    /// What the program says of one column: ∂λ/∂x of every pixel.
+    fn analytic(&self, camera: usize, column: usize) -> Vec<f64> {
+        let FitInputs { model, fit, cameras, .. } = &self.scene;
+        let kinematics = Kinematics::new(model, &self.checked.pose);
+        let view = View::new(model, &kinematics, &cameras[camera], fit.renderer, fit.final_ramp());
+        let mut direction = vec![0.0; self.columns()];
+        if let Some(slot) = direction.get_mut(column) {
+            *slot = 1.0;
+        }
+        jacobian_along(&view, &kinematics, &cameras[camera], fit.parameters, &direction)
+    }
+
+    /// Compares one column: `analytic` is what [`analytic`](Self::analytic) gives.
+    fn compare(&self, camera: usize, column: usize, analytic: &[f64]) -> GradientCheck {
+        let FitInputs { model, fit, cameras, .. } = &self.scene;
+        let (camera, ramp, pose) = (&cameras[camera], fit.final_ramp(), &self.checked.pose);
+        let mut kinematics = Kinematics::new(model, pose);
+        let mut view = View::new(model, &kinematics, camera, fit.renderer, ramp);
+        let levels = |offset: f64| {
+            kinematics.update(model, &pose.nudged(fit.parameters, column, offset));
+            view.prepare(model, &kinematics, camera, fit.renderer, ramp);
+            prediction::levels(&view)
+        };
+        check_column(analytic, levels, |row| row.to_string(), &DifferenceOptions::default())
+    }
 
     /// Adds what was found in one column in one camera.
-    pub(crate) fn add(
-        &mut self,
-        found: &GradientCheck,
-        check: &ColumnCheck,
-        (camera, column): (usize, usize),
-    ) {
-        self.done += 1;
-        self.compared += found.compared;
-        self.skipped += found.skipped;
-        self.mismatches += found.mismatches.len();
+    fn add(&mut self, camera: usize, column: usize, found: &GradientCheck) {
+        let progress = &mut self.checked.progress;
+        progress.done += 1;
+        progress.compared += found.compared;
+        progress.skipped += found.skipped;
+        progress.mismatches += found.mismatches.len();
         let Some(worst) = found.worst else { return };
-        if self.worst.is_none() || worst.relative_error > self.largest_error {
-            self.largest_error = worst.relative_error;
-            let width = check.camera.width().max(1);
-            self.worst = Some(Worst {
+        if progress.worst.is_none() || worst.relative_error > progress.largest_error {
+            progress.largest_error = worst.relative_error;
+            let width = self.scene.cameras[camera].width().max(1);
+            progress.worst = Some(Worst {
                 camera,
                 pixel: [worst.row % width, worst.row / width],
-                column: column_name(&check.model, check.parameters, column),
+                column: column_name(&self.scene.model, self.scene.fit.parameters, column),
                 analytic: worst.analytic,
                 numeric: worst.numeric,
             });
         }
     }
+
+    /// Compares the next columns, shared out among threads. What is found does not depend on how they are shared out.
+    fn go_on(&mut self) {
+        let (columns, &CheckProgress { done, total, .. }) = (self.columns().max(1), &self.checked.progress);
+        let compare = |at: usize| {
+            let (camera, column) = (*self.cameras.get(at / columns)?, at % columns);
+            Some((camera, column, self.compare(camera, column, &self.analytic(camera, column))))
+        };
+        let next = done..(done + COLUMNS_A_STEP).min(total);
+        let found: Vec<_> = next.into_par_iter().filter_map(compare).collect();
+        for (camera, column, found) in found {
+            self.add(camera, column, &found);
+        }
+    }
 }
 
-impl ColumnCheck {
-    /// Columns of the state.
-    pub(crate) fn columns(&self) -> usize {
-        self.parameters.columns(self.model.rotation_count())
-    }
+/// Checks the gradients of several fits, a few columns of one of them a step: all of them come on together.
+#[derive(Debug)]
+pub(super) struct CheckJob(pub(super) Vec<FitCheck>);
 
-    /// What the program says of one column: ∂λ/∂x of every pixel.
-    pub(crate) fn analytic(&self, column: usize) -> Vec<f64> {
-        let kinematics = Kinematics::new(&self.model, &self.pose);
-        let view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
-        let mut direction = vec![0.0; self.columns()];
-        if let Some(slot) = direction.get_mut(column) {
-            *slot = 1.0;
-        }
-        jacobian_along(&view, &kinematics, &self.camera, self.parameters, &direction)
-    }
-
-    /// Compares one column: `analytic` is what [`analytic`](Self::analytic) gives.
-    pub(crate) fn compare(&self, column: usize, analytic: &[f64]) -> GradientCheck {
-        let mut kinematics = Kinematics::new(&self.model, &self.pose);
-        let mut view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
-        let levels = |offset: f64| {
-            kinematics.update(&self.model, &self.pose.nudged(self.parameters, column, offset));
-            view.prepare(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
-            prediction::levels(&view)
-        };
-        check_column(analytic, levels, |row| row.to_string(), &DifferenceOptions::default())
+impl Job<(usize, Checked)> for CheckJob {
+    fn step(&mut self, out: &Outbox<(usize, Checked)>) -> Turn {
+        let going = self.0.iter_mut().filter(|fit| !fit.checked.progress.is_whole());
+        let next = going.min_by_key(|fit| (fit.checked.progress.done, fit.index));
+        let Some(fit) = next.filter(|fit| !fit.cameras.is_empty()) else { return Turn::Done };
+        fit.go_on();
+        out.send((fit.index, fit.checked.clone()));
+        Turn::Again
     }
 }
 
@@ -143,35 +187,34 @@ pub(crate) fn column_name(model: &Model, parameters: Parameters, column: usize) 
 #[cfg(test)]
 mod tests {
     use backlit_lab::synthetic::single_limb;
+    use backlit_tracking::body::builtin;
+    use backlit_tracking::fit::{FitOptions, Preset};
+    use backlit_tracking::render::RendererKind;
 
     use super::*;
+    use crate::features::laboratory::comparison::tests::scene;
 
-    fn check(renderer: RendererKind) -> ColumnCheck {
-        ColumnCheck {
-            model: Arc::new(backlit_tracking::body::builtin::single_limb()),
-            pose: single_limb::start(0.1),
-            camera: single_limb::camera(0.8, [96, 72]).unwrap(),
-            renderer,
-            ramp: Ramp::Thesis,
-            parameters: Parameters::Raw,
-        }
+    fn check(renderer: RendererKind) -> FitCheck {
+        let camera = single_limb::camera(0.8, [96, 72]).unwrap();
+        let fit = FitOptions { renderer, parameters: Parameters::Raw, ..FitOptions::preset(Preset::Report) };
+        let scene = scene(builtin::single_limb(), fit, vec![camera; 3]);
+        FitCheck::new(0, scene, single_limb::start(0.1), vec![2])
     }
 
     /// All columns, with what the program says spoilt on the way.
-    fn run(check: &ColumnCheck, mut fault: impl FnMut(usize, &mut [f64])) -> CheckProgress {
-        let mut progress = CheckProgress { total: check.columns(), ..CheckProgress::default() };
+    fn run(mut check: FitCheck, mut fault: impl FnMut(usize, &mut [f64])) -> CheckProgress {
         for column in 0..check.columns() {
-            let mut analytic = check.analytic(column);
+            let mut analytic = check.analytic(2, column);
             fault(column, &mut analytic);
-            progress.add(&check.compare(column, &analytic), check, (2, column));
+            check.add(2, column, &check.compare(2, column, &analytic));
         }
-        progress
+        check.checked.progress
     }
 
     #[test]
     fn the_three_renderers_pass() {
         for renderer in single_limb::RENDERERS {
-            let found = run(&check(renderer), |_, _| {});
+            let found = run(check(renderer), |_, _| {});
             assert!(found.is_whole() && found.passes() && found.compared > 1000, "{renderer}: {found:?}");
             assert!(found.largest_error < 1e-5 && found.worst.is_some(), "{renderer}: {found:?}");
         }
@@ -183,8 +226,8 @@ mod tests {
         let strongest = |column: &[f64]| {
             (0..column.len()).max_by(|a, b| column[*a].abs().total_cmp(&column[*b].abs())).unwrap()
         };
-        let spoilt = strongest(&check.analytic(1));
-        let found = run(&check, |column, analytic| {
+        let spoilt = strongest(&check.analytic(2, 1));
+        let found = run(check, |column, analytic| {
             if column == 1 {
                 analytic[spoilt] *= 1.02;
             }
@@ -199,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_wrong_sign_is_caught_everywhere() {
-        let found = run(&check(RendererKind::SphereTree { spheres: None }), |_, analytic| {
+        let found = run(check(RendererKind::SphereTree { spheres: None }), |_, analytic| {
             analytic.iter_mut().for_each(|value| *value = -*value);
         });
         assert!(found.mismatches > 500, "{found:?}");
@@ -207,7 +250,7 @@ mod tests {
 
     #[test]
     fn columns_are_named_in_the_order_of_the_state() {
-        let model = backlit_tracking::body::builtin::upper_body();
+        let model = builtin::upper_body();
         let names = |parameters: Parameters| -> Vec<String> {
             (0..8).map(|column| column_name(&model, parameters, column)).collect()
         };

@@ -50,7 +50,7 @@ impl Laboratory {
             return false;
         }
         if let Command::View(ViewCommand::CameraAlone(camera)) = command {
-            self.camera = camera;
+            self.choices.camera = camera;
             return true;
         }
         let is_running = self.is_running();

@@ -6,7 +6,7 @@ use backlit_document::run::{RunEnding, RunStep};
 use backlit_tracking::body::Pose;
 use backlit_ui::style::format;
 
-use super::{CheckProgress, Entrant, PushAxis, Pushed};
+use super::{Checked, Entrant, PushAxis, Pushed};
 use crate::session::prediction::{FitInputs, Predicted};
 use crate::session::{Extent, union};
 
@@ -49,15 +49,6 @@ pub(crate) fn percent_text(percent: f64) -> String {
 
 /// What a picture of pushing pixels is of: camera, axis and limb.
 pub(crate) type PushKey = (usize, PushAxis, usize);
-
-/// A check of the gradient at one pose in all cameras.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
-    /// The pose.
-    pub pose: Pose,
-    /// What was found so far.
-    pub progress: CheckProgress,
-}
 
 /// One of the fits.
 #[derive(Debug, Clone)]
@@ -237,29 +228,34 @@ impl Comparison {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use backlit_tracking::body::builtin;
+    use backlit_tracking::body::{Model, builtin};
+    use backlit_tracking::camera::Camera;
     use backlit_tracking::fit::{FitOptions, Preset};
-    use glam::DVec3;
-
     use backlit_tracking::optimize::Iteration;
+    use glam::DVec3;
 
     use super::*;
     use crate::features::laboratory::Lineup;
+    use crate::session::prediction::Derivatives;
+
+    /// A scene without pictures.
+    pub(crate) fn scene(model: Model, fit: FitOptions, cameras: Vec<Arc<Camera>>) -> FitInputs {
+        FitInputs {
+            cameras: Arc::new(cameras),
+            uses: Arc::default(),
+            fit: Arc::new(fit),
+            frame: None,
+            derivatives: Derivatives::default(),
+            model: Arc::new(model),
+        }
+    }
 
     /// A comparison of the renderers with these mismatches, without pictures.
     pub(crate) fn comparison(mismatches: [&[f64]; 3]) -> Comparison {
-        let model = Arc::new(builtin::single_limb());
-        let fit = FitOptions::preset(Preset::Report);
-        let scene = FitInputs {
-            cameras: Arc::new(Vec::new()),
-            uses: Arc::new(Vec::new()),
-            fit: Arc::new(fit.clone()),
-            frame: None,
-            derivatives: crate::session::prediction::Derivatives::default(),
-            model: model.clone(),
-        };
+        let scene = scene(builtin::single_limb(), FitOptions::preset(Preset::Report), Vec::new());
+        let model = scene.model.clone();
         let start = Pose::rest(&model);
-        let basis = Basis { scene, start, entrants: Lineup::Renderers.entrants(&fit, &model) };
+        let basis = Basis { start, entrants: Lineup::Renderers.entrants(&scene.fit, &model), scene };
         let mut comparison = Comparison::new(basis, 0);
         let longest = mismatches.iter().map(|mismatches| mismatches.len()).max().unwrap_or(0);
         for at in 0..longest {

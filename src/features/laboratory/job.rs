@@ -1,4 +1,4 @@
-//! The laboratory's work: fits that are stepped together, their pictures, and their gradients' check.
+//! The laboratory's work: fits that are stepped together, and their pictures.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -7,15 +7,12 @@ use backlit_document::run::{RunEnding, RunStep};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::Fit;
-use rayon::prelude::*;
 
-use super::comparison::{Checked, PushKey};
-use super::{CheckProgress, ColumnCheck, Comparison, Push, Pushed};
+use super::comparison::PushKey;
+use super::{Comparison, Push, Pushed};
 use crate::session::Extent;
 use crate::session::prediction::{CameraPrediction, FitInputs, Predicted};
 
-/// Columns of a gradient that are checked at once.
-const COLUMNS_A_STEP: usize = 8;
 /// The level of the background, and from where on a pixel is hardly anything else.
 const BACKGROUND: f32 = 255.0;
 const NEARLY_BACKGROUND: f32 = 250.0;
@@ -51,21 +48,11 @@ pub(super) struct Lacking {
     pub(super) push: Option<PushKey>,
 }
 
-/// How far the check of a fit's gradient has come.
-#[derive(Debug)]
-pub(super) struct CheckedFit {
-    /// The fit.
-    pub(super) index: usize,
-    /// What was found so far.
-    pub(super) checked: Checked,
-}
-
 /// One of the fits between two steps.
 #[derive(Debug)]
 pub(super) struct Racing {
     /// `None` once it has ended.
     fit: Option<Fit>,
-    scene: FitInputs,
     last: Arc<Predicted>,
     done: usize,
 }
@@ -75,7 +62,7 @@ pub(super) struct Racing {
 pub(super) struct StepJob {
     /// What is still to begin.
     starts: Vec<(FitInputs, Pose)>,
-    /// Steps to do; `None` runs to the end.
+    /// Steps to do, until the target is known; `None` runs to the end.
     steps: Option<usize>,
     /// Where to stop, once it is known.
     target: Option<usize>,
@@ -109,7 +96,7 @@ impl StepJob {
                 None
             }
         };
-        self.fits.push(Racing { fit, scene, last, done: 0 });
+        self.fits.push(Racing { fit, last, done: 0 });
     }
 
     /// The fit whose turn it is, unless all have come far enough.
@@ -158,7 +145,7 @@ impl Job<Stepped> for StepJob {
         let Some(fit) = &mut racing.fit else { return self.end(out) };
         let began = Instant::now();
         let Some(record) = fit.step() else {
-            let is_annealed = racing.scene.fit.stages.len() > 1;
+            let is_annealed = racing.last.scene.fit.stages.len() > 1;
             let ending = fit.termination.map(|why| RunEnding::of(why, is_annealed));
             racing.fit = None;
             out.send(Stepped::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
@@ -167,7 +154,8 @@ impl Job<Stepped> for StepJob {
         let seconds = began.elapsed().as_secs_f64();
         racing.done += 1;
         if record.accepted {
-            racing.last = Arc::new(Predicted::new(&racing.scene, &record.point, Some(&racing.last)));
+            let last = &racing.last;
+            racing.last = Arc::new(Predicted::new(&last.scene, &record.point, Some(last)));
         }
         let step = racing.last.step_of(record, seconds);
         out.send(Stepped::Step(index, Box::new(step), racing.last.clone()));
@@ -216,68 +204,5 @@ impl Job<Look> for LookJob {
             out.send(Look::Pushes(key, Pushed::all(pushes)));
         }
         if self.steps.is_empty() && self.push.is_none() { Turn::Done } else { Turn::Again }
-    }
-}
-
-/// Checks the gradients of several fits in all cameras, a few columns of one of them a step: all of them come
-/// on together.
-#[derive(Debug)]
-pub(super) struct CheckJob {
-    fits: Vec<FitCheck>,
-}
-
-#[derive(Debug)]
-pub(super) struct FitCheck {
-    /// The fit.
-    pub(super) index: usize,
-    /// What is to be checked, by camera, in the order in which it is.
-    cameras: Vec<(usize, ColumnCheck)>,
-    /// How far it has come.
-    progress: CheckProgress,
-}
-
-impl FitCheck {
-    /// A check of a fit in these cameras.
-    pub(super) fn new(index: usize, cameras: Vec<(usize, ColumnCheck)>) -> Self {
-        let total = cameras.iter().map(|(_, check)| check.columns()).sum();
-        Self { index, cameras, progress: CheckProgress { total, ..CheckProgress::default() } }
-    }
-
-    /// Compares the next columns, shared out among threads; the pose that they are of. What is found does not depend on
-    /// how they are shared out.
-    fn go_on(&mut self) -> Option<Pose> {
-        let (_, first) = self.cameras.first()?;
-        // All cameras see the same state.
-        let columns = first.columns().max(1);
-        let last = (self.progress.done + COLUMNS_A_STEP).min(self.progress.total);
-        let compare = |at: usize| {
-            let (camera, check) = self.cameras.get(at / columns)?;
-            let column = at % columns;
-            Some((*camera, check, column, check.compare(column, &check.analytic(column))))
-        };
-        let found: Vec<_> = (self.progress.done..last).into_par_iter().filter_map(compare).collect();
-        for (camera, check, column, found) in found {
-            self.progress.add(&found, check, (camera, column));
-        }
-        Some(first.pose.clone())
-    }
-}
-
-impl CheckJob {
-    /// A check of these fits.
-    pub(super) const fn new(fits: Vec<FitCheck>) -> Self {
-        Self { fits }
-    }
-}
-
-impl Job<CheckedFit> for CheckJob {
-    fn step(&mut self, out: &Outbox<CheckedFit>) -> Turn {
-        let going = self.fits.iter_mut().filter(|fit| !fit.progress.is_whole());
-        let next = going.min_by_key(|fit| (fit.progress.done, fit.index));
-        let Some(fit) = next else { return Turn::Done };
-        let Some(pose) = fit.go_on() else { return Turn::Done };
-        let checked = Checked { pose, progress: fit.progress.clone() };
-        out.send(CheckedFit { index: fit.index, checked });
-        Turn::Again
     }
 }

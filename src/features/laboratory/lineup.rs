@@ -50,13 +50,19 @@ impl From<Variants> for Lineup {
 }
 
 /// A lineup in words.
-struct LineupWords {
+#[derive(Debug)]
+pub struct LineupWords {
     lineup: Lineup,
-    name: &'static str,
-    title: &'static str,
-    sentence: &'static str,
-    tooltip: &'static str,
-    all: &'static str,
+    /// On its choice.
+    pub(crate) name: &'static str,
+    /// What the laboratory is called.
+    pub title: &'static str,
+    /// What is the same in all of them and what is not.
+    pub(crate) sentence: &'static str,
+    /// What a choice of it compares.
+    pub(crate) tooltip: &'static str,
+    /// How many there are, as a word of a button.
+    pub all: &'static str,
 }
 
 const LINEUPS: [LineupWords; 4] = [
@@ -103,35 +109,30 @@ impl Lineup {
         (LINEUPS[3].lineup, LINEUPS[3].name),
     ];
 
-    const fn words(self) -> &'static LineupWords {
+    /// What is said of it.
+    pub const fn words(self) -> &'static LineupWords {
         &LINEUPS[self as usize]
-    }
-
-    /// What the laboratory is called.
-    pub const fn title(self) -> &'static str {
-        self.words().title
-    }
-
-    /// What is the same in all of them and what is not, in a sentence.
-    pub(crate) const fn sentence(self) -> &'static str {
-        self.words().sentence
-    }
-
-    /// What a choice of it compares, for its tooltip.
-    pub(crate) const fn tooltip(self) -> &'static str {
-        self.words().tooltip
-    }
-
-    /// How many there are, as a word of a button.
-    pub const fn all_text(self) -> &'static str {
-        self.words().all
     }
 
     /// The fits, made from the document's choices.
     pub(crate) fn entrants(self, base: &FitOptions, model: &Model) -> Vec<Entrant> {
         let entrant = |name, note: &str, fit: FitOptions| Entrant { name, note: note.to_owned(), fit };
         match self {
-            Self::Renderers => renderers(base, model),
+            Self::Renderers => {
+                let spheres = match base.renderer {
+                    RendererKind::SphereTree { spheres } => spheres,
+                    _ => None,
+                };
+                let of = |limb| RendererKind::equal_spheres(limb, spheres).unwrap_or(limb.spheres.len());
+                let count: usize = model.limbs().iter().map(of).sum();
+                let with =
+                    |name, note: &str, renderer| entrant(name, note, FitOptions { renderer, ..base.clone() });
+                vec![
+                    with("Cylinder", "flat ends", RendererKind::Cylinder),
+                    with("Capsule", "round ends", RendererKind::Capsule),
+                    with("Sphere tree", &format!("{count} spheres"), RendererKind::SphereTree { spheres }),
+                ]
+            }
             Self::Ramps => {
                 let [inner_px, outer_px] = DISTANCE_PX;
                 let ramp = |name, note: &str, ramp| entrant(name, note, base.clone().with_ramp(ramp));
@@ -172,21 +173,6 @@ impl Lineup {
             }
         }
     }
-}
-
-fn renderers(base: &FitOptions, model: &Model) -> Vec<Entrant> {
-    let spheres = match base.renderer {
-        RendererKind::SphereTree { spheres } => spheres,
-        _ => None,
-    };
-    let of = |limb| RendererKind::equal_spheres(limb, spheres).unwrap_or(limb.spheres.len());
-    let count: usize = model.limbs().iter().map(of).sum();
-    let entrant = |name, note, renderer| Entrant { name, note, fit: FitOptions { renderer, ..base.clone() } };
-    vec![
-        entrant("Cylinder", "flat ends".to_owned(), RendererKind::Cylinder),
-        entrant("Capsule", "round ends".to_owned(), RendererKind::Capsule),
-        entrant("Sphere tree", format!("{count} spheres"), RendererKind::SphereTree { spheres }),
-    ]
 }
 
 #[cfg(test)]

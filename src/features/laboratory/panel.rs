@@ -1,12 +1,4 @@
 //! The laboratory: several ways to fit, from one start, side by side. It has the whole centre of its layout.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `header` | what is compared, and the controls of the step |
-//! | `column` | one fit: percent of its start, its pictures, its counts |
-//! | `picture` | one picture: the overlay at this step, or what pushes at the start |
-//! | `curves` | the plot of all of them |
-//! | `caption` | the figures of all of them, and the legend |
 
 mod caption;
 mod column;
@@ -21,10 +13,8 @@ use egui::{
 };
 
 use super::comparison::PushKey;
-use super::{Comparison, Laboratory, Lineup, PushAxis, StartChoice, table};
-use crate::context::file_dialog::DialogKind;
-use crate::context::{Context, Requests, SessionRequest};
-use crate::session::selection::Selection;
+use super::{Comparison, Laboratory, LaboratoryChoices, PushAxis};
+use crate::context::{Context, Requests};
 
 /// Below this height of the centre, type and distances are those of the other layouts.
 const COMPACT_BELOW: f32 = 760.0;
@@ -72,121 +62,74 @@ struct Bench<'a> {
     room: Room,
 }
 
-/// What is asked for in the panel, done when it is drawn.
-enum Action {
-    Lineup(Lineup),
-    Start(StartChoice),
-    Camera(usize),
-    Axis(PushAxis),
-    /// Hold another limb.
-    Limb(usize),
-    /// Look at a step.
-    Step(usize),
-    /// Logarithmic heights, or percent.
-    Log(bool),
-    /// Mark the worst pixel of a fit, or of none.
-    Mark(Option<usize>),
-    /// Copy the curves as text.
-    CopyTable,
-    /// Save the plot as a picture.
-    SavePlot,
-}
-
 impl Laboratory {
     /// The centre of its layout.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        let mut actions = Vec::new();
-        contents(ui, self, context, requests, &mut actions);
-        for action in actions {
-            self.apply(action, context, requests);
+        let room = Room::of(ui.available_rect_before_wrap());
+        let mut choices = self.choices;
+        header::ui(ui, context, &mut choices, requests, room.margin);
+        let frame = Frame::NONE.fill(theme::palette(ui).well);
+        let shown = CentralPanel::default().frame(frame).show(ui, |ui| {
+            let Some(comparison) = self.begun() else {
+                waiting(ui, context);
+                return None;
+            };
+            let model = &context.document().model;
+            let key = self.push_key(context);
+            let (_, axis, limb) = key;
+            let limb = &model.limbs()[limb].name;
+            let bench = Bench { context, laboratory: self, comparison, limb, axis, key, room };
+            page(ui, &bench, &mut choices, requests)
+        });
+        if let Some((step, comparison)) = shown.inner.zip(self.comparison.as_mut()) {
+            comparison.go_to(step);
         }
+        self.choices = choices;
     }
 
     /// The box of what is compared.
     pub(crate) fn lineup_box(&mut self, ui: &mut Ui) {
-        if let Some(lineup) = header::lineup_box(ui, self.lineup) {
-            self.lineup = lineup;
-        }
-    }
-
-    fn apply(&mut self, action: Action, context: &Context<'_>, requests: &mut Requests) {
-        match (action, &mut self.comparison) {
-            (Action::Lineup(lineup), _) => self.lineup = lineup,
-            (Action::Start(start), _) => self.start = start,
-            (Action::Camera(camera), _) => self.camera = camera,
-            (Action::Axis(axis), _) => self.axis = Some(axis),
-            (Action::Limb(limb), _) => {
-                requests.request(SessionRequest::Joint(Selection::joint_of(&context.document().model, limb)));
-            }
-            (Action::Log(is_log), _) => self.is_log = is_log,
-            (Action::Mark(fit), _) => self.mark_worst(fit),
-            (Action::Step(step), Some(comparison)) => comparison.go_to(step),
-            (Action::CopyTable, Some(comparison)) => {
-                context.egui.copy_text(table::csv(comparison));
-                requests.status("Copied the curves as comma-separated values.");
-            }
-            (Action::Step(_) | Action::CopyTable, None) => {}
-            (Action::SavePlot, _) => {
-                let wanted = DialogKind::NewFile("laboratory.png".to_owned(), &[]);
-                if let Err(why) = self.dialogs.ask(context.egui, (), "Save plot", wanted) {
-                    requests.complain(why.to_string());
-                }
-            }
-        }
+        header::lineup_box(ui, &mut self.choices.lineup);
     }
 }
 
-fn contents(
+/// Everything below the header; the step that is to be looked at.
+fn page(
     ui: &mut Ui,
-    laboratory: &Laboratory,
-    context: &Context<'_>,
+    bench: &Bench<'_>,
+    choices: &mut LaboratoryChoices,
     requests: &mut Requests,
-    actions: &mut Vec<Action>,
-) {
-    let palette = theme::palette(ui);
-    let room = Room::of(ui.available_rect_before_wrap());
-    header::ui(ui, laboratory, context, requests, actions, room.margin);
-    CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
-        let rect = ui.max_rect();
-        let Some(comparison) = laboratory.begun() else { return waiting(ui, rect, context) };
-        let model = &context.document().model;
-        let key = laboratory.push_key(context);
-        let (_, axis, limb) = key;
-        let limb = &model.limbs()[limb].name;
-        page(ui, rect, &Bench { context, laboratory, comparison, limb, axis, key, room }, actions);
-    });
-}
-
-fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, actions: &mut Vec<Action>) {
-    let Room { margin, gap, .. } = bench.room;
+) -> Option<usize> {
+    let (rect, Room { margin, gap, is_compact }) = (ui.max_rect(), bench.room);
     let top_gap = margin.min(16.0);
     let inner = Rect::from_min_max(
         pos2(rect.left() + margin, rect.top() + top_gap),
         pos2(rect.right() - margin, rect.bottom() - margin.min(20.0)),
     );
     let plot_height = (PLOT_SHARE * inner.height()).clamp(*PLOT_HEIGHT.start(), *PLOT_HEIGHT.end());
-    let is_compact = bench.room.is_compact;
     let plot_height = if is_compact { plot_height.max(COMPACT_PLOT_HEIGHT) } else { plot_height };
     let (above, below) = inner.split_top_bottom_at_y(inner.bottom() - plot_height);
     let above = above.with_max_y(above.bottom() - gap);
-    let fits = &bench.comparison.contestants;
-    let count = fits.len().max(1) as f32;
+    let fits = bench.comparison.contestants.len();
+    let count = fits.max(1) as f32;
     let width = (above.width() - gap * (count - 1.0)) / count;
-    for (index, fit) in fits.iter().enumerate() {
+    for index in 0..fits {
         let left = above.left() + (width + gap) * index as f32;
         let column = Rect::from_min_size(pos2(left, above.top()), vec2(width, above.height()));
         card(ui, column);
-        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, actions));
+        inside(ui, column, ("column", index), |ui| column::ui(ui, bench, index, choices));
     }
     let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
     let caption_width = (share * below.width()).max(330.0);
     let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
     let caption = caption.with_min_x(caption.left() + gap);
     card(ui, plot);
-    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, actions));
+    let step =
+        inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, choices, requests));
     card(ui, caption);
     let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
-    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, actions));
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, choices));
+    step
 }
 
 /// The ground of a part of the page.
@@ -196,20 +139,20 @@ fn card(ui: &Ui, rect: Rect) {
     ui.painter().rect(rect, f32::from(size::WINDOW_RADIUS), palette.raised, stroke, StrokeKind::Inside);
 }
 
-fn inside(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&mut Ui)) {
-    ui.scope_builder(UiBuilder::new().max_rect(rect).id_salt(salt), |ui| {
+fn inside<R>(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let builder = UiBuilder::new().max_rect(rect).id_salt(salt);
+    let inside = ui.scope_builder(builder, |ui| {
         ui.set_clip_rect(rect.expand(2.0).intersect(ui.clip_rect()));
-        add(ui);
+        add(ui)
     });
+    inside.inner
 }
 
 /// Before there is anything to show.
-fn waiting(ui: &mut Ui, rect: Rect, context: &Context<'_>) {
-    let has_mask = context
-        .session
-        .frames
-        .get(context.selection.frame)
-        .map(|frame| frame.cameras.iter().any(|camera| camera.mask.is_some()));
+fn waiting(ui: &mut Ui, context: &Context<'_>) {
+    let rect = ui.max_rect();
+    let frame = context.session.frames.get(context.selection.frame);
+    let has_mask = frame.map(|frame| frame.cameras.iter().any(|camera| camera.mask.is_some()));
     let text = match has_mask {
         None if context.busy.load_broke => "This frame cannot be read: Help › Messages says why",
         None => "Reading the frame…",

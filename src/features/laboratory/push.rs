@@ -55,8 +55,7 @@ impl PushAxis {
 
     /// What pixels do along it, behind "what" and "pixels that".
     pub(crate) fn verb(self, limb: &str) -> String {
-        const AXES: [&str; 3] = ["x", "y", "z"];
-        let axis = |index: usize| AXES.get(index).copied().unwrap_or("x");
+        let axis = |index: usize| ["x", "y", "z"][index.min(2)];
         match self {
             Self::Slide => format!("pushes the {limb} along its axis"),
             Self::Turn(index) => format!("turns the {limb} about {}", axis(index)),
@@ -156,25 +155,19 @@ impl Pushed {
         let scale = scales.get(scales.len().saturating_sub(1) / 2).copied().unwrap_or(1.0);
         // Rounding is no push.
         let least = (scale * LEAST_SHARE).max(LEAST_PUSH);
-        let kept: Vec<Vec<f32>> = pushes
-            .iter()
-            .map(|push| {
-                let pixels = push.values.iter().zip(&push.prediction.lambda);
-                let kept = |(value, level): (&f64, &f32)| {
-                    if is_in_ramp(level) && value.abs() >= least { *value as f32 } else { 0.0 }
-                };
-                pixels.map(kept).collect()
-            })
-            .collect();
-        kept.into_iter()
-            .zip(pushes)
-            .map(|(values, push)| Self {
+        let kept = |(value, level): (&f64, &f32)| {
+            if is_in_ramp(level) && value.abs() >= least { *value as f32 } else { 0.0 }
+        };
+        let measured = |Push { values, prediction }: Push| {
+            let values: Vec<f32> = values.iter().zip(&prediction.lambda).map(kept).collect();
+            Self {
                 pushing: values.iter().filter(|value| value.abs() > 0.0).count(),
-                in_ramp: push.prediction.lambda.iter().filter(|level| is_in_ramp(level)).count(),
+                in_ramp: prediction.lambda.iter().filter(|level| is_in_ramp(level)).count(),
                 picture: Derivative { values, scale: scale as f32 },
-                prediction: push.prediction,
-            })
-            .collect()
+                prediction,
+            }
+        };
+        pushes.into_iter().map(measured).collect()
     }
 }
 

@@ -1,31 +1,30 @@
 //! The laboratory in every frame of the window: it begins again when what it compares changes, steps its fits, and asks
 //! for what its pictures lack.
 
-use backlit_formats::Footage;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_jobs::{News, Pool};
 use backlit_plot::AsPicture;
 use backlit_tracking::body::Pose;
 use image::{DynamicImage, ImageFormat};
 
+use super::check::{CheckJob, FitCheck};
 use super::comparison::PushKey;
-use super::job::{CheckJob, FitCheck, Lacking, Look, LookJob, StepJob, Stepped};
+use super::job::{Lacking, Look, LookJob, StepJob, Stepped};
 use super::start::StartParts;
-use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, table};
-use crate::context::FeatureRequest;
+use super::{Basis, Comparison, Contestant, Laboratory, LaboratoryChoices, table};
 use crate::context::command::{Command, LaboratoryCommand};
 use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
-use crate::context::{Context, Requests};
+use crate::context::{Context, FeatureRequest, Requests};
 
 impl Feature for Laboratory {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         self.take_in_steps(context, requests);
-        self.take_in_looks(requests);
-        self.take_in_checks(requests);
+        self.take_in_looks_and_checks(requests);
         for ((), path) in self.dialogs.answers() {
             self.save_plot(&path, context, requests);
         }
@@ -47,8 +46,8 @@ impl Feature for Laboratory {
 
     fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, _: &mut Requests) {
         if let FeatureRequest::RunLaboratory { over, camera } = *request {
-            self.lineup = over.into();
-            self.camera = camera.unwrap_or(self.camera);
+            self.choices.lineup = over.into();
+            self.choices.camera = camera.unwrap_or(self.choices.camera);
             self.wants_run = true;
         }
     }
@@ -57,7 +56,7 @@ impl Feature for Laboratory {
         if context.preferences.layout != Layout::Demonstrate {
             return None;
         }
-        let all = self.lineup.all_text();
+        let all = self.choices.lineup.words().all;
         let Some(comparison) = self.begun() else { return Some("Preparing the laboratory…".to_owned()) };
         let step = comparison.cursor;
         if self.is_running() {
@@ -78,7 +77,8 @@ impl Feature for Laboratory {
     }
 
     fn reset(&mut self, _: &Footage) {
-        *self = Self { is_log: self.is_log, comparisons: self.comparisons, ..Self::default() };
+        let choices = LaboratoryChoices { is_log: self.choices.is_log, ..Default::default() };
+        *self = Self { choices, comparisons: self.comparisons, ..Self::default() };
     }
 
     fn freeze_times(&mut self) {
@@ -87,12 +87,7 @@ impl Feature for Laboratory {
 
     fn at_rest(&self) -> Self {
         Self {
-            lineup: self.lineup,
-            start: self.start,
-            axis: self.axis,
-            camera: self.camera,
-            is_log: self.is_log,
-            marked: self.marked,
+            choices: self.choices,
             comparison: self.comparison.clone(),
             step_seconds: self.step_seconds,
             comparisons: self.comparisons,
@@ -135,34 +130,24 @@ impl Laboratory {
         }
     }
 
-    fn take_in_looks(&mut self, requests: &mut Requests) {
-        for news in self.looks.poll() {
-            let fits = self.comparison.iter_mut().flat_map(|comparison| &mut comparison.contestants);
-            match news {
-                News::Output(Look::Step(index, predicted)) => {
-                    fits.skip(index).take(1).for_each(|fit| fit.shown = Some(predicted.clone()));
+    fn take_in_looks_and_checks(&mut self, requests: &mut Requests) {
+        let looks = requests.outputs("Drawing the laboratory’s pictures", &mut self.looks);
+        let checks = requests.outputs("The check of the laboratory’s gradients", &mut self.checks);
+        let Some(comparison) = &mut self.comparison else { return };
+        let fits = &mut comparison.contestants;
+        for look in looks {
+            match look {
+                Look::Step(index, predicted) => {
+                    fits.iter_mut().skip(index).take(1).for_each(|fit| fit.shown = Some(predicted.clone()));
                 }
-                News::Output(Look::Pushes(key, pushed)) => {
-                    fits.zip(pushed).for_each(|(fit, pushed)| fit.pushed = Some((key, Arc::new(pushed))));
+                Look::Pushes(key, pushed) => {
+                    let fits = fits.iter_mut().zip(pushed);
+                    fits.for_each(|(fit, pushed)| fit.pushed = Some((key, Arc::new(pushed))));
                 }
-                News::Ended => {}
-                News::Failed(failure) => requests.failed("Drawing the laboratory’s pictures", &failure),
             }
         }
-    }
-
-    fn take_in_checks(&mut self, requests: &mut Requests) {
-        for news in self.checks.poll() {
-            match news {
-                News::Output(found) => {
-                    let fits = self.comparison.as_mut().map(|comparison| &mut comparison.contestants);
-                    if let Some(fit) = fits.and_then(|fits| fits.get_mut(found.index)) {
-                        fit.checked = Some(found.checked);
-                    }
-                }
-                News::Ended => {}
-                News::Failed(failure) => requests.failed("The check of the laboratory’s gradients", &failure),
-            }
+        for (index, checked) in checks {
+            fits.iter_mut().skip(index).take(1).for_each(|fit| fit.checked = Some(checked.clone()));
         }
     }
 
@@ -178,8 +163,8 @@ impl Laboratory {
             demonstration: context.session.demonstration().map(|which| (which, context.selection.frame)),
         };
         Some(Basis {
-            start: self.start.pose(&parts).normalized(),
-            entrants: self.lineup.entrants(&document.fit, &document.model),
+            start: self.choices.start.pose(&parts).normalized(),
+            entrants: self.choices.lineup.entrants(&document.fit, &document.model),
             scene,
         })
     }
@@ -189,7 +174,8 @@ impl Laboratory {
         if !self.comparison.as_ref().is_some_and(|old| old.basis.is(&basis)) {
             self.begin(basis, context.pool);
         }
-        self.camera = self.camera.min(context.session.camera_count().saturating_sub(1));
+        let last = context.session.camera_count().saturating_sub(1);
+        self.choices.camera = self.choices.camera.min(last);
         if self.begun().is_none() {
             return;
         }
@@ -208,7 +194,7 @@ impl Laboratory {
     fn begin(&mut self, basis: Basis, pool: &Pool) {
         self.looks.forget();
         self.checks.forget();
-        (self.pending_steps, self.marked) = (0, None);
+        (self.pending_steps, self.choices.marked) = (0, None);
         self.comparisons += 1;
         self.fits.clear();
         let starts = basis.entrants.iter().map(|entrant| (basis.scene_of(entrant), basis.start.clone()));
@@ -253,7 +239,7 @@ impl Laboratory {
     /// Which pushes are shown.
     pub(super) fn push_key(&self, context: &Context<'_>) -> PushKey {
         let model = &context.document().model;
-        (self.camera, self.axis_for(model), context.selection.limb(model))
+        (self.choices.camera, self.choices.axis_for(model), context.selection.limb(model))
     }
 
     /// The pictures that the screen lacks and that can be made.
@@ -290,31 +276,24 @@ impl Laboratory {
         if self.checks.is_busy() && is_asked(self.checks.inputs(), &wanted) {
             return;
         }
-        let (shown, cameras) = (self.camera, comparison.basis.scene.cameras.len());
-        let order: Vec<usize> =
-            std::iter::once(shown).chain((0..cameras).filter(|camera| *camera != shown)).collect();
+        let mut order: Vec<usize> = (0..comparison.basis.scene.cameras.len()).collect();
+        order.sort_by_key(|camera| *camera != self.choices.camera);
         self.checks.begin(pool, wanted, |wanted| {
-            let check = |(index, pose): &(usize, Pose)| check_of(comparison, *index, pose, &order);
-            CheckJob::new(wanted.iter().map(check).collect())
+            let check = |(index, pose): &(usize, Pose)| {
+                let scene = comparison.contestants[*index].scene.clone();
+                FitCheck::new(*index, scene, pose.clone(), order.clone())
+            };
+            CheckJob(wanted.iter().map(check).collect())
         });
-    }
-
-    /// Marks the worst pixel of a fit, and shows the camera that it is in.
-    pub(super) fn mark_worst(&mut self, fit: Option<usize>) {
-        self.marked = fit;
-        let comparison = self.comparison.as_ref();
-        let marked = fit.and_then(|fit| comparison?.contestants.get(fit)?.checked.as_ref());
-        if let Some(worst) = marked.and_then(|checked| checked.progress.worst.as_ref()) {
-            self.camera = worst.camera;
-        }
     }
 
     /// Writes the plot as a PNG.
     pub fn save_plot(&self, path: &Path, context: &Context<'_>, requests: &mut Requests) {
         let Some(comparison) = &self.comparison else { return };
         let take = context.session.take.as_ref().map_or("", |take| take.take().name());
-        let subtitle = format!("{take}. {}", self.lineup.sentence());
-        let figure = table::figure(comparison, self.lineup.title(), &subtitle, self.is_log);
+        let words = self.choices.lineup.words();
+        let subtitle = format!("{take}. {}", words.sentence);
+        let figure = table::figure(comparison, words.title, &subtitle, self.choices.is_log);
         let theme = context.preferences.theme;
         let path = if path.extension().is_none() { path.with_extension("png") } else { path.to_owned() };
         requests.write(&path, move || {
@@ -337,21 +316,4 @@ pub(super) fn unchecked(comparison: &Comparison) -> Vec<(usize, Pose)> {
         (!known.is_some_and(|known| known.progress.is_whole())).then(|| (index, pose.clone()))
     };
     comparison.contestants.iter().enumerate().filter_map(pose).collect()
-}
-
-/// The check of a fit in these cameras.
-fn check_of(comparison: &Comparison, index: usize, pose: &Pose, order: &[usize]) -> FitCheck {
-    let scene = &comparison.contestants[index].scene;
-    let check = |camera: &usize| {
-        let check = ColumnCheck {
-            model: scene.model.clone(),
-            pose: pose.clone(),
-            camera: scene.cameras.get(*camera)?.clone(),
-            renderer: scene.fit.renderer,
-            ramp: scene.fit.final_ramp(),
-            parameters: scene.fit.parameters,
-        };
-        Some((*camera, check))
-    };
-    FitCheck::new(index, order.iter().filter_map(check).collect())
 }

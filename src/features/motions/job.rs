@@ -76,6 +76,12 @@ impl RecognisedMotions {
         class.and_then(|class| self.names.get(class)).map_or(words::UNKNOWN, |name| name)
     }
 
+    /// The class in plain words that a frame is most likely of, known or not.
+    pub(super) fn likeliest(&self, named: &FrameName) -> &str {
+        let shares = &named.shares;
+        self.name((0..shares.len()).max_by(|&a, &b| shares[a].total_cmp(&shares[b])))
+    }
+
     /// What a frame is.
     pub(super) fn frame(&self, frame: usize) -> Option<&FrameName> {
         let run = self.runs.iter().find(|run| {

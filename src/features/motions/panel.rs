@@ -1,22 +1,21 @@
 //! The Motions pane: the plane of motions, and the probabilities of the frame on the screen.
 
 pub(super) mod plane;
-mod shares;
 
 use backlit_recognition::Method;
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::{motion_colours, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{choice, segmented};
-use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Align2, Button, Id, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::job::{Missing, RecognisedMotions};
-use super::preferences::Plane;
-use super::{Motions, words};
+use super::{Motions, Plane, words};
 use crate::context::command::{Command, TrackingCommand};
 use crate::context::command_button as command;
+use crate::context::marks::whole_percent;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, SessionRequest};
 
 /// A pane narrower than this has two rows above the plane.
 const ONE_ROW: f32 = 500.0;
@@ -24,14 +23,17 @@ const ONE_ROW: f32 = 500.0;
 const METHODS: f32 = 110.0;
 /// The plane is not made lower than this for the probabilities' sake.
 const LEAST_PLANE: f32 = 110.0;
-
-/// What is asked for in the pane, done when it is drawn.
-enum MotionsAction {
-    Plane(Plane),
-    Method(Method),
-    BuiltIn,
-    ModelFile,
-}
+/// Height of the line that says what the frame is.
+const TITLE: f32 = 20.0;
+/// Height of a row.
+const ROW: f32 = 17.0;
+/// Width of the longest name and of a percentage.
+const NAME: f32 = 112.0;
+const PERCENT: f32 = 50.0;
+/// From this width on there are two columns.
+const TWO_COLUMNS: f32 = 430.0;
+/// Side of the mark of a colour.
+const SWATCH: f32 = 9.0;
 
 impl Motions {
     /// The pane, in all of the space that is left.
@@ -42,61 +44,36 @@ impl Motions {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let mut actions = Vec::new();
         pane_title::ground(ui, |ui| {
-            self.head(ui, siblings, requests, &mut actions);
+            self.head(ui, context, siblings, requests);
             match &self.found {
                 Some(found) => self.shown(ui, found, context, requests),
-                None => self.nothing(ui, context, requests, &mut actions),
+                None => self.nothing(ui, context, requests),
             }
         });
-        for wish in actions {
-            match wish {
-                MotionsAction::Plane(plane) => self.preferences.plane = plane,
-                MotionsAction::Method(method) => self.preferences.method = method,
-                MotionsAction::BuiltIn => self.model = None,
-                MotionsAction::ModelFile => self.ask_for_model(context, requests),
-            }
-        }
     }
 
     /// The name and what can be chosen: in one row, or in two where the pane is a narrow column.
-    fn head(
-        &self,
-        ui: &mut Ui,
-        siblings: &[Pane],
-        requests: &mut Requests,
-        actions: &mut Vec<MotionsAction>,
-    ) {
-        let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-            let size = vec2(ui.available_width(), size::TILE_HEADER);
-            ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
-                ui.set_min_height(size::TILE_HEADER);
-                add(ui);
-            });
-        };
+    fn head(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
         let is_narrow = ui.available_width() < ONE_ROW;
-        row(ui, &mut |ui| {
+        pane_title::row(ui, |ui| {
             pane_title::show(ui, Pane::Motions, siblings, requests);
             ui.add_space(space::ROW);
             if !is_narrow {
-                self.choices(ui, actions);
+                self.choices(ui);
             }
-            self.models(ui, actions);
+            self.models(ui, context, requests);
             ui.add_space(HEADER_BUTTONS);
         });
         if is_narrow {
-            ui.horizontal_wrapped(|ui| self.choices(ui, actions));
+            ui.horizontal_wrapped(|ui| self.choices(ui));
         }
     }
 
-    fn choices(&self, ui: &mut Ui, actions: &mut Vec<MotionsAction>) {
-        let mut shown = self.preferences.plane;
+    fn choices(&mut self, ui: &mut Ui) {
         let planes = [Plane::Apart, Plane::Principal].map(|plane| (plane, words::plane(plane).0));
-        let tooltip = words::plane(shown).1;
-        if segmented(ui, &mut shown, &planes).on_hover_text(tooltip).changed() {
-            actions.push(MotionsAction::Plane(shown));
-        }
+        let tooltip = words::plane(self.preferences.plane).1;
+        segmented(ui, &mut self.preferences.plane, &planes).on_hover_text(tooltip);
         let is_there = |method: &Method| match &self.found {
             Some(found) => found.recognizer.methods().any(|other| other == *method),
             None => *method != Method::Nearest,
@@ -111,19 +88,20 @@ impl Motions {
             .collect();
         let chosen = self.found.as_ref().map_or(self.preferences.method, |found| found.method);
         if let Some(method) = choice(ui, "Method", METHODS, words::method(chosen).0, &rows) {
-            actions.push(MotionsAction::Method(method));
+            self.preferences.method = method;
         }
     }
 
-    fn models(&self, ui: &mut Ui, actions: &mut Vec<MotionsAction>) {
-        let name = self.model.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy());
+    fn models(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let name = self.model.as_ref().and_then(|path| path.file_name());
+        let name = name.map(|name| name.to_string_lossy().into_owned());
         let menu = ui.menu_button("Model", |ui| {
             if ui.add_enabled(self.model.is_some(), Button::new("Built-in model")).clicked() {
-                actions.push(MotionsAction::BuiltIn);
+                self.model = None;
                 ui.close();
             }
             if ui.add(Button::new("Open model…")).clicked() {
-                actions.push(MotionsAction::ModelFile);
+                self.ask_for_model(context, requests);
                 ui.close();
             }
         });
@@ -137,8 +115,8 @@ impl Motions {
     /// The plane, and below it the probabilities.
     fn shown(&self, ui: &mut Ui, found: &RecognisedMotions, context: &Context<'_>, requests: &mut Requests) {
         let area = ui.available_rect_before_wrap().shrink2(vec2(0.0, space::ROW));
-        let wanted = shares::height(found, area.width());
-        let room = if area.height() >= LEAST_PLANE + wanted { wanted } else { shares::TITLE };
+        let wanted = shares_height(found, area.width());
+        let room = if area.height() >= LEAST_PLANE + wanted { wanted } else { TITLE };
         let [above, below] =
             [area.top()..=area.bottom() - room - space::ROW, area.bottom() - room..=area.bottom()];
         let plane = Rect::from_x_y_ranges(area.x_range(), above);
@@ -146,50 +124,101 @@ impl Motions {
         if let Some(frame) = plane::ui(ui, plane, found, self.preferences.plane, context, is_stale)
             && frame != context.selection.frame
         {
-            requests.request(crate::context::SessionRequest::Frame(frame));
+            requests.request(SessionRequest::Frame(frame));
         }
-        shares::ui(ui, Rect::from_x_y_ranges(area.x_range(), below), found, context.selection.frame);
+        shares(ui, Rect::from_x_y_ranges(area.x_range(), below), found, context.selection.frame);
         ui.advance_cursor_after_rect(area);
     }
 
     /// What is missing, and a button for it.
-    fn nothing(
-        &self,
-        ui: &mut Ui,
-        context: &Context<'_>,
-        requests: &mut Requests,
-        actions: &mut Vec<MotionsAction>,
-    ) {
-        let palette = theme::palette(ui);
+    fn nothing(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let area = ui.available_rect_before_wrap();
+        let text = match &self.missing {
+            _ if context.session.take.is_none() => {
+                "Open a take first: its tracked motion gets names here.".to_owned()
+            }
+            _ if context.busy.tracking => "The tracker is at work. Names come when it has ended.".to_owned(),
+            Some(missing) => words::missing(missing),
+            None => "Naming the tracked motion…".to_owned(),
+        };
         let size = vec2(area.width().min(380.0), 150.0_f32.min(area.height()));
-        let builder = UiBuilder::new()
-            .max_rect(Rect::from_center_size(area.center(), size))
-            .layout(Direction::top_down(Align::Center));
-        ui.scope_builder(builder, |ui| {
-            let text = match &self.missing {
-                _ if context.session.take.is_none() => {
-                    "Open a take first: its tracked motion gets names here.".to_owned()
-                }
-                _ if context.busy.tracking => {
-                    "The tracker is at work. Names come when it has ended.".to_owned()
-                }
-                Some(missing) => words::missing(missing),
-                None => "Naming the tracked motion…".to_owned(),
-            };
-            ui.label(RichText::new(text).color(palette.text3));
-            ui.add_space(space::WIDGET);
+        pane_title::in_the_middle(ui, size, &text, |ui| {
             let is_idle = context.session.take.is_some() && !context.busy.tracking;
             match &self.missing {
                 Some(Missing::Track | Missing::Short { .. }) if is_idle => {
                     command::button(ui, context, requests, Command::Tracking(TrackingCommand::Forward));
                 }
                 Some(Missing::Model(_)) if ui.add(Button::new("Built-in model")).clicked() => {
-                    actions.push(MotionsAction::BuiltIn);
+                    self.model = None;
                 }
                 _ => {}
             }
         });
         ui.advance_cursor_after_rect(area);
+    }
+}
+
+fn columns(width: f32) -> usize {
+    if width >= TWO_COLUMNS { 2 } else { 1 }
+}
+
+/// The room that all rows want.
+fn shares_height(found: &RecognisedMotions, width: f32) -> f32 {
+    TITLE + ROW * found.names.len().div_ceil(columns(width)) as f32
+}
+
+/// What the frame is, and as many rows as there is room for.
+fn shares(ui: &Ui, area: Rect, found: &RecognisedMotions, frame: usize) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter().with_clip_rect(area);
+    let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
+    let mono = TextStyle::Monospace.resolve(ui.style());
+    let number = format::count(frame as i64);
+    let named = found.frame(frame);
+    let title = match named {
+        None => format!("Frame {number} has no name: it is not tracked, or in a piece that is too short."),
+        Some(named) => {
+            let nearest = match named.class {
+                Some(_) => String::new(),
+                None => format!(". Nearest is {}", found.likeliest(named)),
+            };
+            let sure = whole_percent(named.confidence);
+            format!("Frame {number}: {}{nearest}, {sure}", found.name(named.class))
+        }
+    };
+    let swatch =
+        Rect::from_center_size(pos2(area.left() + 6.0, area.top() + 0.5 * TITLE), vec2(SWATCH, SWATCH));
+    let mut left = area.left();
+    if let Some(named) = named {
+        painter.rect_filled(swatch, 2.0, motion_colours(named.class).fill);
+        left = swatch.right() + space::ROW + 2.0;
+    }
+    painter.text(pos2(left, swatch.center().y), Align2::LEFT_CENTER, &title, body, palette.text);
+    let place = Rect::from_min_size(area.min, vec2(area.width(), TITLE));
+    let said = ui.interact(place, Id::unique("frame's motion"), Sense::hover());
+    said.widget_info(|| WidgetInfo::labeled(Role::Label, true, &title));
+    let (Some(named), columns) = (named, columns(area.width())) else { return };
+    let rows = found.names.len().div_ceil(columns);
+    let width = (area.width() - space::GROUP * (columns - 1) as f32) / columns as f32;
+    for (class, (name, share)) in found.names.iter().zip(&named.shares).enumerate() {
+        let corner =
+            vec2((width + space::GROUP) * (class / rows) as f32, TITLE + ROW * (class % rows) as f32);
+        let row = Rect::from_min_size(area.min + corner, vec2(width, ROW));
+        if row.bottom() > area.bottom() + 0.5 {
+            continue;
+        }
+        let y = row.center().y;
+        painter.text(pos2(row.left(), y), Align2::LEFT_CENTER, name, small.clone(), palette.text2);
+        let text = whole_percent(*share);
+        painter.text(pos2(row.right(), y), Align2::RIGHT_CENTER, text, mono.clone(), palette.text);
+        let across = row.left() + NAME..=(row.right() - PERCENT).max(row.left() + NAME);
+        let bar = Rect::from_x_y_ranges(across, y - 4.0..=y + 4.0);
+        painter.rect_filled(bar, 2.0, palette.field);
+        let part = Rect::from_min_size(bar.min, vec2(bar.width() * *share as f32, bar.height()));
+        painter.rect_filled(part, 2.0, motion_colours(Some(class)).fill);
+        let said = ui.interact(row, Id::unique(("motion's share", class)), Sense::hover());
+        said.widget_info(|| {
+            WidgetInfo::labeled(Role::Label, true, format!("{name}: {}", whole_percent(*share)))
+        });
     }
 }

@@ -7,9 +7,9 @@ use backlit_recognition::Method;
 use backlit_take::demonstration::Demonstration;
 use egui::pos2;
 
+use super::Plane;
 use super::job::Missing;
 use super::panel::plane::{Sheet, places};
-use super::preferences::Plane;
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::command::{Command, HistoryCommand, TrackingCommand};

@@ -1,36 +1,33 @@
 //! Names are asked for when the track has changed, and at rest.
 
-use backlit_formats::Footage;
-use egui::Ui;
 use std::sync::Arc;
 
-use backlit_jobs::{News, once};
+use backlit_formats::Footage;
+use backlit_jobs::once;
 use backlit_tracking::camera::up_of;
+use egui::Ui;
 use glam::DVec3;
 
 use super::Motions;
 use super::job::{Inputs, Missing};
-use crate::context::Published;
 use crate::context::feature::Feature;
 use crate::context::file_dialog::DialogKind;
 use crate::context::marks::MotionMarks;
 use crate::context::pane::Pane;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Published, Requests};
 
 impl Feature for Motions {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for ((), path) in self.dialogs.answers() {
             self.model = Some(path);
         }
-        for news in self.task.poll() {
-            match news {
-                News::Output(Ok(found)) => {
+        for found in requests.outputs("The recognition of motions", &mut self.task) {
+            match found {
+                Ok(found) => {
                     self.marks.stretches = Arc::new(found.stretches());
                     (self.found, self.missing) = (Some(found), None);
                 }
-                News::Output(Err(missing)) => self.forget(missing),
-                News::Failed(failure) => requests.failed("The recognition of motions", &failure),
-                News::Ended => {}
+                Err(missing) => self.forget(missing),
             }
         }
         let Some(inputs) = self.inputs(context) else { return };

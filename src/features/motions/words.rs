@@ -2,8 +2,8 @@
 
 use backlit_recognition::{Method, Recognizer};
 
+use super::Plane;
 use super::job::Missing;
-use super::preferences::Plane;
 use crate::context::marks::whole_percent;
 
 /// What no known motion is called.

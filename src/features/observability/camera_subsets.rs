@@ -9,7 +9,9 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{paint_camera_badge, section};
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
+use super::panel::paint_selected;
 use super::{Observability, Observed};
+use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 
 /// Between two badges.
@@ -24,13 +26,8 @@ const BARS_M: [f64; 2] = [1.0, 0.0005];
 
 impl Observability {
     /// The Camera subsets section.
-    pub(crate) fn subsets_section(
-        &mut self,
-        ui: &mut Ui,
-        context: &Context<'_>,
-        requests: &mut Requests,
-        open: bool,
-    ) {
+    pub(super) fn subsets_section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let open = context.preferences.layout == Layout::Debug;
         let used: Vec<usize> = context.document().used_cameras().collect();
         let summary = format!("{} of {} cameras", used.len(), context.session.camera_count());
         section(ui, "Camera subsets", &summary, open, |ui| {
@@ -43,7 +40,7 @@ impl Observability {
             ui.spacing_mut().item_spacing.y = 0.0;
             head(ui);
             for (place, figures) in found.subsets.iter().enumerate() {
-                let response = row(ui, &found, self.is_stale, figures, figures.cameras == used);
+                let response = row(ui, &found, self.is_stale(), figures, figures.cameras == used);
                 if response.hovered() || response.has_focus() {
                     self.drawn.subset = Some(place);
                 }
@@ -98,16 +95,10 @@ fn row(ui: &mut Ui, found: &Observed, is_stale: bool, figures: &SubsetFigures, i
     let names: Vec<String> = figures.cameras.iter().map(|camera| (camera + 1).to_string()).collect();
     let label = format!("Cameras {}", names.join(", "));
     response.widget_info(|| WidgetInfo::selected(Role::ListItem, ui.is_enabled(), is_current, &label));
-    let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
     if is_current {
-        ui.painter().rect_filled(band, 0.0, palette.select);
-        ui.painter().rect_filled(
-            Rect::from_min_size(band.min, vec2(3.0, band.height())),
-            0.0,
-            palette.accent,
-        );
+        paint_selected(ui, row);
     } else if response.hovered() {
-        ui.painter().rect_filled(band, 0.0, palette.hover);
+        ui.painter().rect_filled(row.expand2(vec2(space::PANEL_MARGIN, 0.0)), 0.0, palette.hover);
     }
     for (index, &camera) in figures.cameras.iter().enumerate() {
         let left = row.left() + index as f32 * (size::BADGE + BADGE_GAP);

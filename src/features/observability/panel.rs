@@ -9,13 +9,14 @@ use backlit_ui::drawing::joint_name;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{Icon, SliderRow, checkbox, icon_button, named_row, section};
-use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use backlit_ui::widgets::{Icon, SliderRow, checkbox, first_that_fits, icon_button, named_row, section};
+use egui::{Align, ComboBox, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::Observability;
 use super::sway::{AMPLITUDES_MM, SPEEDS};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::command_button::named_button;
+use crate::context::preferences::Layout;
 use crate::context::{Context, Requests, unavailable};
 
 /// Width of the name of the ellipses' factor.
@@ -27,13 +28,8 @@ const WORTH_LISTING: f64 = 0.1;
 
 impl Observability {
     /// The Observability section.
-    pub(crate) fn section(
-        &mut self,
-        ui: &mut Ui,
-        context: &Context<'_>,
-        requests: &mut Requests,
-        open: bool,
-    ) {
+    pub(super) fn section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let open = context.preferences.layout == Layout::Debug;
         section(ui, "Observability", &summary(self), open, |ui| {
             self.drawn.figures = true;
             let Some(found) = self.found.clone() else {
@@ -48,7 +44,7 @@ impl Observability {
             chart::ui(ui, self, shown);
             if let Some(direction) = self.picked().and_then(|picked| shown.directions.get(picked)) {
                 title_row(ui, self, shown, direction, requests);
-                words(ui, self.is_stale, shown, direction);
+                words(ui, self.is_stale(), shown, direction);
                 movers(ui, self, shown, direction);
                 sway(ui, context, self, direction, requests);
             }
@@ -67,15 +63,24 @@ fn summary(observability: &Observability) -> String {
 /// Why there are no figures yet.
 fn waiting_for(context: &Context<'_>) -> &'static str {
     let has_frame = context.session.frames.get(context.selection.frame).is_some();
-    match () {
-        () if context.session.take.is_none() => "Open a take to see what its cameras see.",
-        () if !has_frame => "Waiting for the frame…",
-        () => "Looking through every camera…",
+    match has_frame {
+        _ if context.session.take.is_none() => "Open a take to see what its cameras see.",
+        false => "Waiting for the frame…",
+        true => "Looking through every camera…",
     }
 }
 
 fn hint(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).small().color(theme::palette(ui).text3)).wrap());
+}
+
+/// The ground of the row that is looked at or in use.
+pub(super) fn paint_selected(ui: &Ui, row: Rect) {
+    let palette = theme::palette(ui);
+    let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
+    ui.painter().rect_filled(band, 0.0, palette.select);
+    let bar = Rect::from_min_size(band.min, vec2(3.0, band.height()));
+    ui.painter().rect_filled(bar, 0.0, palette.accent);
 }
 
 /// Which direction is looked at, and buttons to its neighbours.
@@ -92,26 +97,22 @@ fn title_row(
         ui.allocate_exact_size(vec2(ui.available_width(), size::SLIDER_ROW), Sense::hover());
     let text = format!("{} of {count}: {}", at + 1, words::title(shown, direction));
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Direction {text}")));
-    let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
-    ui.painter().rect_filled(band, 0.0, palette.select);
-    let bar = Rect::from_min_size(band.min, vec2(3.0, band.height()));
-    ui.painter().rect_filled(bar, 0.0, palette.accent);
+    paint_selected(ui, row);
     let buttons = Rect::from_min_max(egui::pos2(row.right() - 2.0 * size::BUTTON, row.top()), row.max);
     let colour = if observability.is_stale() { palette.text3 } else { palette.accent_text };
-    let font = egui::TextStyle::Body.resolve(ui.style());
+    let font = TextStyle::Body.resolve(ui.style());
     // As many of its parts as there is room for.
     let room = buttons.left() - row.left() - space::ROW;
     let shorter = text.rmatch_indices(", ").map(|(end, _)| &text[..end]);
-    let lay_out = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), colour);
-    let fits = |text: &&str| lay_out(text).size().x <= room;
-    let said = std::iter::once(&text[..]).chain(shorter).find(fits).unwrap_or_default();
-    let (galley, is_cut) = (lay_out(said), said != text);
+    let texts: Vec<&str> = std::iter::once(&text[..]).chain(shorter).collect();
+    let said = first_that_fits(ui, &texts, &TextStyle::Body, room).unwrap_or_default();
+    let (galley, is_cut) = (ui.painter().layout_no_wrap(said.to_owned(), font, colour), said != text);
     let at_text = egui::pos2(row.left(), row.center().y - 0.5 * galley.size().y);
     ui.painter().galley(at_text, galley, colour);
     if is_cut {
         response.on_hover_text(text);
     }
-    let builder = egui::UiBuilder::new().max_rect(buttons).layout(Layout::left_to_right(Align::Center));
+    let builder = egui::UiBuilder::new().max_rect(buttons).layout(egui::Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         let neighbours = [
@@ -173,20 +174,16 @@ fn movers(ui: &mut Ui, observability: &Observability, shown: &Figures, direction
     let movers = direction.movers();
     let most = movers.first().map_or(0.0, |first| first.1);
     for (limb, by) in movers.iter().take(LISTED).filter(|(_, by)| *by >= WORTH_LISTING * most) {
-        mover_row(
-            ui,
-            &joint_name(&shown.model, (*limb).into()),
-            &format!("±{}", format::length(by * amount)),
-            palette.text2,
-        );
+        let (name, by) = (joint_name(&shown.model, (*limb).into()), format::length(by * amount));
+        mover_row(ui, &name, &format!("±{by}"), palette.text2);
     }
 }
 
 fn mover_row(ui: &mut Ui, name: &str, value: &str, colour: egui::Color32) {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {value}")));
-    let small = egui::TextStyle::Small.resolve(ui.style());
-    let mono = egui::TextStyle::Monospace.resolve(ui.style());
+    let small = TextStyle::Small.resolve(ui.style());
+    let mono = TextStyle::Monospace.resolve(ui.style());
     let palette = theme::palette(ui);
     ui.painter().text(row.left_center(), egui::Align2::LEFT_CENTER, name, small, palette.text3);
     ui.painter().text(row.right_center(), egui::Align2::RIGHT_CENTER, value, mono, colour);
@@ -264,7 +261,7 @@ fn uncertainty(ui: &mut Ui, context: &Context<'_>, observability: &mut Observabi
     }
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
-        let colour = if observability.is_stale { palette.text3 } else { palette.text2 };
+        let colour = if observability.is_stale() { palette.text3 } else { palette.text2 };
         let name = format!("Least certain: {}", joint_name(&shown.model, limb.into()));
         mover_row(ui, &name, &format!("{} (1σ)", format::deviation(deviation)), colour);
     }

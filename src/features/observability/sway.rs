@@ -117,7 +117,7 @@ impl Observability {
     pub(super) fn advance(&mut self, context: &Context<'_>) {
         let Some(sway) = &mut self.sway else { return };
         if sway.of.is_none() {
-            sway.of = self.found.clone().filter(|_| !self.is_stale);
+            sway.of = self.found.clone().filter(|_| self.is_current);
         }
         let Some(of) = &sway.of else { return };
         let is_current = self.found.as_ref().is_some_and(|found| Arc::ptr_eq(found, of));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_formats::Footage;
-use backlit_jobs::{News, once};
+use backlit_jobs::once;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{Evidence, FitError, FitView};
 use backlit_tracking::observability::{FrameInformation, JointUncertainty, SubsetFigures};
@@ -13,7 +13,6 @@ use super::{Figures, Observability};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::feature::Feature;
 use crate::context::marks::{ObservabilityMarks, Uncertainty};
-use crate::context::preferences::Layout;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::{Context, Published, Requests};
 use crate::session::prediction::{FitInputs, PosedInputs};
@@ -21,21 +20,17 @@ use crate::session::prediction::{FitInputs, PosedInputs};
 impl Feature for Observability {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         self.shown = std::mem::take(&mut self.drawn);
-        for news in self.task.poll() {
-            match news {
-                News::Output(Ok(found)) => self.found = Some(found),
-                News::Output(Err(error)) => {
-                    requests.complain(format!("What the cameras see cannot be computed: {error}."));
-                }
-                News::Failed(failure) => requests.failed("The look at what the cameras see", &failure),
-                News::Ended => {}
+        for found in requests.outputs("The look at what the cameras see", &mut self.task) {
+            match found {
+                Ok(found) => self.found = Some(found),
+                Err(error) => requests.complain(format!("What the cameras see cannot be computed: {error}.")),
             }
         }
         let Some(inputs) = context.fit_inputs() else { return };
         let pose = context.shown_pose();
         let believed = context.session.believed(context.selection.frame, pose);
         self.believed = believed.map(|believed| Arc::clone(&believed.joints));
-        self.is_stale = !self.found().is_some_and(|found| found.pose == *pose && found.inputs.is(&inputs));
+        self.is_current = self.found().is_some_and(|found| found.pose == *pose && found.inputs.is(&inputs));
         self.advance(context);
         if self.is_playing() {
             context.egui.request_repaint();
@@ -44,7 +39,7 @@ impl Feature for Observability {
         let busy = context.busy;
         let is_moving =
             busy.fitting || busy.tracking || context.drag.is_dragging() || context.playback.is_playing();
-        if self.is_stale && is_wanted && !is_moving && inputs.frame.is_some() {
+        if self.is_stale() && is_wanted && !is_moving && inputs.frame.is_some() {
             let observe = |posed: &PosedInputs| {
                 let PosedInputs { inputs, pose } = posed.clone();
                 once(move |_| Observed::new(inputs, pose).map(Arc::new))
@@ -60,7 +55,7 @@ impl Feature for Observability {
             Some(Uncertainty { model, joints: joints.to_vec(), is_of_others: others.is_some(), is_believed })
         };
         published.observability = ObservabilityMarks {
-            is_stale: self.is_stale,
+            is_stale: self.is_stale(),
             is_playing: self.is_playing(),
             swaying: self.swaying(),
             swayed_pose: self.swayed_pose(),
@@ -92,9 +87,8 @@ impl Feature for Observability {
     }
 
     fn sections(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        let is_open = context.preferences.layout == Layout::Debug;
-        self.section(ui, context, requests, is_open);
-        self.subsets_section(ui, context, requests, is_open);
+        self.section(ui, context, requests);
+        self.subsets_section(ui, context, requests);
     }
 
     fn reset(&mut self, _: &Footage) {

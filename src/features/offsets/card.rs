@@ -29,15 +29,6 @@ const REST: f32 = 330.0;
 const DEPTHS: std::ops::Range<u32> = 1..120;
 const DEPTH_STEP: f64 = 0.1;
 
-/// What was asked for on the card.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum CardAction {
-    Find,
-    Stop,
-    Write,
-    Close,
-}
-
 impl Offsets {
     /// Shows the card, and says whether it stays.
     pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>) -> bool {
@@ -54,22 +45,15 @@ impl Offsets {
             let cameras = Self::full_cameras(&take);
             self.pictures(ui, cameras);
             self.frame_row(ui, context.session.frame_count());
-            let action = self.shift_rows(ui, cameras);
+            self.shift_rows(ui, context, cameras);
             ui.add_space(space::WIDGET);
-            self.buttons(ui).or(action)
+            self.buttons(ui, context)
         });
-        match modal.inner {
-            Some(CardAction::Find) => self.find(context),
-            Some(CardAction::Stop) => self.stop(),
-            Some(CardAction::Write) => self.write(context),
-            Some(CardAction::Close) => return false,
-            None => {}
-        }
-        if modal.should_close() {
+        let (is_cancelled, is_left) = (modal.inner, modal.should_close());
+        if is_left && !is_cancelled {
             self.stop();
-            return false;
         }
-        true
+        !(is_cancelled || is_left)
     }
 
     fn pictures(&mut self, ui: &mut Ui, cameras: &[Camera]) {
@@ -170,8 +154,7 @@ impl Offsets {
     }
 
     /// The shift of each camera, and what the silhouettes say of it.
-    fn shift_rows(&mut self, ui: &mut Ui, cameras: &[Camera]) -> Option<CardAction> {
-        let mut action = None;
+    fn shift_rows(&mut self, ui: &mut Ui, context: &Context<'_>, cameras: &[Camera]) {
         ScrollArea::vertical().max_height(130.0).min_scrolled_height(130.0).show(ui, |ui| {
             for (index, camera) in cameras.iter().enumerate() {
                 ui.horizontal(|ui| {
@@ -198,16 +181,16 @@ impl Offsets {
             }
         });
         named_row(ui, "Silhouettes", NAMES, |ui| {
-            if self.is_finding() {
+            if self.find.is_busy() {
                 if ui.add(Button::new("Stop").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                    action = Some(CardAction::Stop);
+                    self.stop();
                 }
                 let [done, all] = self.progress.unwrap_or_default();
                 hint(ui, &format!("{done} of {all} frames looked at"));
                 return;
             }
             if ui.add(Button::new("Find offsets").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                action = Some(CardAction::Find);
+                self.find(context);
             }
             match &self.found {
                 None => hint(ui, "from the motion of the silhouettes; the person must move"),
@@ -217,7 +200,6 @@ impl Offsets {
                 }
             }
         });
-        action
     }
 
     /// A camera that is shifted is shown.
@@ -245,21 +227,18 @@ impl Offsets {
         }
     }
 
-    fn buttons(&self, ui: &mut Ui) -> Option<CardAction> {
-        let mut action = None;
+    /// Whether the card is closed.
+    fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
         button_row(ui, |ui| {
             let is_shifted = self.shifts.iter().any(|shift| *shift != 0);
             let write = ui.add_enabled_ui(is_shifted, |ui| primary_button(ui, "Write to the take")).inner;
             let write = write.on_disabled_hover_text("No camera is shifted");
             let tooltip = "Changes the offsets in take.toml and nothing else in it, and opens the take again";
             if write.on_hover_text(tooltip).clicked() {
-                action = Some(CardAction::Write);
+                self.write(context);
             }
-            if ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                action = Some(CardAction::Close);
-            }
-        });
-        action
+            ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked()
+        })
     }
 }
 

@@ -45,19 +45,6 @@ const GAP: f32 = 26.0;
 /// To the edges of the window.
 const EDGE: f32 = 12.0;
 
-/// A step on the screen.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TourCard {
-    /// Counted from zero.
-    pub(super) step: usize,
-    /// What it points at.
-    pub(super) target: Option<Rect>,
-    /// The camera that it is about, counted from one.
-    pub(super) camera: usize,
-    /// Whether one may go on without doing it.
-    pub(super) can_go_on: bool,
-}
-
 /// What was asked for on a card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CardAnswer {
@@ -92,34 +79,39 @@ pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<CardAnswer> {
     event
 }
 
-/// A step's card.
-pub(super) fn card(ui: &Ui, input: &TourCard) -> Option<CardAnswer> {
+/// The card of a step, counted from zero: what it points at, and the camera that it is about, counted from one.
+pub(super) fn card(
+    ui: &Ui,
+    step: usize,
+    (target, camera): (Option<Rect>, usize),
+    can_go_on: bool,
+) -> Option<CardAnswer> {
     let mut event = None;
     let ctx = ui.ctx();
     let id = Id::unique("tour card");
     let window = ctx.content_rect().shrink(EDGE);
     let before = ctx.memory(|memory| memory.area_rect(id)).filter(|rect| rect.width() > WIDTH);
     let size = before.map_or(vec2(WIDTH + 24.0, 130.0), |rect| rect.size());
-    let clear = if matches!(input.step, 1 | 2) { CLEAR_JOINT } else { CLEAR };
-    let place = place(window, input.target.map(|target| target.expand(clear)), size);
+    let clear = if matches!(step, 1 | 2) { CLEAR_JOINT } else { CLEAR };
+    let place = place(window, target.map(|target| target.expand(clear)), size);
     let area = Area::new(id).order(Order::Foreground).constrain(false).fixed_pos(place.min);
     let shown = area.show(ctx, |ui| {
-        let name = format!("Tour, step {} of {}", input.step + 1, STEPS.len());
+        let name = format!("Tour, step {} of {}", step + 1, STEPS.len());
         framed(ui, &name, |ui, palette| {
-            let (title, text) = STEPS[input.step.min(STEPS.len() - 1)];
+            let (title, text) = STEPS[step.min(STEPS.len() - 1)];
             ui.label(RichText::new(title).heading().color(palette.text));
-            let text = text.replace("{camera}", &input.camera.to_string());
+            let text = text.replace("{camera}", &camera.to_string());
             ui.label(RichText::new(text).color(palette.text2));
             ui.add_space(space::ROW);
             ui.horizontal(|ui| {
-                let count = format!("{} of {}", input.step + 1, STEPS.len());
+                let count = format!("{} of {}", step + 1, STEPS.len());
                 ui.label(RichText::new(count).monospace().color(palette.text3));
                 ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                    if input.can_go_on && primary_button(ui, "Next").clicked() {
+                    if can_go_on && primary_button(ui, "Next").clicked() {
                         event = Some(CardAnswer::Next);
                     }
                     let back = |ui: &mut Ui| small_button(ui, "Back", "To the step before");
-                    if ui.add_enabled_ui(input.step > 0, back).inner {
+                    if ui.add_enabled_ui(step > 0, back).inner {
                         event = Some(CardAnswer::Back);
                     }
                     if small_button(ui, "Skip", "End the tour; Help › Tour begins it again") {
@@ -129,7 +121,7 @@ pub(super) fn card(ui: &Ui, input: &TourCard) -> Option<CardAnswer> {
             });
         });
     });
-    if let Some(target) = input.target {
+    if let Some(target) = target {
         let painter = ctx.layer_painter(shown.response.layer_id);
         let palette = theme::palette(ui);
         painter.extend(arrow(shown.response.rect, target, palette));
@@ -184,8 +176,7 @@ fn place(window: Rect, target: Option<Rect>, size: Vec2) -> Rect {
 
 /// An arrow from a card to what it is about, with a casing so that it is seen on everything.
 fn arrow(card: Rect, target: Rect, palette: &Palette) -> Vec<Shape> {
-    let goal = target.center().clamp(card.min, card.max);
-    let from = goal;
+    let from = target.center().clamp(card.min, card.max);
     let end = from.clamp(target.min, target.max);
     let way = end - from;
     if way.length() < 12.0 {

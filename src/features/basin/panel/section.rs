@@ -28,14 +28,8 @@ const FIELD: f32 = 62.0;
 
 impl Basin {
     /// The section of the right panel.
-    pub(crate) fn section(
-        &mut self,
-        ui: &mut Ui,
-        context: &Context<'_>,
-        requests: &mut Requests,
-        open: bool,
-    ) {
-        section(ui, "Basin", &summary(&self.results), open, |ui| {
+    pub(crate) fn section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        section(ui, "Basin", &summary(&self.results), false, |ui| {
             let mut settings = self.preferences.settings.clone();
             ui.spacing_mut().item_spacing.y = 6.0;
             ui.horizontal(|ui| {

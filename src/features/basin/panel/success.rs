@@ -5,11 +5,11 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
-use backlit_ui::widgets::still_plot;
+use backlit_ui::widgets::{PointMark, mark_points, paint_run_sample, run_line, still_plot};
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
-use egui_plot::{GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotUi, Points};
+use egui_plot::{GridMark, Line, PlotPoint, PlotPoints, PlotUi};
 
 /// Width of the counts beside the plot; where there is less than `FOLD` in all they stand below it, if there is
 /// `HIGH` enough.
@@ -101,10 +101,6 @@ fn plot(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, area: Vec2) {
 fn draw(plot: &mut PlotUi<'_>, result: &BasinResult, index: usize) {
     let style = run_style(index);
     let choice = &result.report.choices[index];
-    let dash = match style.dash {
-        [] => LineStyle::Solid,
-        [length, ..] => LineStyle::Dashed { length: *length },
-    };
     let mut line = Vec::new();
     for level in choice.levels.iter().filter(|level| level.rate.tried > 0) {
         let (x, [low, high]) = (across(result, index, level), level.rate.interval.map(|end| 100.0 * end));
@@ -116,12 +112,8 @@ fn draw(plot: &mut PlotUi<'_>, result: &BasinResult, index: usize) {
         }
         line.extend(level.rate.success.map(|success| [x, 100.0 * success]));
     }
-    plot.line(
-        Line::new("", PlotPoints::from(line.clone())).color(style.colour).width(style.width).style(dash),
-    );
-    let dots =
-        Points::new("", PlotPoints::from(line)).color(style.colour).radius(mark::ACCEPTED_RADIUS + 0.7);
-    plot.points(dots.shape(MarkerShape::Circle).filled(true));
+    run_line(plot, line.clone(), index, style.width);
+    mark_points(plot, line, PointMark::Dot, style.colour, mark::ACCEPTED_RADIUS + 0.7);
 }
 
 fn read_out(ui: &mut Ui, name: &str, level: &LevelReport) {
@@ -147,7 +139,11 @@ fn counts(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts) {
         ui.spacing_mut().item_spacing.y = 1.0;
         for (index, choice) in result.report.choices.iter().enumerate() {
             ui.horizontal(|ui| {
-                sample(ui, index);
+                let style = run_style(index);
+                let (rect, _) = ui.allocate_exact_size(vec2(20.0, size::ROW), Sense::hover());
+                let ends = [rect.left_center(), rect.right_center()];
+                let stroke = Stroke::new(style.width, style.colour);
+                paint_run_sample(ui.painter(), ends, index, stroke, 1.0);
                 ui.add(egui::Label::new(RichText::new(&choice.name).color(palette.text)).truncate());
             });
         }
@@ -194,17 +190,4 @@ fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
     }
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &said));
     response.on_hover_text(said.replace("; ", "\n"));
-}
-
-fn sample(ui: &mut Ui, index: usize) {
-    let style = run_style(index);
-    let (rect, _) = ui.allocate_exact_size(vec2(20.0, size::ROW), Sense::hover());
-    let stroke = Stroke::new(style.width, style.colour);
-    let ends = [rect.left_center(), rect.right_center()];
-    match style.dash {
-        [] => {
-            ui.painter().line_segment(ends, stroke);
-        }
-        [length, ..] => ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, *length, *length)),
-    }
 }

@@ -9,10 +9,9 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::PaneAction;
 use crate::context::command::{BeginningCommand, Command};
-use crate::context::{Context, unavailable};
-use crate::features::beginnings::job::Outcome;
+use crate::context::{Context, Requests, unavailable};
+use crate::features::beginnings::update::Outcome;
 use crate::features::beginnings::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
 
 /// Height of a row of the table.
@@ -62,33 +61,30 @@ fn columns(width: f32) -> Vec<Column> {
 }
 
 /// All rows.
-pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, context: &Context<'_>, actions: &mut Vec<PaneAction>) {
+pub(super) fn ui(ui: &mut Ui, beginnings: &mut Beginnings, context: &Context<'_>, requests: &mut Requests) {
     let columns = columns(ui.available_width());
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         titles(ui, &columns);
         for method in COMPARED {
-            row(ui, beginnings, context, actions, method, &columns);
+            row(ui, beginnings, method, &columns, (context, requests));
         }
         ui.add_space(space::ROW);
         let text = "A body from nothing: neither pose nor size is known";
         ui.label(RichText::new(text).small().color(theme::palette(ui).text2));
-        row(ui, beginnings, context, actions, Method::Body, &columns);
+        row(ui, beginnings, Method::Body, &columns, (context, requests));
     });
 }
 
 /// The place of each column in a row.
 fn cells(row: Rect, columns: &[Column]) -> Vec<Rect> {
     let mut right = row.right() - space::ROW;
-    let mut cells: Vec<Rect> = columns
-        .iter()
-        .rev()
-        .map(|column| {
-            let cell = Rect::from_min_max(pos2(right - column.2, row.top()), pos2(right, row.bottom()));
-            right -= column.2;
-            cell
-        })
-        .collect();
+    let cells = columns.iter().rev().map(|column| {
+        let cell = Rect::from_min_max(pos2(right - column.2, row.top()), pos2(right, row.bottom()));
+        right -= column.2;
+        cell
+    });
+    let mut cells: Vec<Rect> = cells.collect();
     cells.reverse();
     cells
 }
@@ -107,15 +103,13 @@ fn titles(ui: &mut Ui, columns: &[Column]) {
 
 fn row(
     ui: &mut Ui,
-    beginnings: &Beginnings,
-    context: &Context<'_>,
-    actions: &mut Vec<PaneAction>,
+    beginnings: &mut Beginnings,
     method: Method,
     columns: &[Column],
+    (context, requests): (&Context<'_>, &mut Requests),
 ) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let is_looked_at = beginnings.at.is_some_and(|at| at.method == method);
-    let ended = beginnings.ended.get(&method);
     response.widget_info(|| {
         WidgetInfo::selected(Role::ListItem, true, is_looked_at, MethodWords::of(method).name)
     });
@@ -127,7 +121,13 @@ fn row(
     }
     let left = Rect::from_min_size(rect.min, vec2(size::BUTTON, rect.height()));
     let builder = UiBuilder::new().max_rect(left).layout(Direction::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| run_button(ui, context, actions, method));
+    ui.scope_builder(builder, |ui| {
+        if run_button(ui, context, method) {
+            beginnings.begin(&[method], context, requests);
+            context.egui.request_repaint();
+        }
+    });
+    let ended = beginnings.ended.get(&method);
     let body = TextStyle::Body.resolve(ui.style());
     let name_at = pos2(left.right() + space::ROW, rect.center().y);
     let paint = |at, align, text: &str, colour: Color32, font| {
@@ -164,12 +164,13 @@ fn row(
         }
     }
     if response.clicked() && matches!(ended, Some(Ok(_))) {
-        actions.push(PaneAction::LookAt(AttemptIndex { method, step: 0 }));
+        beginnings.choose(AttemptIndex { method, step: 0 }, context);
     }
     response.on_hover_text(hover);
 }
 
-fn run_button(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<PaneAction>, method: Method) {
+/// Whether a method is to be run.
+fn run_button(ui: &mut Ui, context: &Context<'_>, method: Method) -> bool {
     let command = match method {
         Method::Body => BeginningCommand::AcquireBody,
         _ => BeginningCommand::RunAll,
@@ -177,9 +178,5 @@ fn run_button(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<PaneAction>,
     let why_not = unavailable(Command::Beginning(command), context);
     let label = format!("Run {}", MethodWords::of(method).lower_case);
     let tooltip = why_not.map_or_else(|| label.clone(), |why| format!("{label}\n{why}."));
-    ui.add_enabled_ui(why_not.is_none(), |ui| {
-        if icon_button(ui, Icon::Run, &label, &tooltip).clicked() {
-            actions.push(PaneAction::Run(method));
-        }
-    });
+    ui.add_enabled_ui(why_not.is_none(), |ui| icon_button(ui, Icon::Run, &label, &tooltip).clicked()).inner
 }

@@ -8,9 +8,9 @@ use backlit_ui::style::theme::data_colours::{
 use backlit_ui::style::theme::residual_colour;
 use egui::{Color32, Grid, Label, Rect, RichText, ScrollArea, Sense, Separator, StrokeKind, Ui, vec2};
 
-use super::{Action, Bench};
+use super::Bench;
 use crate::features::laboratory::comparison::{ARRIVED_PERCENT, PushKey, percent_text};
-use crate::features::laboratory::{Comparison, Contestant, Lineup, StartChoice};
+use crate::features::laboratory::{Comparison, Contestant, LaboratoryChoices, Lineup, PushAxis, StartChoice};
 
 /// Size of a swatch.
 const SWATCH: egui::Vec2 = vec2(40.0, 11.0);
@@ -51,7 +51,7 @@ fn figures(fit: &Contestant, key: PushKey) -> [String; 4] {
 }
 
 /// The caption and the legend; what has no room is scrolled to.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) {
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices) {
     let palette = theme::palette(ui);
     let is_compact = bench.room.is_compact;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -70,7 +70,7 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) {
             ui.spacing_mut().item_spacing.y = 2.0;
         }
         legend(ui, bench);
-        next(ui, bench, actions);
+        next(ui, bench, choices);
     });
 }
 
@@ -98,7 +98,11 @@ fn table(ui: &mut Ui, bench: &Bench<'_>) {
 }
 
 fn legend(ui: &mut Ui, bench: &Bench<'_>) {
-    row(ui, &format!("Darkens / lightens as the {}", moving(bench)), |ui, rect| {
+    let moving = match bench.axis {
+        PushAxis::Move(_) => bench.axis.text().to_owned(),
+        _ => format!("{} {}", bench.limb, bench.axis.text()),
+    };
+    row(ui, &format!("Darkens / lightens as the {moving}"), |ui, rect| {
         for step in 0..rect.width() as usize {
             let share = step as f32 / rect.width() * 2.0 - 1.0;
             let colour = residual_colour(share * 255.0);
@@ -131,14 +135,6 @@ fn legend(ui: &mut Ui, bench: &Bench<'_>) {
     });
 }
 
-fn moving(bench: &Bench<'_>) -> String {
-    use crate::features::laboratory::PushAxis;
-    match bench.axis {
-        PushAxis::Move(_) => bench.axis.text().to_owned(),
-        _ => format!("{} {}", bench.limb, bench.axis.text()),
-    }
-}
-
 fn row(ui: &mut Ui, words: &str, paint: impl FnOnce(&Ui, Rect)) {
     ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(SWATCH, Sense::hover());
@@ -149,28 +145,25 @@ fn row(ui: &mut Ui, words: &str, paint: impl FnOnce(&Ui, Rect)) {
 }
 
 /// What to try next, as a link.
-fn next(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) {
-    let laboratory = bench.laboratory;
-    let demonstration = bench.context.session.demonstration();
-    let offered = StartChoice::offered(demonstration);
-    let at = offered.iter().position(|start| *start == laboratory.start).unwrap_or(0);
-    let other = offered[(at + offered.len() - 1) % offered.len()];
-    let lineup = Lineup::ALL[(Lineup::ALL.iter().position(|(l, _)| *l == laboratory.lineup).unwrap_or(0)
-        + 1)
-        % Lineup::ALL.len()];
+fn next(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices) {
+    let chosen = &bench.laboratory.choices;
+    let offered = StartChoice::offered(bench.context.session.demonstration());
+    let at = offered.iter().position(|start| *start == chosen.start).unwrap_or(0);
+    let start = offered[(at + offered.len() - 1) % offered.len()];
+    let (lineup, name) = Lineup::ALL[(chosen.lineup as usize + 1) % Lineup::ALL.len()];
     ui.horizontal_wrapped(|ui| {
         let palette = theme::palette(ui);
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new("Next:").color(palette.accent_text));
         let link =
             |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
-        let text = other.text();
+        let text = start.text();
         if link(ui, text[..1].to_lowercase() + &text[1..]) {
-            actions.push(Action::Start(other));
+            choices.start = start;
         }
         ui.label(RichText::new("or").color(palette.accent_text));
-        if link(ui, format!("compare {}", lineup.1.to_lowercase())) {
-            actions.push(Action::Lineup(lineup.0));
+        if link(ui, format!("compare {}", name.to_lowercase())) {
+            choices.lineup = lineup;
         }
     });
 }
@@ -184,8 +177,8 @@ mod tests {
     use backlit_ui::drawing::Derivative;
 
     use super::*;
+    use crate::features::laboratory::Pushed;
     use crate::features::laboratory::comparison::tests::comparison;
-    use crate::features::laboratory::{PushAxis, Pushed};
 
     const KEY: PushKey = (0, PushAxis::Slide, 0);
 

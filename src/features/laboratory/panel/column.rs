@@ -3,16 +3,16 @@
 use backlit_document::run::RunEnding;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::{Palette, run_style, size};
-use backlit_ui::widgets::fitting_label;
+use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::widgets::{fitting_label, paint_run_sample};
 use egui::{
-    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder,
-    WidgetInfo, vec2,
+    Align, Layout as Direction, Rect, RichText, Role, Sense, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo,
+    vec2,
 };
 
-use super::{Action, Bench, picture};
+use super::{Bench, named, picture};
 use crate::features::laboratory::comparison::percent_text;
-use crate::features::laboratory::{CheckProgress, Contestant, Worst};
+use crate::features::laboratory::{Checked, Contestant, LaboratoryChoices, Worst};
 
 /// Heights of head and foot.
 const HEAD: f32 = 36.0;
@@ -26,15 +26,9 @@ const NOTE_FROM: f32 = 300.0;
 /// Pixels between the two pictures.
 const BETWEEN: f32 = 2.0;
 
-/// The column within `rect`.
-pub(crate) fn ui(
-    ui: &mut Ui,
-    rect: Rect,
-    bench: &Bench<'_>,
-    index: usize,
-    fit: &Contestant,
-    actions: &mut Vec<Action>,
-) {
+/// The column.
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut LaboratoryChoices) {
+    let (rect, fit) = (ui.max_rect(), &bench.comparison.contestants[index]);
     let head_height = if bench.room.is_compact { HEAD_COMPACT } else { HEAD };
     let rows = if bench.room.is_compact { 2.0 } else { 3.0 };
     let foot_height = rows * ROW + 2.0 * FOOT_PADDING;
@@ -44,9 +38,8 @@ pub(crate) fn ui(
     part(ui, head.shrink2(vec2(14.0, 0.0)), Direction::left_to_right(Align::Center), |ui| {
         header(ui, bench, index, fit, rect.width());
     });
-    let marked = (bench.laboratory.marked == Some(index)).then(|| checked(bench, fit)).flatten();
-    let worst = marked.and_then(|checked| checked.progress.worst.as_ref());
-    let worst = worst.filter(|worst| worst.camera == bench.key.0);
+    let marked = (bench.laboratory.choices.marked == Some(index)).then(|| checked(bench, fit)).flatten();
+    let worst = worst_of(marked).filter(|worst| worst.camera == bench.key.0);
     let (upper, lower) = if picture::is_stacked(bench, pictures) {
         let middle = pictures.center().y.round();
         let (upper, lower) = pictures.split_top_bottom_at_y(middle);
@@ -56,15 +49,15 @@ pub(crate) fn ui(
         let (left, right) = pictures.split_left_right_at_x(middle);
         (left, right.with_min_x(middle + BETWEEN))
     };
-    picture::overlay(ui, upper, bench, index, fit, worst);
-    picture::push(ui, lower, bench, index, fit);
+    picture::overlay(ui, upper, bench, index, worst);
+    picture::push(ui, lower, bench, index);
     let inner = foot.shrink2(vec2(14.0, FOOT_PADDING));
     part(ui, inner, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         pushes(ui, bench, fit);
-        gradient(ui, bench, index, fit, actions);
+        gradient(ui, bench, index, choices);
         if !bench.room.is_compact {
-            ending(ui, bench, fit);
+            ending(ui, fit, worst_of(marked));
         }
     });
 }
@@ -76,15 +69,9 @@ fn part(ui: &mut Ui, rect: Rect, direction: Direction, add: impl FnOnce(&mut Ui)
 fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width: f32) {
     let palette = theme::palette(ui);
     let (sample, _) = ui.allocate_exact_size(vec2(SAMPLE, size::ROW), Sense::hover());
-    let style = run_style(index);
-    let stroke = Stroke::new(size::CURVE_DEMONSTRATE + 0.5, style.colour);
+    let stroke = Stroke::new(size::CURVE_DEMONSTRATE + 0.5, run_style(index).colour);
     let ends = [sample.left_center(), sample.right_center()];
-    match style.dash {
-        [] => drop(ui.painter().line_segment(ends, stroke)),
-        [length, ..] => {
-            ui.painter().extend(Shape::dashed_line(&ends, stroke, *length, *length * 0.618));
-        }
-    }
+    paint_run_sample(ui.painter(), ends, index, stroke, 0.618);
     ui.label(RichText::new(fit.entrant.name).text_style(theme::column_heading()).color(palette.text));
     if width >= NOTE_FROM {
         ui.label(RichText::new(&fit.entrant.note).color(palette.text3));
@@ -93,9 +80,7 @@ fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width:
         let percent = fit.percent(bench.comparison.cursor);
         let text = percent.map_or_else(|| format::MISSING.to_owned(), |p| format!("{} %", percent_text(p)));
         let label = ui.label(RichText::new(text.clone()).text_style(theme::headline()).color(palette.text));
-        label.widget_info(|| {
-            WidgetInfo::labeled(Role::Label, true, format!("{} at {text}", fit.entrant.name))
-        });
+        named(&label, Role::Label, &format!("{} at {text}", fit.entrant.name));
         label.on_hover_text("Cost at this step, in percent of the cost at the start, by its own ramp");
     });
 }
@@ -122,9 +107,7 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
     let colour = if is_fresh { palette.text } else { palette.text3 };
     let name = bench.axis.pixels();
     let response = line(ui, &[name, "Pushing pixels", "Pushing"], RichText::new(&text).color(colour));
-    response.widget_info(|| {
-        WidgetInfo::labeled(Role::Label, true, format!("{}, {name}: {text}", fit.entrant.name))
-    });
+    named(&response, Role::Label, &format!("{}, {name}: {text}", fit.entrant.name));
     response.on_hover_text(
         "Pixels of the ramp whose grey changes as the limb moves that way, by at least 1 % of the strongest \
          change in all these fits. The second number counts all pixels of the ramp: those neither black nor \
@@ -133,26 +116,30 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
 }
 
 /// The check that belongs to what is shown.
-fn checked<'a>(
-    bench: &Bench<'_>,
-    fit: &'a Contestant,
-) -> Option<&'a crate::features::laboratory::comparison::Checked> {
+fn checked<'a>(bench: &Bench<'_>, fit: &'a Contestant) -> Option<&'a Checked> {
     let pose = fit.pose(bench.comparison.cursor)?;
     fit.checked.as_ref().filter(|checked| checked.pose == *pose)
 }
 
-fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, actions: &mut Vec<Action>) {
+fn worst_of(checked: Option<&Checked>) -> Option<&Worst> {
+    checked?.progress.worst.as_ref()
+}
+
+fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut LaboratoryChoices) {
     let palette = theme::palette(ui);
+    let fit = &bench.comparison.contestants[index];
     let fresh = checked(bench, fit);
+    // How much is done, in whole percent.
+    let done = fresh.map_or(0, |checked| 100 * checked.progress.done / checked.progress.total.max(1));
     let progress = fresh.or(fit.checked.as_ref()).map(|checked| &checked.progress);
     let is_whole = fresh.is_some_and(|checked| checked.progress.is_whole());
     let cameras = bench.comparison.basis.scene.cameras.len();
     let name = match fresh {
         None if bench.laboratory.check_broke_down() => "Gradient check, broke down".to_owned(),
-        Some(checked) if !is_whole && bench.laboratory.check_broke_down() => {
-            format!("Gradient check, broke down at {} %", done_percent(&checked.progress))
+        Some(_) if !is_whole && bench.laboratory.check_broke_down() => {
+            format!("Gradient check, broke down at {done} %")
         }
-        Some(checked) if !is_whole => format!("Gradient check, {} % done", done_percent(&checked.progress)),
+        Some(_) if !is_whole => format!("Gradient check, {done} % done"),
         None if bench.laboratory.is_running() => "Gradient check, after the run".to_owned(),
         None => "Gradient check, computing".to_owned(),
         Some(checked) => match &checked.progress.worst {
@@ -163,13 +150,17 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, acti
     let value =
         progress.map_or_else(|| format::MISSING.to_owned(), |progress| format::cost(progress.largest_error));
     let fails = progress.is_some_and(|progress| !progress.passes());
-    let colour = verdict(palette, is_whole, fails);
+    let colour = match (fails, is_whole) {
+        (true, _) => palette.error,
+        (false, true) => palette.ok,
+        (false, false) => palette.text3,
+    };
     let text = if fails { format!("fails  {value}") } else { value.clone() };
     let (_, state) = name.split_once(", ").unwrap_or_default();
     let short = format!("Gradient, {}", state.trim_start_matches("worst in "));
     let row = line(ui, &[&name, &short, "Gradient"], RichText::new(text).color(colour));
     let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
-    let is_marked = bench.laboratory.marked == Some(index);
+    let is_marked = bench.laboratory.choices.marked == Some(index);
     let label = format!("Gradient check of {}: {value}", fit.entrant.name);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_marked, label.clone()));
     if response.hovered() || is_marked || response.has_focus() {
@@ -185,25 +176,11 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, acti
     );
     if response.on_hover_text(tooltip).clicked() {
         // A mark in another camera is gone to first.
-        let is_seen = fresh
-            .and_then(|checked| checked.progress.worst.as_ref())
-            .is_none_or(|worst| worst.camera == bench.key.0);
-        let mark = (!is_marked || !is_seen).then_some(index);
-        actions.push(Action::Mark(mark));
+        let is_seen = worst_of(fresh).is_none_or(|worst| worst.camera == bench.key.0);
+        choices.marked = (!is_marked || !is_seen).then_some(index);
+        let worst = choices.marked.and_then(|_| worst_of(fit.checked.as_ref()));
+        choices.camera = worst.map_or(choices.camera, |worst| worst.camera);
     }
-}
-
-fn verdict(palette: &Palette, is_whole: bool, fails: bool) -> egui::Color32 {
-    match (fails, is_whole) {
-        (true, _) => palette.error,
-        (false, true) => palette.ok,
-        (false, false) => palette.text3,
-    }
-}
-
-/// How much of a check is done, in whole percent.
-fn done_percent(progress: &CheckProgress) -> usize {
-    100 * progress.done / progress.total.max(1)
 }
 
 fn pixel_words(worst: &Worst) -> String {
@@ -223,11 +200,7 @@ fn figures(value: f64) -> String {
     format::number(value, decimals.max(0) as usize)
 }
 
-fn explained(
-    bench: &Bench<'_>,
-    checked: &crate::features::laboratory::comparison::Checked,
-    is_marked: bool,
-) -> String {
+fn explained(bench: &Bench<'_>, checked: &Checked, is_marked: bool) -> String {
     let progress = &checked.progress;
     let count = |n: usize| format::count(n as i64);
     let worst = progress.worst.as_ref().map_or_else(String::new, |worst| pixel_words(worst) + ".\n");
@@ -249,7 +222,7 @@ fn explained(
 }
 
 /// How the fit ended, or the marked pixel's numbers.
-fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
+fn ending(ui: &mut Ui, fit: &Contestant, marked: Option<&Worst>) {
     let palette = theme::palette(ui);
     let text = match &fit.ending {
         Some(RunEnding::Solver(words)) => format!("Stopped at step {}: {words}", fit.last()),
@@ -258,10 +231,7 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         None if fit.last() == 1 => "1 step so far".to_owned(),
         None => format!("{} steps so far", fit.last()),
     };
-    let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))
-        == bench.laboratory.marked;
-    let worst = checked(bench, fit).and_then(|checked| checked.progress.worst.as_ref()).filter(|_| is_marked);
-    let (text, short, colour) = match worst {
+    let (text, short, colour) = match marked {
         Some(worst) => {
             let [x, y] = worst.pixel;
             (

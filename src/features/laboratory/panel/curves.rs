@@ -5,14 +5,18 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size};
-use backlit_ui::widgets::{grid_marks, segmented, still_plot};
+use backlit_ui::widgets::{
+    PointMark, apart, end_with_room, grid_marks, mark_points, run_line, segmented, still_plot,
+};
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
-use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
+use egui_plot::{PlotPoint, PlotTransform, PlotUi, VLine};
 
-use super::{Action, Bench, named};
-use crate::features::laboratory::Contestant;
+use super::{Bench, named};
+use crate::context::Requests;
+use crate::context::file_dialog::DialogKind;
 use crate::features::laboratory::comparison::percent_text;
-use crate::features::laboratory::table::LEAST_PERCENT;
+use crate::features::laboratory::table::{LEAST_PERCENT, csv};
+use crate::features::laboratory::{Contestant, LaboratoryChoices};
 
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;
@@ -24,35 +28,40 @@ const LABEL_ROOM: f64 = 168.0;
 const LABEL_SPACING: f32 = 17.0;
 /// Steps that the axis has at least.
 const LEAST_STEPS: f64 = 8.0;
-/// Rooms of the axis of heights, and the least of the curves.
+/// Room of the axis of heights.
 const AXIS: f64 = 52.0;
-const LEAST_CURVES: f64 = 120.0;
 
-/// The plot with its head.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) {
-    let is_log = head(ui, bench, actions);
-    let area = ui.available_size();
-    plot(ui, bench, actions, is_log, area);
+/// The plot with its head; the step that is to be looked at.
+pub(crate) fn ui(
+    ui: &mut Ui,
+    bench: &Bench<'_>,
+    choices: &mut LaboratoryChoices,
+    requests: &mut Requests,
+) -> Option<usize> {
+    head(ui, bench, choices, requests);
+    plot(ui, bench, choices.is_log)
 }
 
-fn head(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) -> bool {
+fn head(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let mut is_log = bench.laboratory.is_log;
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), HEAD),
         Direction::right_to_left(Align::Center),
         |ui| {
             let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
             if save.clicked() {
-                actions.push(Action::SavePlot);
+                let (dialogs, egui) = (&bench.laboratory.dialogs, bench.context.egui);
+                let wanted = DialogKind::NewFile("laboratory.png".to_owned(), &[]);
+                if let Err(why) = dialogs.ask(egui, (), "Save plot", wanted) {
+                    requests.complain(why.to_string());
+                }
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
-                actions.push(Action::CopyTable);
+                ui.ctx().copy_text(csv(bench.comparison));
+                requests.status("Copied the curves as comma-separated values.");
             }
-            if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
-                actions.push(Action::Log(is_log));
-            }
+            segmented(ui, &mut choices.is_log, &[(false, "Percent"), (true, "Log")]);
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
                 ui.add(egui::Label::new(title.color(palette.text)).truncate());
@@ -63,7 +72,6 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>) -> bool {
             });
         },
     );
-    is_log
 }
 
 fn y(percent: f64, is_log: bool) -> f64 {
@@ -73,8 +81,7 @@ fn y(percent: f64, is_log: bool) -> f64 {
 /// Ends of both axes.
 fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     let last = (bench.comparison.last() as f64).max(LEAST_STEPS);
-    let room = (width - AXIS).max(LABEL_ROOM + LEAST_CURVES);
-    let last = last * room / (room - LABEL_ROOM);
+    let last = end_with_room(last, width, AXIS, LABEL_ROOM);
     let values = bench.comparison.contestants.iter().flat_map(Contestant::percents);
     let (low, high) = values
         .fold((f64::INFINITY, 100.0_f64), |(low, high), value| (low.min(y(value, is_log)), high.max(value)));
@@ -87,8 +94,8 @@ fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     [(-0.25, last), heights]
 }
 
-fn plot(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>, is_log: bool, area: egui::Vec2) {
-    let palette = theme::palette(ui);
+fn plot(ui: &mut Ui, bench: &Bench<'_>, is_log: bool) -> Option<usize> {
+    let (palette, area) = (theme::palette(ui), ui.available_size());
     let [across, up] = bounds(bench, is_log, f64::from(area.x));
     let percent = move |value: f64| {
         let value = if is_log { 10f64.powf(value) } else { value };
@@ -116,45 +123,29 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, actions: &mut Vec<Action>, is_log: bool,
     labels(ui, bench, is_log, &response.transform);
     cursor_label(ui, bench, &response.transform);
     let pressed = response.response.is_pointer_button_down_on() || response.response.clicked();
-    if pressed && let Some(pointer) = response.response.interact_pointer_pos() {
-        let step = response.transform.value_from_position(pointer).x.round().max(0.0) as usize;
-        let step = step.min(bench.comparison.last());
-        if step != bench.comparison.cursor {
-            actions.push(Action::Step(step));
-        }
-    }
+    let pointer = response.response.interact_pointer_pos().filter(|_| pressed)?;
+    let step = response.transform.value_from_position(pointer).x.round().max(0.0) as usize;
+    let step = step.min(bench.comparison.last());
+    (step != bench.comparison.cursor).then_some(step)
 }
 
 fn curve(plot: &mut PlotUi<'_>, index: usize, fit: &Contestant, is_log: bool) {
-    let style = run_style(index);
-    let dash = match style.dash {
-        [] => LineStyle::Solid,
-        [length, ..] => LineStyle::Dashed { length: *length },
-    };
     let points: Vec<[f64; 2]> =
         fit.percents().into_iter().enumerate().map(|(step, value)| [step as f64, y(value, is_log)]).collect();
-    let (accepted, rejected): (Vec<_>, Vec<_>) = points
-        .iter()
-        .copied()
-        .enumerate()
-        .partition(|(step, _)| fit.steps.get(*step).is_some_and(|step| step.iteration.accepted));
-    let only =
-        |points: Vec<(usize, [f64; 2])>| -> Vec<[f64; 2]> { points.into_iter().map(|(_, at)| at).collect() };
-    let line = Line::new("", PlotPoints::from(points));
-    plot.line(line.color(style.colour).width(size::CURVE_DEMONSTRATE).style(dash));
-    let dots = Points::new("", PlotPoints::from(only(accepted))).color(style.colour);
-    plot.points(dots.radius(mark::ACCEPTED_RADIUS + 0.4).shape(MarkerShape::Circle).filled(true));
-    let crosses = Points::new("", PlotPoints::from(only(rejected))).color(style.colour);
-    plot.points(crosses.radius(0.5 * mark::REJECTED_SIZE).shape(MarkerShape::Cross));
+    let is_accepted =
+        |at: &[f64; 2]| fit.steps.get(at[0] as usize).is_some_and(|step| step.iteration.accepted);
+    let (accepted, rejected) = points.iter().copied().partition(is_accepted);
+    let colour = run_style(index).colour;
+    run_line(plot, points, index, size::CURVE_DEMONSTRATE);
+    mark_points(plot, accepted, PointMark::Dot, colour, mark::ACCEPTED_RADIUS + 0.4);
+    mark_points(plot, rejected, PointMark::Cross, colour, 0.5 * mark::REJECTED_SIZE);
 }
 
 /// A ring where the fit is at the step that is looked at.
 fn ring(plot: &mut PlotUi<'_>, index: usize, fit: &Contestant, cursor: usize, is_log: bool) {
     let Some(percent) = fit.percent(cursor) else { return };
-    let step = cursor.min(fit.last());
-    let at = PlotPoints::from(vec![[step as f64, y(percent, is_log)]]);
-    let ring = Points::new("", at).color(run_style(index).colour).filled(false);
-    plot.points(ring.radius(mark::CURRENT_STEP_RADIUS));
+    let at = vec![[cursor.min(fit.last()) as f64, y(percent, is_log)]];
+    mark_points(plot, at, PointMark::Ring, run_style(index).colour, mark::CURRENT_STEP_RADIUS);
 }
 
 /// Names at the curves' ends, kept apart; those that had to move are led back to their curve.
@@ -186,21 +177,6 @@ fn labels(ui: &Ui, bench: &Bench<'_>, is_log: bool, transform: &PlotTransform) {
     }
 }
 
-/// Heights as near to the wanted ones, which are sorted, as they can be with room between them.
-fn apart(wanted: &[f32], spacing: f32, top: f32, bottom: f32) -> Vec<f32> {
-    let mut heights: Vec<f32> = Vec::with_capacity(wanted.len());
-    for height in wanted {
-        let least = heights.last().map_or(top, |last| last + spacing);
-        heights.push(height.max(least));
-    }
-    let mut most = bottom;
-    for height in heights.iter_mut().rev() {
-        *height = height.min(most);
-        most = *height - spacing;
-    }
-    heights
-}
-
 /// "Step 4" beside the line.
 fn cursor_label(ui: &Ui, bench: &Bench<'_>, transform: &PlotTransform) {
     let step = bench.comparison.cursor;
@@ -215,16 +191,4 @@ fn cursor_label(ui: &Ui, bench: &Bench<'_>, transform: &PlotTransform) {
         font,
         colour,
     );
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_keep_apart_and_within_the_plot() {
-        assert_eq!(apart(&[10.0, 50.0], 17.0, 0.0, 100.0), [10.0, 50.0]);
-        assert_eq!(apart(&[96.0, 97.0, 98.0], 17.0, 0.0, 100.0), [66.0, 83.0, 100.0]);
-        assert_eq!(apart(&[-5.0, 1.0], 17.0, 0.0, 100.0), [0.0, 17.0]);
-    }
 }

@@ -8,12 +8,12 @@ use backlit_ui::widgets::choice;
 use backlit_ui::widgets::{Icon, fitting_label, icon_button};
 use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, TextStyle, Ui, vec2};
 
-use super::Action;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
 use crate::context::command_button::preset_box;
-use crate::context::{Context, Requests, unavailable};
-use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
+use crate::context::{Context, Requests, SessionRequest, unavailable};
+use crate::features::laboratory::{LaboratoryChoices, Lineup, PushAxis, StartChoice};
+use crate::session::selection::Selection;
 
 /// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;
@@ -26,10 +26,9 @@ const PREFIX_FROM: f32 = 620.0;
 /// Two rows: title and step; what it is of, and what is looked at.
 pub(super) fn ui(
     ui: &mut Ui,
-    laboratory: &Laboratory,
     context: &Context<'_>,
+    chosen: &mut LaboratoryChoices,
     requests: &mut Requests,
-    actions: &mut Vec<Action>,
     margin: f32,
 ) {
     let palette = theme::palette(ui);
@@ -37,17 +36,17 @@ pub(super) fn ui(
     Panel::top("laboratory header").exact_size(HEIGHT).resizable(false).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::WIDGET, 0.0);
         row(ui, |ui| {
-            controls(ui, laboratory, context, requests, actions);
+            controls(ui, context, chosen, requests);
             left(ui, |ui| {
-                let title = laboratory.lineup.title();
+                let title = chosen.lineup.words().title;
                 let text = RichText::new(title).text_style(theme::title()).color(palette.text);
                 ui.add(Label::new(text).truncate());
             });
         });
         row(ui, |ui| {
-            choices(ui, laboratory, context, requests, actions);
+            choices(ui, context, chosen, requests);
             left(ui, |ui| {
-                let text = sentence(laboratory, context);
+                let text = sentence(chosen.lineup, context);
                 // The first sentences say most.
                 let short: Vec<&str> = text.match_indices(". ").map(|(end, _)| &text[..=end]).collect();
                 let texts: Vec<&str> = std::iter::once(&text[..]).chain(short.into_iter().rev()).collect();
@@ -66,7 +65,7 @@ fn left(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.with_layout(Direction::left_to_right(Align::Center), add);
 }
 
-fn sentence(laboratory: &Laboratory, context: &Context<'_>) -> String {
+fn sentence(lineup: Lineup, context: &Context<'_>) -> String {
     let Some(take) = &context.session.take else { return String::new() };
     let frames = take.frame_count();
     let frame = if frames > 1 {
@@ -74,26 +73,19 @@ fn sentence(laboratory: &Laboratory, context: &Context<'_>) -> String {
     } else {
         String::new()
     };
-    let lineup = laboratory.lineup;
     let solver = match (lineup, preset_like(&context.document().fit)) {
         (Lineup::Presets, _) | (_, None) => String::new(),
         (_, Some(preset)) => format!(" Solver: {}.", preset.label()),
     };
-    format!("{}{frame}. {}{solver}", take.take().name(), lineup.sentence())
+    format!("{}{frame}. {}{solver}", take.take().name(), lineup.words().sentence)
 }
 
 /// From right to left: start, stop, run, step, back, restart.
-fn controls(
-    ui: &mut Ui,
-    laboratory: &Laboratory,
-    context: &Context<'_>,
-    requests: &mut Requests,
-    actions: &mut Vec<Action>,
-) {
+fn controls(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices, requests: &mut Requests) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
-    start_box(ui, laboratory, context, actions);
+    start_box(ui, context, chosen);
     command::icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
-    let run = format!("Run {}", laboratory.lineup.all_text());
+    let run = format!("Run {}", chosen.lineup.words().all);
     command::named_button(ui, context, requests, Command::Fit(FitCommand::Run), &run);
     command::primary(ui, context, requests, Command::Fit(FitCommand::Step));
     command::icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
@@ -108,58 +100,48 @@ fn controls(
     }
 }
 
-fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, actions: &mut Vec<Action>) {
+fn start_box(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices) {
     let demonstration = context.session.demonstration();
     let texts: Vec<(StartChoice, String)> =
         StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
     let choices: Vec<(StartChoice, &str, String)> =
         texts.iter().map(|(start, text)| (*start, text.as_str(), start.tooltip())).collect();
-    let chosen = laboratory.start.text();
-    if let Some(start) = choice(ui, "Start", 126.0, &chosen, &choices) {
-        actions.push(Action::Start(start));
+    if let Some(start) = choice(ui, "Start", 126.0, &chosen.start.text(), &choices) {
+        chosen.start = start;
     }
 }
 
 /// From right to left: axis, limb, camera, and what is compared where the toolbar has no room for it.
-fn choices(
-    ui: &mut Ui,
-    laboratory: &Laboratory,
-    context: &Context<'_>,
-    requests: &mut Requests,
-    actions: &mut Vec<Action>,
-) {
+fn choices(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices, requests: &mut Requests) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
     let model = &context.document().model;
-    let axis = laboratory.axis_for(model);
+    let axis = chosen.axis_for(model);
     let axes: Vec<(PushAxis, &str, String)> = PushAxis::ALL
         .iter()
-        .map(|(axis, text)| (*axis, *text, format!("Show which pixels change as the {}", whose(*axis, text))))
+        .map(|(axis, text)| {
+            let whose = if matches!(axis, PushAxis::Move(_)) { "" } else { "limb " };
+            (*axis, *text, format!("Show which pixels change as the {whose}{text}"))
+        })
         .collect();
-    if let Some(axis) = choice(ui, "Motion", 136.0, axis.text(), &axes) {
-        actions.push(Action::Axis(axis));
-    }
+    chosen.axis = choice(ui, "Motion", 136.0, axis.text(), &axes).or(chosen.axis);
     let has_limbs = model.rotation_count() > 1;
     if has_limbs {
-        limb_box(ui, context, actions);
+        limb_box(ui, context, requests);
     }
     if ui.available_width() > PREFIX_FROM {
         let text = if has_limbs { "Pushes as the" } else { "Pushes as the limb" };
         ui.label(RichText::new(text).color(theme::palette(ui).text3));
     }
     if context.session.camera_count() > 1 {
-        camera_box(ui, laboratory, context, actions);
+        camera_box(ui, context, &mut chosen.camera);
     }
     if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < size::FOLD_CHOICES {
         preset_box(ui, context, requests, 92.0);
-        actions.extend(lineup_box(ui, laboratory.lineup).map(Action::Lineup));
+        lineup_box(ui, &mut chosen.lineup);
     }
 }
 
-fn whose(axis: PushAxis, text: &str) -> String {
-    if matches!(axis, PushAxis::Move(_)) { text.to_owned() } else { format!("limb {text}") }
-}
-
-fn limb_box(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<Action>) {
+fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let model = &context.document().model;
     let names: Vec<(usize, String)> = model
         .rotation_owners()
@@ -175,26 +157,22 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, actions: &mut Vec<Action>) {
     let held = context.selection.limb(model);
     let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());
     if let Some(limb) = choice(ui, "Limb", 126.0, chosen, &choices) {
-        actions.push(Action::Limb(limb));
+        requests.request(SessionRequest::Joint(Selection::joint_of(model, limb)));
     }
 }
 
-fn camera_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, actions: &mut Vec<Action>) {
+fn camera_box(ui: &mut Ui, context: &Context<'_>, camera: &mut usize) {
     let Some(take) = &context.session.take else { return };
     let name = |index: usize| format!("Camera {}", index + 1);
     let names: Vec<(usize, String, String)> =
         take.cameras.iter().enumerate().map(|(i, camera)| (i, name(i), camera.name().to_owned())).collect();
     let choices: Vec<(usize, &str, String)> =
         names.iter().map(|(index, name, tooltip)| (*index, name.as_str(), tooltip.clone())).collect();
-    let chosen = name(laboratory.camera);
-    if let Some(camera) = choice(ui, "Camera", 84.0, &chosen, &choices) {
-        actions.push(Action::Camera(camera));
-    }
+    *camera = choice(ui, "Camera", 84.0, &name(*camera), &choices).unwrap_or(*camera);
 }
 
 /// What is to be compared instead.
-pub(super) fn lineup_box(ui: &mut Ui, lineup: Lineup) -> Option<Lineup> {
-    let choices = Lineup::ALL.map(|(lineup, text)| (lineup, text, lineup.tooltip().to_owned()));
-    let chosen = Lineup::ALL.iter().find(|(other, _)| *other == lineup);
-    choice(ui, "Compare", 92.0, chosen.map_or("", |(_, text)| text), &choices)
+pub(super) fn lineup_box(ui: &mut Ui, lineup: &mut Lineup) {
+    let choices = Lineup::ALL.map(|(lineup, text)| (lineup, text, lineup.words().tooltip.to_owned()));
+    *lineup = choice(ui, "Compare", 92.0, lineup.words().name, &choices).unwrap_or(*lineup);
 }

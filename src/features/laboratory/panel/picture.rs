@@ -11,7 +11,7 @@ use egui::{Align2, Color32, Rect, Role, Sense, Stroke, TextStyle, Ui, pos2, vec2
 use glam::DVec2;
 
 use super::{Bench, named};
-use crate::features::laboratory::{Contestant, Worst};
+use crate::features::laboratory::Worst;
 use crate::session::Extent;
 
 /// Space around data and start, as a share of their larger side.
@@ -52,14 +52,8 @@ fn view(bench: &Bench<'_>, rect: Rect) -> Option<ViewTransform> {
 }
 
 /// The report's overlay at this step, with the worst pixel if that is marked.
-pub(crate) fn overlay(
-    ui: &Ui,
-    rect: Rect,
-    bench: &Bench<'_>,
-    index: usize,
-    fit: &Contestant,
-    mark: Option<&Worst>,
-) {
+pub(crate) fn overlay(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, mark: Option<&Worst>) {
+    let fit = &bench.comparison.contestants[index];
     let response = ui.interact(rect, ui.scope_id().with("overlay"), Sense::hover());
     named(&response, Role::Image, &format!("{}, data and model", fit.entrant.name));
     let ground = Color32::from_gray(REPORT_GROUND);
@@ -87,7 +81,8 @@ pub(crate) fn overlay(
 }
 
 /// What pushes at the start; pixels of the ramp that do not are hatched.
-pub(crate) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &Contestant) {
+pub(crate) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize) {
+    let fit = &bench.comparison.contestants[index];
     let response = ui.interact(rect, ui.scope_id().with("push"), Sense::hover());
     let words = format!("At the start: what {}", bench.axis.verb(bench.limb));
     named(&response, Role::Image, &format!("{}, what pushes at the start", fit.entrant.name));
@@ -141,7 +136,8 @@ fn paint_mark(ui: &Ui, view: &ViewTransform, worst: &Worst) {
     painter.circle_stroke(at, radius, Stroke::new(RING_CASING, CASING));
     painter.circle_stroke(at, radius, Stroke::new(RING, SELECTED));
     let font = TextStyle::Small.resolve(ui.style());
-    let galley = painter.layout_no_wrap(format!("({x}, {y})"), font, SELECTED);
+    let text = format!("({x}, {y})");
+    let galley = painter.layout_no_wrap(text.clone(), font.clone(), SELECTED);
     let size = galley.size() + vec2(8.0, 4.0);
     let free = view.rect.shrink(2.0);
     let right = at.x + radius + 4.0;
@@ -149,11 +145,5 @@ fn paint_mark(ui: &Ui, view: &ViewTransform, worst: &Worst) {
     let top = (at.y - 0.5 * size.y).clamp(free.top(), (free.bottom() - size.y).max(free.top()));
     let tag = Rect::from_min_size(pos2(left, top), size);
     painter.rect_filled(tag, 3.0, CASING);
-    painter.text(
-        tag.center(),
-        Align2::CENTER_CENTER,
-        format!("({x}, {y})"),
-        TextStyle::Small.resolve(ui.style()),
-        SELECTED,
-    );
+    painter.text(tag.center(), Align2::CENTER_CENTER, text, font, SELECTED);
 }

@@ -12,8 +12,7 @@ use egui::{
 use crate::context::Context;
 use crate::context::marks::whole_percent;
 use crate::features::motions::job::RecognisedMotions;
-use crate::features::motions::preferences::Plane;
-use crate::features::motions::words;
+use crate::features::motions::{Plane, words};
 
 /// Most places of a curve that are drawn.
 const MOST_PLACES: usize = 4000;
@@ -37,15 +36,15 @@ const NOW: f32 = 18.0;
 
 /// A frame on the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::features::motions) struct Place {
-    pub(in crate::features::motions) frame: usize,
+pub(in super::super) struct Place {
+    pub(in super::super) frame: usize,
     class: Option<usize>,
-    pub(in crate::features::motions) at: [f64; 2],
+    pub(in super::super) at: [f64; 2],
     run: usize,
 }
 
 /// The frames' places on a plane, thinned where they are many.
-pub(in crate::features::motions) fn places(found: &RecognisedMotions, plane: Plane) -> Vec<Place> {
+pub(in super::super) fn places(found: &RecognisedMotions, plane: Plane) -> Vec<Place> {
     let total: usize = found.runs.iter().map(|run| run.frames.len()).sum();
     let every = total.div_ceil(MOST_PLACES).max(1);
     let of_run = |(run, names): (usize, &backlit_recognition::Recognition)| -> Vec<Place> {
@@ -60,7 +59,7 @@ pub(in crate::features::motions) fn places(found: &RecognisedMotions, plane: Pla
 
 /// Where the plane lies on the screen.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::features::motions) struct Sheet {
+pub(in super::super) struct Sheet {
     area: Rect,
     low: [f64; 2],
     high: [f64; 2],
@@ -68,7 +67,7 @@ pub(in crate::features::motions) struct Sheet {
 
 impl Sheet {
     /// All places and regions within an area.
-    pub(in crate::features::motions) fn new(area: Rect, places: &[Place], clouds: &[PlaneCloud]) -> Self {
+    pub(in super::super) fn new(area: Rect, places: &[Place], clouds: &[PlaneCloud]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let mut reach = |at: [f64; 2]| {
             for axis in 0..2 {
@@ -84,7 +83,7 @@ impl Sheet {
         Self { area, low, high }
     }
 
-    pub(in crate::features::motions) fn place(&self, at: [f64; 2]) -> Pos2 {
+    pub(in super::super) fn place(&self, at: [f64; 2]) -> Pos2 {
         let share =
             [0, 1].map(|axis| ((at[axis] - self.low[axis]) / (self.high[axis] - self.low[axis])) as f32);
         pos2(
@@ -94,7 +93,7 @@ impl Sheet {
     }
 
     /// The frame whose place is nearest to the pointer, if it is near.
-    pub(in crate::features::motions) fn frame_at(&self, places: &[Place], pointer: Pos2) -> Option<usize> {
+    pub(in super::super) fn frame_at(&self, places: &[Place], pointer: Pos2) -> Option<usize> {
         let distance = |place: &Place| self.place(place.at).distance(pointer);
         let nearest = places.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         (distance(nearest) <= REACH).then_some(nearest.frame)
@@ -204,8 +203,7 @@ fn names(
 /// The curve, stronger about the frame on the screen.
 fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, strength: f32) {
     let painter = ui.painter().with_clip_rect(sheet.area);
-    let rate = context.session.take.as_ref().map_or(30.0, |take| take.take().frame_rate());
-    let near = (NEAR_S * rate) as usize;
+    let near = (NEAR_S * frame_rate(context)) as usize;
     let is_near = |place: &Place| place.frame.abs_diff(context.selection.frame) <= near;
     for strong in [false, true] {
         for pair in places.windows(2).filter(|pair| pair[0].run == pair[1].run) {
@@ -221,6 +219,10 @@ fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, streng
     }
 }
 
+fn frame_rate(context: &Context<'_>) -> f64 {
+    context.session.take.as_ref().map_or(30.0, |take| take.take().frame_rate())
+}
+
 /// A dot every n seconds, with its time where nothing else stands.
 fn dots(
     ui: &Ui,
@@ -231,7 +233,7 @@ fn dots(
     mut taken: Vec<Rect>,
 ) {
     let palette = theme::palette(ui);
-    let rate = context.session.take.as_ref().map_or(30.0, |take| take.take().frame_rate());
+    let rate = frame_rate(context);
     let [first, last] = [places.first(), places.last()].map(|place| place.map_or(0, |place| place.frame));
     let seconds = (last - first) as f64 / rate;
     let steps = [1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 3600.0];
@@ -257,14 +259,8 @@ fn dots(
             Id::unique(("second of the motion", place.frame)),
             Sense::hover(),
         );
-        let name = found.name(place.class);
-        mark.widget_info(|| {
-            WidgetInfo::labeled(
-                Role::GraphicsSymbol,
-                true,
-                format!("Frame {} on the plane: {name}", place.frame),
-            )
-        });
+        let name = format!("Frame {} on the plane: {}", place.frame, found.name(place.class));
+        mark.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, name.as_str()));
     }
 }
 
@@ -300,8 +296,7 @@ fn card(ui: &Ui, found: &RecognisedMotions, frame: usize, at: Pos2) {
     Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(10.0).show(|ui| {
         let name = format::capitalised(found.name(named.class));
         ui.label(format!("Frame {}: {name}", format::count(frame as i64)));
-        let likeliest = (0..named.shares.len()).max_by(|&a, &b| named.shares[a].total_cmp(&named.shares[b]));
-        let what = if named.class.is_some() { "probability" } else { found.name(likeliest) };
+        let what = if named.class.is_some() { "probability" } else { found.likeliest(named) };
         ui.label(format!("{} {}", format::capitalised(what), whole_percent(named.confidence)));
         ui.label("Click: go to this frame");
     });
