@@ -8,7 +8,6 @@ pub(crate) mod lineup;
 mod panel;
 pub(crate) mod push;
 pub(crate) mod start;
-pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 mod update;

@@ -1,8 +1,10 @@
 //! The curves of one comparison, and the step that is looked at: one step for all of them.
 
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 use backlit_document::run::{RunEnding, RunStep};
+use backlit_plot::{Axis, Figure, Line};
 use backlit_tracking::body::Pose;
 use backlit_ui::style::format;
 
@@ -34,6 +36,8 @@ impl Basis {
     }
 }
 
+/// The least height on the logarithmic axis, percent of the start.
+pub(crate) const LEAST_PERCENT: f64 = 0.01;
 /// A fit has arrived below this share of its start, percent.
 pub(crate) const ARRIVED_PERCENT: f64 = 5.0;
 
@@ -224,6 +228,43 @@ impl Comparison {
             (!is_fresh).then_some((index, fit, pose))
         })
     }
+
+    /// One line a step: for every fit its cost and its percent of the start. A field is empty once its fit has ended.
+    pub(crate) fn csv(&self) -> String {
+        let mut text = "step".to_owned();
+        for fit in &self.contestants {
+            let name = fit.entrant.name.to_lowercase().replace(' ', "_");
+            let _ = write!(text, ",{name}_cost,{name}_percent");
+        }
+        text.push('\n');
+        for step in 0..=self.last() {
+            text += &step.to_string();
+            for fit in &self.contestants {
+                let at = fit.steps.get(step);
+                let cost = at.map_or_else(String::new, |at| format!("{:?}", at.mismatch));
+                let percent = at.and_then(|_| fit.percent(step));
+                let percent = percent.map_or_else(String::new, |percent| format!("{percent:?}"));
+                let _ = write!(text, ",{cost},{percent}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The plot as a picture of its own.
+    pub(crate) fn figure(&self, title: &str, subtitle: &str, is_log: bool) -> Figure {
+        let lines = self.contestants.iter().enumerate();
+        let label = "cost, % of the start";
+        Figure {
+            title: title.to_owned(),
+            subtitle: subtitle.to_owned(),
+            x: Axis::linear("step"),
+            y: if is_log { Axis::log(label).within(LEAST_PERCENT, 150.0) } else { Axis::linear(label) },
+            lines: lines
+                .map(|(style, fit)| Line::of_values(fit.entrant.name, style, &fit.percents()))
+                .collect(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -315,5 +356,18 @@ pub(crate) mod tests {
         let arrived: Vec<Option<usize>> = found.contestants.iter().map(|fit| fit.arrived(5.0)).collect();
         assert_eq!(arrived, [Some(3), None, None]);
         assert_eq!(found.contestants[2].percent(0), None, "nothing of nothing");
+    }
+
+    #[test]
+    fn the_table_has_a_line_for_every_step() {
+        let found = comparison([&[8.0, 4.0, 2.0], &[10.0, 1.0], &[0.0]]).csv();
+        let lines: Vec<&str> = found.lines().collect();
+        assert_eq!(
+            lines[0],
+            "step,cylinder_cost,cylinder_percent,capsule_cost,capsule_percent,sphere_tree_cost,sphere_tree_percent"
+        );
+        assert_eq!(lines[1], "0,8.0,100.0,10.0,100.0,0.0,");
+        assert_eq!(lines[3], "2,2.0,25.0,,,,");
+        assert_eq!(lines.len(), 4);
     }
 }

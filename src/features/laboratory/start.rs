@@ -33,19 +33,6 @@ pub(crate) enum StartChoice {
     },
 }
 
-/// What starts are made of.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct StartParts<'a> {
-    /// The body.
-    pub(crate) model: &'a Model,
-    /// The pose on the screen.
-    pub(crate) shown: &'a Pose,
-    /// The pose that the take begins with.
-    pub(crate) take: &'a Pose,
-    /// The demonstration that is open, and the frame.
-    pub(crate) demonstration: Option<(Demonstration, usize)>,
-}
-
 impl StartChoice {
     /// What a demonstration begins with here: Fig. 5.1's own offset, else the pose on the screen.
     pub(crate) fn of(demonstration: Option<Demonstration>) -> Self {
@@ -89,15 +76,22 @@ impl StartChoice {
         }
     }
 
-    pub(crate) fn pose(self, parts: &StartParts<'_>) -> Pose {
+    /// The pose, where these are the one on the screen, the one that the take begins with, and the true one of a
+    /// demonstration.
+    pub(crate) fn pose(
+        self,
+        model: &Model,
+        shown: &Pose,
+        take: &Pose,
+        truth: impl FnOnce() -> Option<Pose>,
+    ) -> Pose {
         match self {
-            Self::Shown => parts.shown.clone(),
-            Self::Take => parts.take.clone(),
+            Self::Shown => shown.clone(),
+            Self::Take => take.clone(),
             Self::Slid { mm } => single_limb_start(f64::from(mm) / 1000.0),
             Self::Turned { degrees } => {
-                let truth = parts.demonstration.and_then(|(which, frame)| which.truth(frame));
-                let from = truth.as_ref().unwrap_or(parts.shown);
-                perturb(parts.model, from, f64::from(degrees).to_radians(), ROOT_OFF_M, SEED)
+                let from = truth().unwrap_or_else(|| shown.clone());
+                perturb(model, &from, f64::from(degrees).to_radians(), ROOT_OFF_M, SEED)
             }
         }
     }
@@ -118,16 +112,11 @@ mod tests {
                 _ => builtin::upper_body(),
             };
             let rest = Pose::rest(&model);
-            let parts = StartParts {
-                model: &model,
-                shown: &rest,
-                take: &rest,
-                demonstration: demonstration.map(|which| (which, 3)),
-            };
             let offered = StartChoice::offered(demonstration);
             assert!(offered.contains(&StartChoice::of(demonstration)));
             for choice in offered {
-                choice.pose(&parts).check(&model).unwrap();
+                let truth = || demonstration.and_then(|which| which.truth(3));
+                choice.pose(&model, &rest, &rest, truth).check(&model).unwrap();
             }
         }
     }
@@ -136,9 +125,9 @@ mod tests {
     fn a_turned_start_is_that_far_from_the_truth() {
         let model = builtin::upper_body();
         let rest = Pose::rest(&model);
-        let which = Demonstration::TwoCameras;
-        let parts = StartParts { model: &model, shown: &rest, take: &rest, demonstration: Some((which, 0)) };
-        let off = StartChoice::Turned { degrees: 10 }.pose(&parts).local(&which.truth(0).unwrap());
+        let truth = Demonstration::TwoCameras.truth(0).unwrap();
+        let start = StartChoice::Turned { degrees: 10 }.pose(&model, &rest, &rest, || Some(truth.clone()));
+        let off = start.local(&truth);
         let angle = glam::DVec3::from_slice(&off[3..6]).length();
         assert!((angle.to_degrees() - 10.0).abs() < 1e-9);
     }

@@ -14,8 +14,7 @@ use image::{DynamicImage, ImageFormat};
 use super::check::{CheckJob, FitCheck};
 use super::comparison::PushKey;
 use super::job::{Lacking, Look, LookJob, StepJob, Stepped};
-use super::start::StartParts;
-use super::{Basis, Comparison, Contestant, Laboratory, LaboratoryChoices, table};
+use super::{Basis, Comparison, Contestant, Laboratory, LaboratoryChoices};
 use crate::context::command::{Command, LaboratoryCommand};
 use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
@@ -156,14 +155,10 @@ impl Laboratory {
         let scene = context.fit_inputs()?;
         scene.frame.as_ref()?;
         let document = context.document();
-        let parts = StartParts {
-            model: &document.model,
-            shown: context.shown_pose(),
-            take: &document.start,
-            demonstration: context.session.demonstration().map(|which| (which, context.selection.frame)),
-        };
+        let truth = || context.session.demonstration()?.truth(context.selection.frame);
+        let start = self.choices.start.pose(&document.model, context.shown_pose(), &document.start, truth);
         Some(Basis {
-            start: self.choices.start.pose(&parts).normalized(),
+            start: start.normalized(),
             entrants: self.choices.lineup.entrants(&document.fit, &document.model),
             scene,
         })
@@ -293,7 +288,7 @@ impl Laboratory {
         let take = context.session.take.as_ref().map_or("", |take| take.take().name());
         let words = self.choices.lineup.words();
         let subtitle = format!("{take}. {}", words.sentence);
-        let figure = table::figure(comparison, words.title, &subtitle, self.choices.is_log);
+        let figure = comparison.figure(words.title, &subtitle, self.choices.is_log);
         let theme = context.preferences.theme;
         let path = if path.extension().is_none() { path.with_extension("png") } else { path.to_owned() };
         requests.write(&path, move || {

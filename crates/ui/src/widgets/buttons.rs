@@ -134,18 +134,19 @@ pub fn checkbox(ui: &mut Ui, ticked: &mut bool, label: &str) -> Response {
 }
 
 /// A box of a few choices, named for screen readers. Says which one was chosen.
-pub fn choice<T: PartialEq + Copy>(
+pub fn choice<T: PartialEq + Copy, S: AsRef<str>>(
     ui: &mut Ui,
     name: &str,
     width: f32,
     chosen: &str,
-    choices: &[(T, &str, String)],
+    choices: &[(T, S, String)],
 ) -> Option<T> {
     let mut picked = None;
     ui.name_inputs(name, |ui| {
         ComboBox::from_id_salt(name).width(width).selected_text(chosen).show_ui(ui, |ui| {
             for (value, text, tooltip) in choices {
-                if ui.selectable_label(*text == chosen, *text).on_hover_text(tooltip).clicked() {
+                let text = text.as_ref();
+                if ui.selectable_label(text == chosen, text).on_hover_text(tooltip).clicked() {
                     picked = Some(*value);
                 }
             }

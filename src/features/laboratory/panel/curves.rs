@@ -14,8 +14,7 @@ use egui_plot::{PlotPoint, PlotTransform, PlotUi, VLine};
 use super::{Bench, named};
 use crate::context::Requests;
 use crate::context::file_dialog::DialogKind;
-use crate::features::laboratory::comparison::percent_text;
-use crate::features::laboratory::table::{LEAST_PERCENT, csv};
+use crate::features::laboratory::comparison::{LEAST_PERCENT, percent_text};
 use crate::features::laboratory::{Contestant, LaboratoryChoices};
 
 /// Height of the row above the plot.
@@ -58,7 +57,7 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices, request
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
-                ui.ctx().copy_text(csv(bench.comparison));
+                ui.ctx().copy_text(bench.comparison.csv());
                 requests.status("Copied the curves as comma-separated values.");
             }
             segmented(ui, &mut choices.is_log, &[(false, "Percent"), (true, "Log")]);

@@ -101,14 +101,10 @@ fn controls(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices, 
 }
 
 fn start_box(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices) {
-    let demonstration = context.session.demonstration();
-    let texts: Vec<(StartChoice, String)> =
-        StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
-    let choices: Vec<(StartChoice, &str, String)> =
-        texts.iter().map(|(start, text)| (*start, text.as_str(), start.tooltip())).collect();
-    if let Some(start) = choice(ui, "Start", 126.0, &chosen.start.text(), &choices) {
-        chosen.start = start;
-    }
+    let offered = StartChoice::offered(context.session.demonstration());
+    let choices: Vec<_> = offered.iter().map(|start| (*start, start.text(), start.tooltip())).collect();
+    let text = chosen.start.text();
+    chosen.start = choice(ui, "Start", 126.0, &text, &choices).unwrap_or(chosen.start);
 }
 
 /// From right to left: axis, limb, camera, and what is compared where the toolbar has no room for it.
@@ -116,13 +112,10 @@ fn choices(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices, r
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
     let model = &context.document().model;
     let axis = chosen.axis_for(model);
-    let axes: Vec<(PushAxis, &str, String)> = PushAxis::ALL
-        .iter()
-        .map(|(axis, text)| {
-            let whose = if matches!(axis, PushAxis::Move(_)) { "" } else { "limb " };
-            (*axis, *text, format!("Show which pixels change as the {whose}{text}"))
-        })
-        .collect();
+    let axes = PushAxis::ALL.map(|(axis, text)| {
+        let whose = if matches!(axis, PushAxis::Move(_)) { "" } else { "limb " };
+        (axis, text, format!("Show which pixels change as the {whose}{text}"))
+    });
     chosen.axis = choice(ui, "Motion", 136.0, axis.text(), &axes).or(chosen.axis);
     let has_limbs = model.rotation_count() > 1;
     if has_limbs {
@@ -143,19 +136,11 @@ fn choices(ui: &mut Ui, context: &Context<'_>, chosen: &mut LaboratoryChoices, r
 
 fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let model = &context.document().model;
-    let names: Vec<(usize, String)> = model
-        .rotation_owners()
-        .iter()
-        .map(|owner| (*owner, format::capitalised(&model.limbs()[*owner].name)))
-        .collect();
-    let choices: Vec<(usize, &str, String)> = names
-        .iter()
-        .map(|(limb, name)| {
-            (*limb, name.as_str(), "The limb whose motion the lower pictures show".to_owned())
-        })
-        .collect();
+    let tooltip = "The limb whose motion the lower pictures show";
+    let row = |&limb: &usize| (limb, format::capitalised(&model.limbs()[limb].name), tooltip.to_owned());
+    let choices: Vec<_> = model.rotation_owners().iter().map(row).collect();
     let held = context.selection.limb(model);
-    let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());
+    let chosen = choices.iter().find(|(limb, ..)| *limb == held).map_or("", |(_, name, _)| name.as_str());
     if let Some(limb) = choice(ui, "Limb", 126.0, chosen, &choices) {
         requests.request(SessionRequest::Joint(Selection::joint_of(model, limb)));
     }
@@ -164,10 +149,8 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 fn camera_box(ui: &mut Ui, context: &Context<'_>, camera: &mut usize) {
     let Some(take) = &context.session.take else { return };
     let name = |index: usize| format!("Camera {}", index + 1);
-    let names: Vec<(usize, String, String)> =
+    let choices: Vec<_> =
         take.cameras.iter().enumerate().map(|(i, camera)| (i, name(i), camera.name().to_owned())).collect();
-    let choices: Vec<(usize, &str, String)> =
-        names.iter().map(|(index, name, tooltip)| (*index, name.as_str(), tooltip.clone())).collect();
     *camera = choice(ui, "Camera", 84.0, &name(*camera), &choices).unwrap_or(*camera);
 }
 
