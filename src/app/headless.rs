@@ -100,7 +100,7 @@ pub(crate) fn headless_export(
     let frames = app.inspector.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
     settle(&mut window, &mut app, options.patience);
-    let export = export_job(&app.inspector, order)?;
+    let export = export_job(&app.inspector, order);
     ensure!(export.len() > 0, "there is no step: say with --iteration how many to do");
     export.finish()?;
     Ok(faults(&app))
@@ -117,14 +117,8 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     )?;
     settle(&mut window, &mut app, options.patience);
     if app.inspector.state.session.take.is_none() {
-        let why = app
-            .inspector
-            .state
-            .notices
-            .all()
-            .last()
-            .map_or("nothing was opened", |notice| notice.text.as_str());
-        anyhow::bail!("{why}");
+        let said = app.inspector.state.notices.all().last();
+        anyhow::bail!("{}", said.map_or("nothing was opened", |notice| notice.text.as_str()));
     }
     // A demonstration has a layout of its own.
     if let Some(layout) = options.layout {

@@ -17,7 +17,7 @@ use crate::context::activity::Activity;
 use crate::context::clock::Clock;
 use crate::context::command::Command;
 use crate::context::pane::Pane;
-use crate::context::{Context, DesktopRequest, Requests, Unavailable};
+use crate::context::{Context, DesktopRequest, Requests};
 use crate::features::Features;
 use crate::features::scene::panel::input as scene_keys;
 use crate::shell::Shell;
@@ -219,7 +219,8 @@ impl Inspector {
             ui.ctx().request_repaint_after(Duration::from_secs_f64((next - state.now).max(0.0)));
         }
         let context = self.context();
-        self.state.unavailable = Unavailable::find(|command| self.features.unavailable(command, &context));
+        let why = |command| Some((command, self.features.unavailable(command, &context)?));
+        self.state.unavailable = Command::all().filter_map(why).collect();
         let (context, features, shell) = self.split();
         shell.ui(ui, &context, features, requests);
     }

@@ -13,9 +13,10 @@ use image::{DynamicImage, RgbImage};
 use crate::app::Inspector;
 use crate::app::headless::rest;
 use crate::context::SessionRequest;
+use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
 use crate::features::export::choices::MAX_SIDE;
-use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
+use crate::features::export::{ExportArea, ExportJob, ExportOrder, Painter, Shot};
 
 /// How long a picture is waited for.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -25,17 +26,13 @@ const MARKS_GROW_FROM: f32 = 2.0;
 /// Begins the export that was put together on its card.
 pub(crate) fn begin_export(inspector: &mut Inspector) {
     let Some(order) = inspector.features.export.take_order() else { return };
-    match export_job(inspector, &order) {
-        Ok(job) => inspector.features.export.begin(job, order, &inspector.state.pool),
-        Err(error) => inspector.state.notices.error(format!("Nothing was exported: {error}.")),
-    }
+    let job = export_job(inspector, &order);
+    inspector.features.export.begin(job, order, &inspector.state.pool);
 }
 
 /// What an order asks for.
-pub(crate) fn export_job(inspector: &Inspector, order: &ExportOrder) -> anyhow::Result<ExportJob> {
-    let context = inspector.context();
-    let painter = OffScreen::new(inspector, order.picture(&context))?;
-    Ok(ExportJob::new(order, &context, Box::new(painter)))
+pub(crate) fn export_job(inspector: &Inspector, order: &ExportOrder) -> ExportJob {
+    ExportJob::new(order, &inspector.context(), Box::new(OffScreen::new(inspector, order)))
 }
 
 /// Another inspector that shows the same, in a window of its own. Its tasks are done when somebody turns its pool.
@@ -65,36 +62,29 @@ pub(crate) struct OffScreen {
 }
 
 impl OffScreen {
-    /// What `inspector` shows, to be painted as `what`.
-    pub(crate) fn new(inspector: &Inspector, what: PictureOf) -> anyhow::Result<Self> {
-        let (size, pixels_per_point) = match what {
-            PictureOf::Window { size, scale } => (size, scale),
-            PictureOf::View { picture, scale, .. } => {
-                let size = inspector.state.session.camera_size(picture.camera).unwrap_or([1, 1]);
-                let pixels_per_point = (scale / MARKS_GROW_FROM).max(1.0);
-                let size = Vec2::from(size.map(|side| side as f32));
-                (size * scale / pixels_per_point, pixels_per_point)
-            }
+    /// What `inspector` shows, to be painted as the order says.
+    fn new(inspector: &Inspector, order: &ExportOrder) -> Self {
+        let (choices, camera) = (&order.choices, inspector.state.selection.camera);
+        let is_view = order.part() == ExportArea::View;
+        let (size, pixels_per_point) = if is_view {
+            let footage = inspector.state.session.camera_size(camera).unwrap_or([1, 1]);
+            let scale = choices.view_pixels_per_px(footage);
+            let pixels_per_point = (scale / MARKS_GROW_FROM).max(1.0);
+            (Vec2::from(footage.map(|side| side as f32)) * scale / pixels_per_point, pixels_per_point)
+        } else {
+            (inspector.state.egui.viewport_rect().size(), choices.window_scale)
         };
         let most = MAX_SIDE as f32 / size.max_elem().max(1.0);
         let window = Headless::new(size.x, size.y, pixels_per_point.min(most));
         let frame_seconds = inspector.state.frame_seconds;
         let mut inspector = at_rest(inspector, &window.ctx);
-        let mut lacks_legend = false;
-        if let PictureOf::View { picture, whole_frame, .. } = what {
-            inspector.shell.docking.alone = Some(Pane::Camera(picture.camera));
+        if is_view {
+            inspector.shell.docking.alone = Some(Pane::Camera(camera));
             let layout = inspector.state.preferences.layout;
-            inspector.features.camera_views.show_alone(picture, layout, whole_frame);
-            lacks_legend = true;
+            let picture = PictureAlone { camera, marks: choices.marks, legend: choices.legend };
+            inspector.features.camera_views.show_alone(picture, layout, choices.whole_frame);
         }
-        Ok(Self { window, inspector, frame_seconds, lacks_legend })
-    }
-
-    /// Makes room for the legend of a picture alone, which is as high as its words are long.
-    fn make_room(&mut self, cancel: &CancelToken) {
-        self.settle(cancel);
-        let strip = self.inspector.features.camera_views.legend_height();
-        self.window.resize(self.window.size() + vec2(0.0, strip));
+        Self { window, inspector, frame_seconds, lacks_legend: is_view }
     }
 
     /// Runs frames until nothing is being worked on any more.
@@ -117,13 +107,14 @@ impl OffScreen {
 impl Painter for OffScreen {
     fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
         if std::mem::take(&mut self.lacks_legend) {
-            self.make_room(cancel);
+            // It is as high as its words are long.
+            self.settle(cancel);
+            let strip = self.inspector.features.camera_views.legend_height();
+            self.window.resize(self.window.size() + vec2(0.0, strip));
         }
         match shot {
             Shot::AsShown => {}
-            Shot::Step(step) => {
-                self.inspector.request(SessionRequest::Step(step));
-            }
+            Shot::Step(step) => self.inspector.request(SessionRequest::Step(step)),
             Shot::Frame(frame) => self.inspector.state.go_to_frame(frame),
         }
         self.settle(cancel);

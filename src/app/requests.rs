@@ -1,8 +1,6 @@
 //! What features and shell have asked for is done.
 
 use backlit_document::edit::Edit;
-use backlit_document::history::Undone;
-use backlit_document::runs::BROUGHT_BACK;
 use backlit_ui::drawing::DragEvent;
 
 use super::Inspector;
@@ -125,8 +123,10 @@ impl Inspector {
             ShellRequest::OpenCard(card) => self.shell.overlay = Some(Overlay::Card(card)),
             ShellRequest::CloseCard => self.shell.overlay = None,
             ShellRequest::CloseNotices => notices.close_all(),
-            ShellRequest::CloseNotice(id) => notices.close(id),
-            ShellRequest::CloseNoticesAbout(beginning) => notices.close_about(beginning),
+            ShellRequest::CloseNotice(id) => notices.close(|notice| notice.id == id),
+            ShellRequest::CloseNoticesAbout(beginning) => {
+                notices.close(|notice| notice.text.starts_with(beginning));
+            }
             ShellRequest::HoldNotice(id) => notices.hold(id),
             ShellRequest::Inform(text, next) => notices.info(text, next),
             ShellRequest::Complain(text, None) => notices.error(text),
@@ -220,11 +220,8 @@ impl Inspector {
         }
         let history = &mut self.state.history;
         let said = match command {
-            HistoryCommand::Undo => history.undo().map(|undone| match undone {
-                Undone::Edit(what) => format!("Undone: {what}."),
-                Undone::RemovedRuns => BROUGHT_BACK.to_owned(),
-            }),
-            HistoryCommand::Redo => history.redo().map(|what| format!("Redone: {what}.")),
+            HistoryCommand::Undo => history.undo(),
+            HistoryCommand::Redo => history.redo(),
         };
         if said.is_some() {
             self.state.status = said;

@@ -78,24 +78,14 @@ impl Notices {
         &self.kept
     }
 
-    pub(crate) fn close(&mut self, id: u64) {
-        for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
-            notice.is_open = false;
-        }
+    /// Closes the cards of which `is` says so; they stay among the messages.
+    pub(crate) fn close(&mut self, is: impl Fn(&Notice) -> bool) {
+        self.kept.iter_mut().filter(|notice| is(notice)).for_each(|notice| notice.is_open = false);
     }
 
-    /// Closes the cards whose sentence begins so: that is over.
-    pub(crate) fn close_about(&mut self, beginning: &str) {
-        for notice in self.kept.iter_mut().filter(|notice| notice.text.starts_with(beginning)) {
-            notice.is_open = false;
-        }
-    }
-
-    /// Closes all cards; they stay among the messages.
+    /// Closes all cards.
     pub fn close_all(&mut self) {
-        for notice in &mut self.kept {
-            notice.is_open = false;
-        }
+        self.close(|_| true);
     }
 
     /// Closes the cards whose time is over, and says when the next one's will be.
@@ -124,9 +114,7 @@ impl Notices {
             self.kept.remove(0);
         }
         // The same sentence twice is one card.
-        for notice in self.kept.iter_mut().filter(|notice| notice.text == text) {
-            notice.is_open = false;
-        }
+        self.close(|notice| notice.text == text);
         let (id, said) = (self.next_id, self.now);
         self.kept.push(Notice { id, severity, text, command, said, expires, is_open: true });
         self.next_id += 1;
@@ -154,8 +142,7 @@ mod tests {
         assert_eq!(notices.tick(), None);
         let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
         assert_eq!(texts, ["No such file"]);
-        let id = notices.cards().next().unwrap().id;
-        notices.close(id);
+        notices.close(|notice| notice.severity == Severity::Error);
         assert_eq!((notices.cards().count(), notices.all().len()), (0, 2));
     }
 

@@ -11,19 +11,11 @@ use super::preferences::Layout;
 pub(crate) type Why = Option<&'static str>;
 
 /// The commands that cannot be used in this frame of the window, each with why.
-#[derive(Debug, Default)]
-pub(crate) struct Unavailable(Vec<(Command, &'static str)>);
-
-impl Unavailable {
-    /// Asks about every command.
-    pub(crate) fn find(why: impl Fn(Command) -> Option<&'static str>) -> Self {
-        Self(Command::all().filter_map(|command| Some((command, why(command)?))).collect())
-    }
-}
+pub(crate) type Unavailable = Vec<(Command, &'static str)>;
 
 /// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
 pub(crate) fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
-    context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
+    context.unavailable.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
 }
 
 /// The same for the commands that are no feature's: files, undo, the window.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use backlit_jobs::{News, Pool, Task};
 use backlit_ui::style::format;
 pub use choices::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
-pub(crate) use choices::{ExportOrder, Painter, PictureOf, Shot, Subject};
+pub(crate) use choices::{ExportOrder, Painter, Shot, Subject};
 use egui::Ui;
 pub(crate) use job::ExportJob;
 pub(crate) use series::{ExportError, SeriesWriter};

@@ -15,7 +15,7 @@ use crate::context::feature::Feature;
 use crate::context::file_dialog::{DialogKind, FileDialogs};
 use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellRequest, priority};
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct NewTake {
     /// Where the footage lies: folders, or files.
     paths: Vec<PathBuf>,
@@ -48,21 +48,6 @@ enum ImportStage {
     Unusable(String),
     /// The take is being written; what is done just now.
     Writing(Box<Looked>, String),
-}
-
-impl Default for NewTake {
-    fn default() -> Self {
-        Self {
-            paths: Vec::new(),
-            options: ImportOptions::default(),
-            rate: String::new(),
-            out: String::new(),
-            stage: ImportStage::Empty,
-            look: Task::default(),
-            write: Task::default(),
-            dialogs: FileDialogs::default(),
-        }
-    }
 }
 
 /// Height of the pictures on the card, pixels.
@@ -218,10 +203,6 @@ impl NewTake {
         let (found, folder) = (looked.found.clone(), PathBuf::from(self.out.trim()));
         self.stage = ImportStage::Writing(looked, "Writing the take".to_owned());
         self.write.begin(context.pool, (), |()| one_step(move |out: &Outbox<_>| write(&found, &folder, out)));
-    }
-
-    fn stop(&self) {
-        self.write.stop();
     }
 
     fn back_to_found(&mut self) {

@@ -41,7 +41,7 @@ const MENU: [Command; 7] = [
     Command::Timeline(TimelineCommand::WholeTake),
 ];
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Timeline {
     /// Whether there are lanes, kept from start to start.
     pub(crate) shows_lanes: bool,
@@ -55,12 +55,6 @@ pub(crate) struct Timeline {
     reading: Option<f64>,
     /// The frame that is read ahead, and since when.
     ahead: Option<(usize, f64)>,
-}
-
-impl Default for Timeline {
-    fn default() -> Self {
-        Self { shows_lanes: true, span: None, last_frame: None, marks_from: None, reading: None, ahead: None }
-    }
 }
 
 impl Timeline {
@@ -79,15 +73,11 @@ impl Timeline {
         } else {
             &[Lane::Rms, Lane::Overlap, Lane::Steps]
         };
+        let (named, unsure) = (extra_lanes::motions_height(context), extra_lanes::unsure_height(context));
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,
-            1 => {
-                size::TIMELINE_ONE_LANE
-                    + 6.0
-                    + extra_lanes::motions_height(context)
-                    + extra_lanes::unsure_height(context)
-            }
-            _ => size::TIMELINE + extra_lanes::motions_height(context) + extra_lanes::unsure_height(context),
+            1 => size::TIMELINE_ONE_LANE + 6.0 + named + unsure,
+            _ => size::TIMELINE + named + unsure,
         };
         let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
         Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {

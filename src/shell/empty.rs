@@ -44,7 +44,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, reques
                 return;
             }
             ui.add_space(16.0);
-            if recent::has_any(context) {
+            if !context.preferences.recent.is_empty() {
                 ui.label(RichText::new("Recent takes and projects").small().color(palette.text3));
                 recent::rows(ui, context, requests, false);
                 ui.add_space(8.0);

@@ -126,7 +126,7 @@ fn panes(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 }
 
 fn recent(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    if !super::recent::has_any(context) {
+    if context.preferences.recent.is_empty() {
         return;
     }
     ui.separator();

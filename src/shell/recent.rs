@@ -69,7 +69,3 @@ fn is_there(ui: &Ui, path: &Path) -> bool {
     ui.data_mut(|data| data.insert_temp(id, (is_there, now)));
     is_there
 }
-
-pub(crate) fn has_any(context: &Context<'_>) -> bool {
-    !context.preferences.recent.is_empty()
-}

@@ -6,7 +6,7 @@
 use crate::Document;
 use crate::edit::{Edit, EditError};
 use crate::run::Run;
-use crate::runs::{RunChange, Runs};
+use crate::runs::{BROUGHT_BACK, RunChange, Runs};
 
 /// Names a group of edits that are undone together. Each drag and each run has a number of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -63,15 +63,6 @@ impl UndoEntry {
             Self::Runs(_) => None,
         }
     }
-}
-
-/// What undo or redo took back or did again.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Undone {
-    /// A change of the document, in words.
-    Edit(String),
-    /// The removal of runs.
-    RemovedRuns,
 }
 
 /// Most entries kept; the oldest are forgotten.
@@ -166,30 +157,30 @@ impl History {
         }
     }
 
-    /// Goes back to before the newest entry and says what was undone.
-    pub fn undo(&mut self) -> Option<Undone> {
+    /// Goes back to before the newest entry. Says what was undone, in a sentence.
+    pub fn undo(&mut self) -> Option<String> {
         Some(match self.undo.pop()? {
             UndoEntry::Document(snapshot) => {
                 let left = self.go(*snapshot);
-                let what = left.what.clone();
+                let said = format!("Undone: {}.", left.what);
                 self.redo.push(left);
-                Undone::Edit(what)
+                said
             }
             UndoEntry::Runs(removed) => {
                 self.runs_revision += 1;
                 self.runs.bring_back(removed);
-                Undone::RemovedRuns
+                BROUGHT_BACK.to_owned()
             }
         })
     }
 
-    /// Takes back the last undo of a change of the document and says what was done again.
+    /// Takes back the last undo of a change of the document. Says what was done again, in a sentence.
     pub fn redo(&mut self) -> Option<String> {
         let snapshot = self.redo.pop()?;
         let left = self.go(snapshot);
-        let what = left.what.clone();
+        let said = format!("Redone: {}.", left.what);
         self.undo.push(UndoEntry::Document(Box::new(left)));
-        Some(what)
+        Some(said)
     }
 
     /// Whether there is something to [`undo`](Self::undo).
@@ -289,7 +280,7 @@ mod tests {
             go_to(&mut history, f64::from(step), Some(7));
         }
         go_to(&mut history, 9.0, Some(8));
-        assert_eq!(history.undo(), Some(Undone::Edit("Move body".to_owned())));
+        assert_eq!(history.undo(), Some("Undone: Move body.".to_owned()));
         assert_eq!(root_x(&history), 5.0);
         history.undo();
         assert_eq!(root_x(&history), 0.0);
@@ -360,8 +351,8 @@ mod tests {
         go_to(&mut history, 2.0, Some(7));
         history.change_runs(RunChange::Clear);
         assert_eq!(numbers(&history), [0; 0]);
-        assert_eq!((history.undo(), numbers(&history)), (Some(Undone::RemovedRuns), vec![1, 3]));
-        assert_eq!((history.undo(), numbers(&history)), (Some(Undone::RemovedRuns), vec![1, 2, 3]));
+        assert_eq!((history.undo(), numbers(&history)), (Some(BROUGHT_BACK.to_owned()), vec![1, 3]));
+        assert_eq!((history.undo(), numbers(&history)), (Some(BROUGHT_BACK.to_owned()), vec![1, 2, 3]));
         assert_eq!((history.redo_text(), root_x(&history)), (None, 2.0));
         history.undo();
         assert_eq!((root_x(&history), history.can_undo()), (0.0, false), "both moves are one gesture");

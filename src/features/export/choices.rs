@@ -7,12 +7,10 @@ use backlit_document::run::Run;
 use backlit_document::runs::StepRef;
 use backlit_formats::motion::{Axes, EulerOrder, MotionFormat, Names, Unit};
 use backlit_tracking::cancel::CancelToken;
-use egui::Vec2;
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use crate::context::Context;
-use crate::context::marks::PictureAlone;
 
 /// Pixels of an exported picture across, at most; as much as the readers of pictures take.
 pub(crate) const MAX_SIDE: u32 = 16_384;
@@ -186,26 +184,6 @@ pub(crate) struct ExportOrder {
     pub(crate) path: PathBuf,
 }
 
-/// What is painted, and how large.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PictureOf {
-    /// The window, of its own size in points.
-    Window {
-        /// Points.
-        size: Vec2,
-        /// Pixels for a point.
-        scale: f32,
-    },
-    View {
-        /// Which camera, and with what.
-        picture: PictureAlone,
-        /// Pixels for a pixel of the footage.
-        scale: f32,
-        /// The whole frame, not what is framed in the tile.
-        whole_frame: bool,
-    },
-}
-
 /// What is to be seen in a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shot {
@@ -224,26 +202,11 @@ pub(crate) trait Painter: Send {
 }
 
 impl ExportOrder {
-    pub(super) fn part(&self) -> ExportArea {
+    pub(crate) fn part(&self) -> ExportArea {
         match self.subject {
             Subject::View => ExportArea::View,
             Subject::Window => ExportArea::Window,
             Subject::Steps | Subject::Frames => self.choices.part,
-        }
-    }
-
-    pub(crate) fn picture(&self, context: &Context<'_>) -> PictureOf {
-        let choices = &self.choices;
-        let camera = context.selection.camera;
-        match self.part() {
-            ExportArea::Window => {
-                PictureOf::Window { size: context.egui.viewport_rect().size(), scale: choices.window_scale }
-            }
-            ExportArea::View => PictureOf::View {
-                picture: PictureAlone { camera, marks: choices.marks, legend: choices.legend },
-                scale: choices.view_pixels_per_px(context.session.camera_size(camera).unwrap_or([1, 1])),
-                whole_frame: choices.whole_frame,
-            },
         }
     }
 

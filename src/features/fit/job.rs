@@ -45,22 +45,13 @@ pub(super) struct PausedFit {
 #[derive(Debug)]
 pub(super) struct FitJob {
     /// Begins a new fit; otherwise the one that runs goes on.
-    start: Option<FitStart>,
-    fit: Option<Box<PausedFit>>,
+    pub(super) start: Option<FitStart>,
+    pub(super) fit: Option<Box<PausedFit>>,
     /// Steps to do; `None` runs to the end.
-    left: Option<usize>,
+    pub(super) left: Option<usize>,
 }
 
 impl FitJob {
-    /// Begins a fit and does this many steps, or all of them.
-    pub(super) fn begin(start: FitStart, steps: Option<usize>) -> Self {
-        Self { start: Some(start), fit: None, left: steps }
-    }
-
-    pub(super) fn go_on(fit: Option<Box<PausedFit>>, steps: Option<usize>) -> Self {
-        Self { start: None, fit, left: steps }
-    }
-
     fn pause(&mut self, out: &Outbox<FitMessage>, ending: Option<RunEnding>) -> Turn {
         let fit = self.fit.take().filter(|paused| paused.fit.termination.is_none());
         out.send(FitMessage::Paused(ending, fit));

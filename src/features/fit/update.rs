@@ -22,7 +22,7 @@ use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_body_fit, no_fit};
 use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 use crate::session::playback::PlaybackChange;
-use crate::session::prediction::{FitInputs, Predicted};
+use crate::session::prediction::Predicted;
 
 #[derive(Debug, Default)]
 struct NewRun {
@@ -204,8 +204,8 @@ impl Fit {
     }
 
     fn go_on(&mut self, steps: Option<usize>, context: &Context<'_>) {
-        let paused = self.paused.take();
-        self.task.begin(context.pool, (), |()| FitJob::go_on(paused, steps));
+        let job = FitJob { start: None, fit: self.paused.take(), left: steps };
+        self.task.begin(context.pool, (), |()| job);
     }
 
     /// Fits a part of the body from the pose on the screen, to the end.
@@ -269,9 +269,18 @@ impl Fit {
         };
         requests.request(SessionRequest::Runs(RunChange::Begin(Box::new(run))));
         requests.request(SessionRequest::LeaveStep);
-        self.live = Some(LiveRun { is_comparison, ..LiveRun::new(number, frame, inputs.clone()) });
-        let start = FitStart { inputs, pose, options, free, measured_by };
-        self.task.begin(context.pool, (), |()| FitJob::begin(start, new.steps));
+        self.live = Some(LiveRun {
+            number,
+            frame,
+            inputs: inputs.clone(),
+            before: 0.0,
+            steps: 0,
+            last: None,
+            is_over: false,
+            is_comparison,
+        });
+        let start = Some(FitStart { inputs, pose, options, free, measured_by });
+        self.task.begin(context.pool, (), |()| FitJob { start, fit: None, left: new.steps });
     }
 
     fn take_in(
@@ -341,19 +350,6 @@ impl Fit {
 }
 
 impl LiveRun {
-    const fn new(number: usize, frame: usize, inputs: FitInputs) -> Self {
-        Self {
-            number,
-            frame,
-            inputs,
-            before: 0.0,
-            steps: 0,
-            last: None,
-            is_over: false,
-            is_comparison: false,
-        }
-    }
-
     /// Whether the pose on the screen is its last one, and nothing else that it depends on has changed.
     fn can_go_on(&self, context: &Context<'_>) -> bool {
         let has_same_inputs = || context.fit_inputs().is_some_and(|inputs| self.inputs.is(&inputs));

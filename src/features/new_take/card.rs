@@ -43,7 +43,9 @@ impl NewTake {
             ui.spacing_mut().item_spacing.y = 6.0;
             ui.label(RichText::new("New take").text_style(theme::title()));
             ui.add_space(space::ROW);
-            self.contents(ui)
+            let mut action = None;
+            self.contents(ui, &mut action);
+            action
         });
         match modal.inner {
             Some(CardAction::Ask(asked)) => self.ask(asked, context, requests),
@@ -53,7 +55,7 @@ impl NewTake {
                 self.look_at(self.paths.clone(), context);
             }
             Some(CardAction::Create) => self.create(context),
-            Some(CardAction::Stop) => self.stop(),
+            Some(CardAction::Stop) => self.write.stop(),
             Some(CardAction::Close) => return false,
             None => {}
         }
@@ -61,12 +63,11 @@ impl NewTake {
         matches!(self.stage, ImportStage::Writing(..)) || !modal.should_close()
     }
 
-    fn contents(&mut self, ui: &mut Ui) -> Option<CardAction> {
-        let mut action = None;
+    fn contents(&mut self, ui: &mut Ui, action: &mut Option<CardAction>) {
         row(ui, "Footage", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if button(ui, "Choose folder…") {
-                    action = Some(CardAction::Ask(Asked::Footage));
+                    *action = Some(CardAction::Ask(Asked::Footage));
                 }
                 let path = self.paths.first().map_or_else(String::new, |path| path.display().to_string());
                 let mut typed = path.clone();
@@ -76,7 +77,7 @@ impl NewTake {
                 }
                 if response.lost_focus() && !typed.is_empty() && !matches!(self.stage, ImportStage::Found(_))
                 {
-                    action = Some(CardAction::Look);
+                    *action = Some(CardAction::Look);
                 }
             });
         });
@@ -92,20 +93,19 @@ impl NewTake {
             }
             ImportStage::Unusable(why) => {
                 ui.label(RichText::new(why).color(palette.warn));
-                action = calibration_row(ui, None).or(action);
+                calibration_row(ui, None, action);
             }
             ImportStage::Found(looked) | ImportStage::Writing(looked, _) => {
                 let looked = (**looked).clone();
-                action = found(ui, &looked).or(action);
-                action = self.settings(ui, &looked).or(action);
+                found(ui, &looked, action);
+                self.settings(ui, &looked, action);
             }
         }
         ui.add_space(space::WIDGET);
-        self.buttons(ui).or(action)
+        self.buttons(ui, action);
     }
 
-    fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
-        let mut action = None;
+    fn settings(&mut self, ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
         row(ui, "Frames a second", |ui| {
             let field = vec2(76.0, size::BUTTON);
             let rate = |ui: &mut Ui| text_field(ui, "Frames a second", "", &mut self.rate);
@@ -113,7 +113,7 @@ impl NewTake {
             let typed = self.rate.trim().parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
             if response.lost_focus() && typed != looked.found.frame_rate && typed.is_some() {
                 self.options.frame_rate = typed;
-                action = Some(CardAction::Look);
+                *action = Some(CardAction::Look);
             }
             if looked.found.frame_rate.is_none() {
                 hint(ui, "the footage does not say it");
@@ -122,16 +122,14 @@ impl NewTake {
         row(ui, "Take goes to", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if button(ui, "Choose…") {
-                    action = Some(CardAction::Ask(Asked::Out));
+                    *action = Some(CardAction::Ask(Asked::Out));
                 }
                 text_field(ui, "Take goes to", "a new folder", &mut self.out);
             });
         });
-        action
     }
 
-    fn buttons(&self, ui: &mut Ui) -> Option<CardAction> {
-        let mut action = None;
+    fn buttons(&self, ui: &mut Ui, action: &mut Option<CardAction>) {
         let problem = self.problem();
         if let ImportStage::Writing(_, said) = &self.stage {
             ui.label(RichText::new(format!("{said}…")).color(theme::palette(ui).text2));
@@ -139,19 +137,18 @@ impl NewTake {
         button_row(ui, |ui| {
             if matches!(self.stage, ImportStage::Writing(..)) {
                 if button(ui, "Stop") {
-                    action = Some(CardAction::Stop);
+                    *action = Some(CardAction::Stop);
                 }
                 return;
             }
             let create = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Create take")).inner;
             if create.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
-                action = Some(CardAction::Create);
+                *action = Some(CardAction::Create);
             }
             if button(ui, "Cancel") {
-                action = Some(CardAction::Close);
+                *action = Some(CardAction::Close);
             }
         });
-        action
     }
 
     /// Why no take can be written as it is.
@@ -171,9 +168,9 @@ impl NewTake {
 }
 
 /// What was found: the calibration, each camera, and what there is to know about them.
-fn found(ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
+fn found(ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
     let (found, palette) = (&looked.found, theme::palette(ui));
-    let mut action = calibration_row(ui, Some(&found.calibration));
+    calibration_row(ui, Some(&found.calibration), action);
     let of = format!(
         "{}, {} frames of {} cameras",
         format::capitalised(&found.project.to_string()),
@@ -202,7 +199,7 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
                     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                     ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
                 }
-                ui.vertical(|ui| action = words(ui, camera).or(action));
+                ui.vertical(|ui| words(ui, camera, action));
             });
         }
         for (name, why) in &found.left_out {
@@ -214,12 +211,10 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<CardAction> {
                     pictures.";
         ui.label(RichText::new(text).small().color(palette.warn));
     }
-    action
 }
 
 /// A camera: its footage, its size, its background.
-fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<CardAction> {
-    let mut action = None;
+fn words(ui: &mut Ui, camera: &ImportCamera, action: &mut Option<CardAction>) {
     let palette = theme::palette(ui);
     let (path, [width, height]) = (camera.pictures.path(), [camera.camera.width(), camera.camera.height()]);
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -255,22 +250,20 @@ fn words(ui: &mut Ui, camera: &ImportCamera) -> Option<CardAction> {
                     }
                 });
             if chosen != camera.picture_size {
-                action = Some(CardAction::Pictures(chosen));
+                *action = Some(CardAction::Pictures(chosen));
             }
         });
     }
     for note in &camera.notes {
         ui.label(RichText::new(note).small().color(palette.warn));
     }
-    action
 }
 
-fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<CardAction> {
-    let mut action = None;
+fn calibration_row(ui: &mut Ui, path: Option<&Path>, action: &mut Option<CardAction>) {
     row(ui, "Calibration", |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             if button(ui, "Choose file…") {
-                action = Some(CardAction::Ask(Asked::Calibration));
+                *action = Some(CardAction::Ask(Asked::Calibration));
             }
             let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
@@ -278,7 +271,6 @@ fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<CardAction> {
             });
         });
     });
-    action
 }
 
 fn button(ui: &mut Ui, text: &str) -> bool {

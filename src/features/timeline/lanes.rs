@@ -94,31 +94,25 @@ impl Lane {
 
     /// Both ends of the lane's axis: round numbers, which stay while frames are tracked.
     pub(crate) fn axis(self, document: &Document) -> [f64; 2] {
-        match self {
-            Self::Overlap => {
-                let mut values: Vec<f64> =
-                    document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();
-                if values.is_empty() {
-                    return [LOST_BELOW_IOU, 1.0];
-                }
-                // A twentieth of the frames may lie below the lane: a few bad ones must not flatten all others.
-                let (few, highest) = (values.len() / 20, values.iter().copied().fold(0.0, f64::max));
-                let (_, low, _) = values.select_nth_unstable_by(few, f64::total_cmp);
-                let (low, high) = ((*low * 10.0).floor() / 10.0, (highest * 10.0).ceil() / 10.0);
-                [low.min(high - 0.1).max(0.0), high.max(0.1)]
+        let mut values: Vec<f64> =
+            document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        if self == Self::Overlap {
+            if values.is_empty() {
+                return [LOST_BELOW_IOU, 1.0];
             }
-            Self::Rms | Self::Steps => {
-                let mut values: Vec<f64> =
-                    document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();
-                if values.is_empty() {
-                    return [0.0, 1.0];
-                }
-                let middle = values.len() / 2;
-                let largest = values.iter().copied().fold(0.0, f64::max);
-                let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-                [0.0, round_up(largest.min(MOST_MEDIANS * *median))]
-            }
+            // A twentieth of the frames may lie below the lane: a few bad ones must not flatten all others.
+            let few = values.len() / 20;
+            let (_, low, _) = values.select_nth_unstable_by(few, f64::total_cmp);
+            let (low, high) = ((*low * 10.0).floor() / 10.0, (largest * 10.0).ceil() / 10.0);
+            return [low.min(high - 0.1).max(0.0), high.max(0.1)];
         }
+        if values.is_empty() {
+            return [0.0, 1.0];
+        }
+        let middle = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+        [0.0, round_up(largest.min(MOST_MEDIANS * *median))]
     }
 
     fn axis_text(self, value: f64) -> String {
