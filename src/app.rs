@@ -18,8 +18,7 @@ pub(crate) mod survey_job;
 pub(crate) mod testing;
 pub(crate) mod window;
 
-pub(crate) use headless::headless_export;
-pub(crate) use headless::{PictureOptions, headless_picture};
+pub(crate) use headless::{PictureOptions, headless_export, headless_picture};
 pub use inspector::Inspector;
 pub use open_job::Opening;
 pub use state::State;

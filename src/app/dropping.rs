@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_formats::Footage;
 use backlit_formats::footage::replacement::{masks_of, read_calibration};
 use backlit_formats::pose_file::Quaternions;
-use backlit_formats::{model_file, pose_file};
+use backlit_formats::{Footage, model_file, pose_file};
 use backlit_jobs::once;
 use backlit_take::dropped::Dropped;
 use backlit_tracking::body::Model;

@@ -15,11 +15,10 @@ use backlit_ui::style::format;
 use super::Inspector;
 use super::open_job::{Opened, Opening};
 use super::state::State;
-use crate::context::Write;
 use crate::context::command::{Command, FileCommand};
 use crate::context::file_dialog::{DialogKind, FileDialogs};
-use crate::context::priority;
 use crate::context::write_advice::write_advice;
+use crate::context::{Write, priority};
 
 const PROJECT_EXTENSION: &str = "backlit";
 

@@ -7,8 +7,7 @@ use backlit_document::Document;
 use backlit_document::project::{Project, read_project};
 use backlit_document::run::Run;
 use backlit_document::take_match::match_take;
-use backlit_formats::Footage;
-use backlit_formats::{Take, TakeError};
+use backlit_formats::{Footage, Take, TakeError};
 use backlit_take::source::TakeSource;
 
 /// Something to open.

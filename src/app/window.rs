@@ -6,8 +6,7 @@ use anyhow::anyhow;
 use backlit_ui::style::theme::size;
 use egui::{Vec2, ViewportBuilder, ViewportCommand, vec2};
 
-use crate::app::settings_file;
-use crate::app::{App, AppOptions, Opening};
+use crate::app::{App, AppOptions, Opening, settings_file};
 use crate::context::clock::Clock;
 
 /// The name that the desktop knows the program by.

@@ -1,8 +1,7 @@
 //! The title in a pane's header with the panes that stand behind it: one row for both, whatever they are.
 
 use backlit_ui::style::format::uncapitalised;
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::{self, size, space};
 use backlit_ui::widgets::camera_badge;
 use egui::{
     Align, Button, Label, Layout, Rect, Response, RichText, Role, TextStyle, TextWrapMode, Ui, UiBuilder,

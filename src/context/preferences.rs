@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use backlit_ui::style::theme::{Theme, size};
 use serde::{Deserialize, Serialize};
 
-use crate::context::arrangement;
-use crate::context::arrangement::Kept;
+use crate::context::arrangement::{self, Kept};
 use crate::context::pane::Pane;
 
 /// What the window is arranged for.

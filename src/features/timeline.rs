@@ -8,8 +8,7 @@ mod span;
 mod transport;
 mod update;
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{self, size};
 use egui::{Frame, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};

@@ -1,8 +1,7 @@
 //! The centre: panes in tiles that are split, dragged by their headers, stacked, closed and filled the window
 //! with.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{Palette, size, space};
+use backlit_ui::style::theme::{self, Palette, size, space};
 use backlit_ui::widgets::{Icon, camera_badge, icon_button};
 use egui::{
     Align, Button, Color32, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder, Visuals,

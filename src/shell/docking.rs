@@ -2,11 +2,10 @@
 
 use egui::Vec2;
 
-use crate::context::PaneEvent;
-use crate::context::arrangement;
 use crate::context::arrangement::{Arrangement, Centre};
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
+use crate::context::{PaneEvent, arrangement};
 use crate::session::Session;
 use crate::session::selection::Selection;
 

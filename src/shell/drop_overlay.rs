@@ -1,8 +1,7 @@
 //! What will happen to the files that are over the window.
 
 use backlit_take::dropped::Dropped;
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{self, size};
 use backlit_ui::widgets::Icon;
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 

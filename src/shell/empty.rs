@@ -1,7 +1,6 @@
 //! The window before a take is open.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::title;
+use backlit_ui::style::theme::{self, title};
 use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 
 use super::recent;

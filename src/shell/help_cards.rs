@@ -1,7 +1,6 @@
 //! The cards of the Help menu: all messages since the start; version, licence and source of the method.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space, title};
+use backlit_ui::style::theme::{self, size, space, title};
 use backlit_ui::widgets::{Icon, card, primary_button};
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 

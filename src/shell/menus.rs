@@ -4,8 +4,7 @@ use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::drawing::{ModeComparison, ViewMode};
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::{self, size, space};
 use backlit_ui::widgets::checkbox;
 use egui::Ui;
 

@@ -1,7 +1,6 @@
 //! Notices as cards, bottom right above the timeline.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::{self, size, space};
 use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
     Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,

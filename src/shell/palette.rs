@@ -1,7 +1,6 @@
 //! The command palette: a few letters of any command.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{self, size};
 use backlit_ui::widgets::{search_card, search_field};
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 

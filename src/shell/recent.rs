@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{self, size};
 use backlit_ui::widgets::{Icon, icon_button};
 use egui::{Id, RichText, Ui};
 

@@ -1,7 +1,6 @@
 //! The column on the right: one order in all layouts, only what is open differs.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::{self, size, space};
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::context::preferences::Layout;

@@ -1,7 +1,6 @@
 //! All keys, searchable, and the gestures of the pointer.
 
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{self, size};
 use backlit_ui::widgets::{Icon, icon_button, search_card, search_field};
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 

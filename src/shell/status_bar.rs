@@ -2,16 +2,14 @@
 
 use backlit_document::run::Run;
 use backlit_ui::drawing::joint_name;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::Icon;
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
 
 use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
-use crate::context::command_button as command;
 use crate::context::preferences::Layout;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, command_button as command};
 use crate::features::Features;
 
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, requests: &mut Requests) {

@@ -1,8 +1,7 @@
 //! The toolbar: the choices that are made all day, and the one button that is the likely next act.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, fitting_label, segmented};
 use egui::{
     Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Sense, TextStyle, Ui, UiBuilder, vec2,
@@ -12,8 +11,7 @@ use super::menus;
 use crate::context::command::{
     Command, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
-use crate::context::command_button::preset_box;
-use crate::context::command_button::{icon, primary};
+use crate::context::command_button::{icon, preset_box, primary};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests, ShellRequest};
 use crate::features::Features;

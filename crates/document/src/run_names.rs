@@ -6,10 +6,9 @@ use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
 use backlit_words::format;
 
-use crate::fit_words as words;
-use crate::likely_poses;
 use crate::run::Run;
 use crate::runs::{StepRef, is_same};
+use crate::{fit_words as words, likely_poses};
 
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
     button_row, card, checkbox, number_field, primary_button, row_name, segmented, text_field,
 };

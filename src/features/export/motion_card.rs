@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use anyhow::anyhow;
-use backlit_formats::motion;
-use backlit_formats::motion::{Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
+use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
 use backlit_tracking::camera::up_of;
 use backlit_ui::style::format;
 use backlit_ui::style::theme::space;

@@ -1,9 +1,8 @@
 //! The Solver section: every choice of the fit by itself.
 
 use backlit_document::edit::Edit;
-use backlit_document::fit_words as words;
 use backlit_document::fit_words::preset_like;
-use backlit_document::likely_poses;
+use backlit_document::{fit_words as words, likely_poses};
 use backlit_tracking::body::Parameters;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;

@@ -3,8 +3,7 @@
 use backlit_document::fit_words::short_ramp;
 use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::render::Ramp;
-use backlit_ui::style::theme;
-use backlit_ui::style::theme::space;
+use backlit_ui::style::theme::{self, space};
 use backlit_ui::widgets::number_field;
 use egui::{Align2, Button, RichText, TextStyle, Ui, vec2};
 

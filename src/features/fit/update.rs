@@ -4,11 +4,10 @@ use backlit_formats::Footage;
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_document::fit_words as words;
 use backlit_document::run::{Run, RunChoices, RunEnding, RunStep};
 use backlit_document::runs::{RunChange, StepRef};
 use backlit_document::tracking_choices::TrackingChoices;
-use backlit_document::{Estimate, Origin};
+use backlit_document::{Estimate, Origin, fit_words as words};
 use backlit_jobs::News;
 use backlit_tracking::fit::{FitOptions, Preset};
 

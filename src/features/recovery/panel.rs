@@ -1,9 +1,8 @@
 //! Unsaved work that an earlier start of the program left unsaved: a card for each copy, the newest first.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space, title};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{card as over, primary_button};
 use egui::{

@@ -1,9 +1,8 @@
 //! Lanes that are there only where they have something to show: motions by name, and limbs that nothing holds. Clicks mean
 //! frames, as everywhere in the timeline.
 
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::UNSURE;
-use backlit_ui::style::theme::{motion_colours, size};
+use backlit_ui::style::theme::{self, motion_colours, size};
 use egui::{
     Align2, Id, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, pos2,
 };

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
 use backlit_document::{Estimate, Origin};
-use backlit_formats::Footage;
-use backlit_formats::FootageError;
+use backlit_formats::{Footage, FootageError};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,

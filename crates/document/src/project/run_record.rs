@@ -9,10 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::ProjectProblem;
 use super::record::{PoseRecord, check_numbers, checked_cameras, read_fit};
-use crate::CameraUse;
-use crate::likely_poses;
 use crate::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::runs::StepRef;
+use crate::{CameraUse, likely_poses};
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
