@@ -8,6 +8,7 @@ use backlit_take::source::TakeSource;
 use egui_painter::Headless;
 
 use super::{App, AppOptions, Opening};
+use crate::context::command::Command;
 use crate::context::notices::Severity;
 use crate::context::preferences::Layout;
 
@@ -28,6 +29,12 @@ pub(crate) fn settle(window: &mut Headless, app: &mut App) {
         assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
         window.run(1, Vec::new(), |ui| app.frame(ui));
     }
+}
+
+/// Does a command, and all that follows from it.
+pub(crate) fn do_command(window: &mut Headless, app: &mut App, command: Command) {
+    app.run(command);
+    settle(window, app);
 }
 
 /// A window on the demonstration of a single limb, in a layout.

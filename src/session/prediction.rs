@@ -47,12 +47,7 @@ pub struct Derivatives {
 impl FitInputs {
     /// Whether both are of the very same parts, whatever derivatives are looked at.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        let same_frame = match (&self.frame, &other.frame) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        same_frame
+        self.frame.as_ref().map(Arc::as_ptr) == other.frame.as_ref().map(Arc::as_ptr)
             && Arc::ptr_eq(&self.model, &other.model)
             && Arc::ptr_eq(&self.uses, &other.uses)
             && Arc::ptr_eq(&self.fit, &other.fit)
@@ -133,15 +128,6 @@ impl Predicted {
         let start = Instant::now();
         let kinematics = Kinematics::new(&scene.model, pose);
         let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
-        let mut result = Self {
-            scene: scene.clone(),
-            pose: pose.clone(),
-            cameras: Vec::with_capacity(scene.cameras.len()),
-            mismatch: 0.0,
-            rms: None,
-            mismatch_by_limb: vec![0.0; scene.model.limbs().len()],
-            seconds: 0.0,
-        };
         let look = |index: usize| {
             let data = match reusable {
                 Some(earlier) => earlier.cameras[index].data.clone(),
@@ -158,15 +144,20 @@ impl Predicted {
         let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
             (0..scene.cameras.len()).into_par_iter().map(look).collect();
         let measured = Measured::of(looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()));
-        (result.mismatch, result.rms) = (measured.mismatch, measured.rms);
-        for (camera, mismatch) in looks {
-            result.cameras.push(camera);
-            let Some(mismatch) = mismatch else { continue };
-            let limbs = result.mismatch_by_limb.iter_mut().zip(mismatch.by_limb);
+        let mut mismatch_by_limb = vec![0.0; scene.model.limbs().len()];
+        for mismatch in looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()) {
+            let limbs = mismatch_by_limb.iter_mut().zip(&mismatch.by_limb);
             limbs.for_each(|(total, part)| *total += part);
         }
-        result.seconds = start.elapsed().as_secs_f64();
-        result
+        Self {
+            scene: scene.clone(),
+            pose: pose.clone(),
+            cameras: looks.into_iter().map(|(camera, _)| camera).collect(),
+            mismatch: measured.mismatch,
+            rms: measured.rms,
+            mismatch_by_limb,
+            seconds: start.elapsed().as_secs_f64(),
+        }
     }
 
     /// Intersection over union of the cameras that count, all together.
@@ -177,19 +168,8 @@ impl Predicted {
 
     /// The start of a fit, which predicts this.
     pub(crate) fn start_of(&self, fit: &Fit) -> RunStep {
-        let start = Iteration {
-            point: self.pose.clone(),
-            stage: 0,
-            cost: fit.cost(),
-            rms: fit.rms(),
-            trial_cost: fit.cost(),
-            predicted_decrease: 0.0,
-            actual_decrease: 0.0,
-            damping: self.scene.fit.damping,
-            step_norm: 0.0,
-            gradient_max: 0.0,
-            accepted: true,
-        };
+        let start =
+            Iteration { damping: self.scene.fit.damping, ..Iteration::start(self.pose.clone(), fit.cost()) };
         self.step_of(start, 0.0)
     }
 

@@ -206,17 +206,11 @@ mod tests {
     /// A run with a step that was taken, and one whose numbers ran out of range.
     fn run(document: &Document, number: usize) -> Run {
         let iteration = Iteration {
-            point: document.pose_at(3).clone(),
-            stage: 0,
-            cost: 9.0,
-            rms: 0.0,
-            trial_cost: 9.0,
             predicted_decrease: 1.25,
             actual_decrease: 1.0,
             damping: 0.5,
             step_norm: 0.1,
-            gradient_max: 0.0,
-            accepted: true,
+            ..Iteration::start(document.pose_at(3).clone(), 9.0)
         };
         let wild = Iteration { trial_cost: f64::INFINITY, stage: 1, accepted: false, ..iteration.clone() };
         let step = |iteration| RunStep {

@@ -179,19 +179,8 @@ mod tests {
     use super::*;
 
     fn step(mismatch: f64, accepted: bool) -> RunStep {
-        let iteration = Iteration {
-            point: Pose { root: DVec3::ZERO, rotations: Vec::new() },
-            stage: 0,
-            cost: mismatch,
-            rms: 0.0,
-            trial_cost: mismatch,
-            predicted_decrease: 0.0,
-            actual_decrease: 0.0,
-            damping: 0.0,
-            step_norm: 0.0,
-            gradient_max: 0.0,
-            accepted,
-        };
+        let pose = Pose { root: DVec3::ZERO, rotations: Vec::new() };
+        let iteration = Iteration { accepted, ..Iteration::start(pose, mismatch) };
         RunStep { iteration, mismatch, rms: mismatch, iou: None, joint_error_mm: None, seconds: 0.0 }
     }
 

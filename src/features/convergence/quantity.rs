@@ -283,17 +283,13 @@ pub(crate) mod tests {
     /// A run of four steps, the second of which was rejected twice.
     pub(crate) fn run() -> Run {
         let iteration = |mismatch: f64, accepted: bool| Iteration {
-            point: Pose { root: DVec3::ZERO, rotations: Vec::new() },
-            stage: 0,
-            cost: mismatch,
-            rms: 0.0,
             trial_cost: mismatch * if accepted { 1.0 } else { 1.5 },
             predicted_decrease: 0.6 * mismatch,
             actual_decrease: if accepted { mismatch } else { 0.0 },
             damping: 0.01,
             step_norm: 0.25,
-            gradient_max: 0.0,
             accepted,
+            ..Iteration::start(Pose { root: DVec3::ZERO, rotations: Vec::new() }, mismatch)
         };
         let step = |mismatch: f64, accepted: bool| RunStep {
             iteration: iteration(mismatch, accepted),

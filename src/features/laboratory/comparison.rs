@@ -313,19 +313,7 @@ pub(crate) mod tests {
     }
 
     fn step(point: Pose, mismatch: f64, actual_decrease: f64) -> RunStep {
-        let iteration = Iteration {
-            point,
-            stage: 0,
-            cost: mismatch,
-            rms: 0.0,
-            trial_cost: mismatch,
-            predicted_decrease: 0.0,
-            actual_decrease,
-            damping: 0.0,
-            step_norm: 0.0,
-            gradient_max: 0.0,
-            accepted: true,
-        };
+        let iteration = Iteration { actual_decrease, ..Iteration::start(point, mismatch) };
         RunStep { iteration, mismatch, rms: 0.0, iou: None, joint_error_mm: None, seconds: 0.0 }
     }
 

@@ -12,9 +12,9 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_ui::style::format;
 
 use super::{Applied, applied, refused, told};
+use crate::context::Context;
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::unavailable::{Why, because};
-use crate::context::{Context, Requests};
 
 /// The folder of the plates, in the take's; of each further time it has a number.
 const FOLDER: &str = "background without body";
@@ -22,14 +22,6 @@ const FOLDER: &str = "background without body";
 const MOST_FOLDERS: usize = 1000;
 /// Of fewer frames a pixel is not free often enough.
 const FEWEST_POSES: usize = 2;
-
-#[derive(Debug, Default)]
-struct Plates {
-    /// By camera.
-    files: BTreeMap<usize, PathBuf>,
-    /// What is still unknown: cameras' names, and the share of their pixels.
-    unknown: Vec<(String, f64)>,
-}
 
 #[derive(Debug)]
 pub(super) struct BackgroundJob {
@@ -42,7 +34,10 @@ pub(super) struct BackgroundJob {
     take_folder: PathBuf,
     /// That folder, once it is there.
     folder: Option<PathBuf>,
-    plates: Plates,
+    /// The plates, by camera.
+    files: BTreeMap<usize, PathBuf>,
+    /// What is still unknown: cameras' names, and the share of their pixels.
+    unknown: Vec<(String, f64)>,
 }
 
 impl BackgroundJob {
@@ -53,13 +48,14 @@ impl BackgroundJob {
         let take_folder = footage.take().path().parent().unwrap_or(Path::new("")).to_owned();
         let (model, poses) = (context.document().model.clone(), poses(context));
         let waiting = segmented(&footage).collect();
-        Some(Self { footage, model, poses, waiting, take_folder, folder: None, plates: Plates::default() })
+        let (files, unknown) = Default::default();
+        Some(Self { footage, model, poses, waiting, take_folder, folder: None, files, unknown })
     }
 
     fn learn(&mut self, camera: usize, out: &Outbox<Applied>) -> Result<(), PlateError> {
         let name = self.footage.cameras[camera].name().to_owned();
-        let all = self.plates.files.len() + 1 + self.waiting.len();
-        let number = self.plates.files.len() + 1;
+        let all = self.files.len() + 1 + self.waiting.len();
+        let number = self.files.len() + 1;
         out.send(told(format!("Learning the background without the body: {name}, {number} of {all}")));
         let learnt = plate_without_body(self.footage.take(), camera, &self.model, &self.poses, out.cancel())?;
         let folder = match &self.folder {
@@ -67,13 +63,13 @@ impl BackgroundJob {
             None => self.folder.insert(new_folder(&self.take_folder)?).clone(),
         };
         let mut path = folder.join(plate::file_name(&name));
-        if self.plates.files.values().any(|other| *other == path) {
+        if self.files.values().any(|other| *other == path) {
             // Names that differ in letters that files cannot have.
             path = folder.join(format!("{number} {}", plate::file_name(&name)));
         }
         learnt.write(&path)?;
-        self.plates.files.insert(camera, path);
-        self.plates.unknown.push((name, 1.0 - learnt.known_share()));
+        self.files.insert(camera, path);
+        self.unknown.push((name, 1.0 - learnt.known_share()));
         Ok(())
     }
 }
@@ -81,8 +77,14 @@ impl BackgroundJob {
 impl Job<Applied> for BackgroundJob {
     fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         let Some(camera) = self.waiting.pop_front() else {
-            let plates = std::mem::take(&mut self.plates);
-            out.send(applied(move |_, _, requests| take_in(plates, requests)));
+            let files = std::mem::take(&mut self.files);
+            let folder = files.values().next().and_then(|path| path.parent());
+            let said = said_of(&self.unknown, folder);
+            // The plates take the place of the take's: one act.
+            out.send(applied(move |_, _, requests| {
+                requests.edit(Edit::SetPlates(files));
+                requests.inform(said, Some(Command::History(HistoryCommand::Undo)));
+            }));
             return Turn::Done;
         };
         match self.learn(camera, out) {
@@ -126,14 +128,6 @@ fn poses(context: &Context<'_>) -> BTreeMap<usize, Pose> {
     let is_lost = |frame: &usize| document.estimates.get(frame).is_some_and(|found| found.lost);
     poses.retain(|frame, _| *frame < context.session.frame_count() && !is_lost(frame));
     poses
-}
-
-/// The plates take the place of the take's: one act.
-fn take_in(plates: Plates, requests: &mut Requests) {
-    let Plates { files, unknown } = plates;
-    let folder = files.values().next().and_then(|path| path.parent()).map(Path::to_owned);
-    requests.edit(Edit::SetPlates(files));
-    requests.inform(said_of(&unknown, folder.as_deref()), Some(Command::History(HistoryCommand::Undo)));
 }
 
 /// "Learnt the background of 4 cameras without the body. Unknown is 1.2 % of cam01, nothing of the others. The plates …"

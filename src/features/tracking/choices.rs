@@ -76,7 +76,7 @@ const CUES: [(CueChoice, &str, &str); 4] = [
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
     let mut chosen = choices;
-    row(ui, "Motion", |ui| chosen.motion = motion(ui, choices.motion));
+    named_row(ui, "Motion", NAME, |ui| chosen.motion = motion(ui, choices.motion));
     choose(ui, ("Search", "for other poses"), &SEARCHES, &mut chosen.search);
     choose(ui, ("Key poses", "on the way"), &AT_KEYS, &mut chosen.at_keys);
     choose(ui, ("Cues", "of hidden limbs"), &CUES, &mut chosen.cues);
@@ -95,7 +95,7 @@ fn choose<T: Copy + PartialEq, const N: usize>(
     offered: &[(T, &str, &str); N],
     chosen: &mut T,
 ) {
-    row(ui, name, |ui| {
+    named_row(ui, name, NAME, |ui| {
         let rows = offered.map(|(value, text, tooltip)| (value, text, tooltip.to_owned()));
         let text = rows.iter().find(|(value, ..)| value == chosen).map_or("", |(_, text, _)| text);
         if let Some(value) = choice(ui, name, BOX, text, &rows) {
@@ -127,8 +127,4 @@ fn motion(ui: &mut Ui, motion: Following) -> Following {
         return Following::Smoothed { lag: (frames > 0).then_some(frames) };
     }
     motion
-}
-
-fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    named_row(ui, name, NAME, contents);
 }

@@ -11,7 +11,7 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::keys_around;
-use crate::app::testing::{Breaks, errors, open_source, open_take, settle, small_take};
+use crate::app::testing::{Breaks, do_command, errors, open_source, open_take, settle, small_take};
 use crate::context::command::{Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand};
 use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
@@ -45,8 +45,7 @@ fn silhouettes_that_show_nobody_are_told_before_they_are_tracked() {
     let blind =
         SegmentOptions { z_threshold: 1e4, shadow: None, dont_know: None, ..SegmentOptions::default() };
     app.inspector.state.edit(Edit::SetMeasurement(Box::new(blind)), None);
-    app.run(Command::Tracking(TrackingCommand::Forward));
-    settle(&mut window, &mut app);
+    do_command(&mut window, &mut app, Command::Tracking(TrackingCommand::Forward));
     assert!(app.inspector.document().estimates.is_empty());
     let said = errors(&app);
     assert!(
@@ -79,13 +78,9 @@ fn the_persons_own_sizes_are_found_first_where_the_take_asks_for_them() {
 #[test]
 fn a_track_is_turned_round_frame_by_frame_and_taken_back_at_once() {
     let (mut window, mut app) = open_take(Demonstration::TinySequence, Layout::Pose);
-    let mut run = |app: &mut crate::app::App, command| {
-        app.run(command);
-        settle(&mut window, app);
-    };
-    run(&mut app, Command::Tracking(TrackingCommand::Forward));
+    do_command(&mut window, &mut app, Command::Tracking(TrackingCommand::Forward));
     let before = app.inspector.document().clone();
-    run(&mut app, Command::Tracking(TrackingCommand::TurnRound));
+    do_command(&mut window, &mut app, Command::Tracking(TrackingCommand::TurnRound));
     let after = app.inspector.document().clone();
     assert_eq!(after.estimates.len(), before.estimates.len());
     let model = &before.model;
@@ -94,7 +89,7 @@ fn a_track_is_turned_round_frame_by_frame_and_taken_back_at_once() {
         let turned = &after.estimates[frame].pose;
         assert!(ahead(turned).dot(ahead(&found.pose)) < -0.5, "frame {frame} still faces the same way");
     }
-    run(&mut app, Command::History(HistoryCommand::Undo));
+    do_command(&mut window, &mut app, Command::History(HistoryCommand::Undo));
     assert_eq!(app.inspector.document().estimates, before.estimates);
 }
 
@@ -142,8 +137,7 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
     app.inspector.state.edit(Edit::SetTracking(alone), None);
     for command in [Command::Tracking(TrackingCommand::Clear), Command::Tracking(TrackingCommand::Forward)] {
         app.run(Command::Timeline(TimelineCommand::FirstFrame));
-        app.run(command);
-        settle(&mut window, &mut app);
+        do_command(&mut window, &mut app, command);
     }
     let by_silhouettes = mean_mm(&app);
     assert!(
@@ -159,8 +153,7 @@ fn keypoints_that_are_not_there_are_asked_for_in_words() {
     let (mut window, mut app) = open_take(Demonstration::TinySequence, Layout::Pose);
     let keypoints = TrackingChoices { cues: CueChoice::Keypoints, ..app.inspector.document().tracking };
     app.inspector.state.edit(Edit::SetTracking(keypoints), None);
-    app.run(Command::Tracking(TrackingCommand::Forward));
-    settle(&mut window, &mut app);
+    do_command(&mut window, &mut app, Command::Tracking(TrackingCommand::Forward));
     let said = errors(&app);
     assert!(said.len() == 1 && said[0].starts_with("Not tracked: the take has no keypoints"), "{said:?}");
     assert!(app.inspector.document().estimates.is_empty());
@@ -174,8 +167,7 @@ fn a_body_of_spheres_fits_better_than_capsules_and_is_taken_back_at_once() {
     assert!(levels.len() == 2 && levels[0] < levels[1], "{levels:?}: it is made as it opens");
     assert!(app.inspector.features.camera_views.preferences.settings.spheres, "the spheres are outlined");
     let spheres = iou(&app);
-    app.run(Command::Fit(FitCommand::Renderer(RendererKind::Capsule)));
-    settle(&mut window, &mut app);
+    do_command(&mut window, &mut app, Command::Fit(FitCommand::Renderer(RendererKind::Capsule)));
     let capsules = iou(&app);
     assert!(spheres > capsules + 0.02, "{spheres:.3}, {capsules:.3}");
     for _ in 0..2 {

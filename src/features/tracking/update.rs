@@ -39,12 +39,19 @@ impl Tracking {
         requests: &mut Requests,
     ) {
         match command {
-            TrackingCommand::FindStart => self.find_start(context, requests),
+            TrackingCommand::FindStart => {
+                self.find_person(None, false, context, requests);
+                self.tracks_then = false;
+            }
             TrackingCommand::Forward => self.track_forward(context, requests),
             TrackingCommand::Back => self.track(true, context, requests),
             TrackingCommand::Between => self.track_between_keys(context, requests),
             TrackingCommand::TurnRound => self.turn_round(context, requests),
-            TrackingCommand::LearnBackground => self.learn_background(context),
+            TrackingCommand::LearnBackground => {
+                let Some(job) = BackgroundJob::new(context) else { return };
+                let what = "Learning the background without the body".to_owned();
+                self.begin(TrackingWork::Make(what), context, job);
+            }
             TrackingCommand::Clear => clear(context, requests),
         }
     }
@@ -145,13 +152,6 @@ impl Tracking {
         requests.request(SessionRequest::LeaveStep);
     }
 
-    /// Learns the plates again without the body where it was tracked.
-    fn learn_background(&mut self, context: &Context<'_>) {
-        let Some(job) = BackgroundJob::new(context) else { return };
-        let what = "Learning the background without the body".to_owned();
-        self.begin(TrackingWork::Make(what), context, job);
-    }
-
     /// Tracks from the frame on the screen to the end. What is lacking is found first: a start, the person's own sizes.
     fn track_forward(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let sizes = context.document().tracking.body == TrackedBody::Own && context.lacks_sizes();
@@ -165,11 +165,6 @@ impl Tracking {
     }
 
     /// Looks for the person in the frame on the screen.
-    fn find_start(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.find_person(None, false, context, requests);
-        self.tracks_then = false;
-    }
-
     fn find_person(
         &mut self,
         start: Option<Pose>,

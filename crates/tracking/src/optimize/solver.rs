@@ -114,6 +114,25 @@ pub struct Iteration<P> {
     pub accepted: bool,
 }
 
+impl<P> Iteration<P> {
+    /// Where a solver begins, at this cost: no step has been made.
+    pub fn start(point: P, cost: f64) -> Self {
+        Self {
+            point,
+            stage: 0,
+            cost,
+            rms: 0.0,
+            trial_cost: cost,
+            predicted_decrease: 0.0,
+            actual_decrease: 0.0,
+            damping: 0.0,
+            step_norm: 0.0,
+            gradient_max: 0.0,
+            accepted: true,
+        }
+    }
+}
+
 /// A solver that is stepped from outside.
 #[derive(Debug, Clone)]
 pub struct Solver<P> {
