@@ -30,8 +30,6 @@ fn every_experiment_writes_its_numbers_and_plots() {
         ("fig5.4", "", "fig5.4-report.png", "Robust, masks"),
         ("fig5.5", "--starts 1 --frames 3", "fig5.5-joints.png", "Robust, masks"),
         ("fig5.6", "--starts 1 --frames 3", "fig5.6-overlap.png", "Report 2004, masks"),
-        ("inverse", "--starts 2 --data mask", "inverse.json", "inverse, as written"),
-        ("bias", "--starts 1 --cameras 1,2 --size 48x36", "bias.png", "thesis, hard mask: 2"),
     ];
     for (name, options, plot, words) in commands {
         let said = scene.ok(&format!("experiment {name} {options} --out results"));
@@ -74,8 +72,8 @@ fn senseless_experiments_are_explained() {
     scene.fails("experiment fig5.1 --distance 0", 1, &["fx"]);
     scene.fails("experiment fig5.2 --starts 0", 1, &["starts", "1 or more"]);
     scene.fails("experiment fig5.5 --frames 0", 1, &["frames", "1 or more"]);
-    scene.fails("experiment bias --cameras 5", 1, &["cameras", "1 to 4"]);
-    scene.fails("experiment bias --size 0x9", 2, &["--size", "WIDTHxHEIGHT"]);
+    scene.fails("experiment fig5.4 --size 0x9", 2, &["--size", "WIDTHxHEIGHT"]);
+    scene.fails("experiment sizes --widened 51", 2, &["--widened", "0 to 50"]);
 }
 
 /// Starts about a known pose of a take's frame: the same numbers every time, and what is asked wrong is named.

@@ -8,7 +8,6 @@ mod acquire;
 mod arguments;
 mod basin;
 mod begin;
-mod bias;
 mod fig51;
 mod fig52;
 mod fig54;
@@ -16,14 +15,9 @@ mod fig55;
 mod files;
 mod footage;
 mod frame_basin;
-mod inverse;
 mod measures;
 mod no_start;
-mod noise;
-mod own_sizes;
-mod robustness;
 mod sequence;
-mod shadow;
 mod sizes;
 mod sync;
 mod track;
@@ -179,12 +173,8 @@ const EXPERIMENTS: &[Registration] = &[
     Registration::of::<fig54::OneFrame>(),
     Registration::of::<fig55::Followed<192, 144>>(),
     Registration::of::<fig55::Followed<48, 36>>(),
-    Registration::of::<inverse::Inverses>(),
-    Registration::of::<bias::RampBias>(),
-    Registration::of::<shadow::Shadows>(),
-    Registration::arguments::<sizes::Arguments>(),
+    Registration::of::<sizes::OwnSizes>(),
     Registration::of::<track::Speeds>(),
-    Registration::of::<robustness::Robustness>(),
     Registration::arguments::<basin::Arguments>(),
     Registration::arguments::<acquire::Arguments>(),
     Registration::arguments::<begin::Arguments>(),

@@ -43,4 +43,3 @@ pub use masks::silhouette;
 pub use noise::Sensor;
 pub use render::{Picture, Plate};
 pub use room::Room;
-pub use shading::Lighting;

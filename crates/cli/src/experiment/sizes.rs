@@ -1,43 +1,86 @@
-//! The sizes of people of several builds, found from hard silhouettes and an average adult's body.
+//! A person's own sizes found from a track with the average body, silhouettes exact and too wide: what they are worth after.
 //!
-//! Each person goes through the moments of the built-in movement; the fit begins with the generic body, and with
-//! poses that are off in every joint. With `--widened` it is [`OwnSizes`] instead.
+//! The builds of [`PEOPLE`] go through a movement before four cameras around them or before two telephones; the average body is
+//! scaled to the first frame and followed; sizes come from that track, as before there was a survey, a widening and frames
+//! held out, and as now; then everything is followed again with each body.
 
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use backlit_lab::experiment::{Simulation, scene};
-use backlit_lab::synthetic::people::{PEOPLE, Person};
-use backlit_lab::synthetic::{motion, studio};
-use backlit_tracking::body::{Kinematics, Model, Pose, SizeKind, builtin};
-use backlit_tracking::body_fit::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, WELL_SEEN, fit_body};
+use backlit_lab::synthetic::masks::widened;
+use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
+use backlit_lab::synthetic::{capsules, motion, squats, studio};
+use backlit_tracking::body::{Kinematics, Limb, Model, Pose, builtin};
+use backlit_tracking::body_fit::widening::narrowed;
+use backlit_tracking::body_fit::{
+    Approach, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, OwnSizesError, OwnSizesOptions, PosedFrame,
+    approach, fit_body, frames, own_sizes,
+};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::fit::{FitOptions, FitView};
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::residual::Proportions;
 use backlit_tracking::search::start;
+use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::OutputArguments;
-use super::own_sizes::OwnSizes;
-use super::{Experiment, ExperimentArguments, Run};
+use super::measures::masked;
+use super::{Experiment, Run};
 use crate::interrupt::Interrupted;
-use crate::output::number;
 use crate::table::Table;
 
-/// Lengths and radii of people of several builds, from silhouettes and an average adult's body
-#[derive(Debug, Args)]
-pub(crate) struct Arguments {
-    #[command(flatten)]
-    exact: Sizes,
-    /// Find sizes from a track with the average body instead, through silhouettes that are wider than the person by these
-    /// per cent of the person's breadth, and track with them: four cameras around, and two phones
-    #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent)]
-    widened: Option<Vec<f64>>,
-    /// With --widened: only every Nth frame of the movement is seen
+/// Frames that sizes were fitted to before.
+const BEFORE: usize = 8;
+
+/// Cameras and movement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Setting {
+    /// Four cameras all around, the built-in movement.
+    Around,
+    /// Two telephones 37° apart, squats.
+    Phones,
+}
+
+impl Setting {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Around => "four cameras around",
+            Self::Phones => "two phones, 37°",
+        }
+    }
+}
+
+/// People's sizes found from a track with the average body, through silhouettes that are wider than they are, and what
+/// a track with them is worth: four cameras around, and two phones
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct OwnSizes {
+    #[arg(skip = vec![Setting::Around, Setting::Phones])]
+    settings: Vec<Setting>,
+    /// By how much silhouettes are too wide, per cent of the person's breadth
+    #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent, default_value = "0,3,6")]
+    widened: Vec<f64>,
+    #[arg(skip = PEOPLE.len())]
+    people: usize,
+    /// Frames that are followed.
+    #[arg(skip = 60_usize)]
+    frames: usize,
+    /// Only every Nth frame of the movement is seen
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
     every: u32,
-    #[command(flatten)]
-    output: OutputArguments,
+    #[arg(skip = 5.0_f64.to_radians())]
+    start_angle_rad: f64,
+    #[arg(skip = 0.03)]
+    start_distance_m: f64,
+    /// Seed of the poses that tracks begin with
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// How much the proportions count, before and now.
+    #[arg(skip = [20.0, CLOTHED])]
+    proportions: [f64; 2],
+    #[arg(skip = BodyFitOptions::default().widening)]
+    widening_deviation_m: f64,
 }
 
 /// 0 to 50 %, as a share.
@@ -48,222 +91,284 @@ fn percent(text: &str) -> Result<f64> {
     }
 }
 
-impl ExperimentArguments for Arguments {
-    const NAME: &'static str = Sizes::NAME;
-
-    fn run(mut self) -> Result<()> {
-        let Some(widened) = self.widened else { return self.exact.perform(&self.output) };
-        OwnSizes::new(widened, self.every as usize, self.exact.seed).perform(&self.output)
-    }
-}
-
-/// From silhouettes as they are.
-#[derive(Debug, Args, Serialize)]
-struct Sizes {
-    /// Moments of the built-in movement (its frames, 0 to 59) to look at
-    #[arg(long, value_name = "K,…", value_delimiter = ',',
-        default_values_t = [0.0, 8.0, 16.0, 24.0, 31.0, 41.0, 50.0, 59.0])]
-    moments: Vec<f64>,
-    #[arg(skip = [studio::WIDTH, studio::HEIGHT])]
-    size_px: [u64; 2],
-    #[arg(skip = 5.0_f64.to_radians())]
-    start_angle_rad: f64,
-    #[arg(skip = 0.03)]
-    start_distance_m: f64,
-    /// Seed of the poses that the fits begin with
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    seed: u64,
-    #[arg(skip = BodyFitOptions::default().with_proportions(WELL_SEEN))]
-    fit: BodyFitOptions,
-}
-
 #[derive(Debug, Serialize)]
-struct Report {
-    people: Vec<OfPerson>,
+pub(crate) struct Report {
+    cases: Vec<Case>,
 }
 
+/// One build before one set of cameras with one widening.
 #[derive(Debug, Serialize)]
-struct OfPerson {
+struct Case {
+    setting: Setting,
+    /// By how much masks are too wide across the shoulders, as a share.
+    widened: f64,
+    /// The same, pixels all round.
+    widened_px: f64,
     name: &'static str,
-    /// Of the body, as a factor of the average adult's.
-    true_size: f64,
-    size: f64,
-    /// Of the body scaled as a whole and of the body found.
-    iou: [Option<f64>; 2],
-    /// Mean over the joints of all moments.
-    joint_error_mm: f64,
-    iterations: usize,
-    sizes: Vec<SizeError>,
+    /// The average body, scaled as a whole to the first frame.
+    average: BodyErrors,
+    /// Sizes as they were fitted before.
+    before: BodyErrors,
+    /// Sizes as they are fitted now, whether taken or not.
+    found: BodyErrors,
+    /// The body that is gone on with now, as the masks show it.
+    now: BodyErrors,
+    /// The person instead, on masks that are narrowed by what was found; `None` where nothing sure was.
+    now_narrowed: Option<BodyErrors>,
+    /// The widening that was found, pixels, its deviation, and whether it is believed.
+    widening: Option<(f64, f64, bool)>,
+    /// What spoke against the sizes, in short.
+    doubts: Vec<String>,
 }
 
-#[derive(Debug, Serialize)]
-struct SizeError {
-    /// The limb, without its side.
-    name: String,
-    kind: SizeKind,
-    truth_mm: f64,
-    found_mm: f64,
-    /// As the fit states it.
-    deviation_mm: f64,
-    /// Deviation over that of the proportions alone: 1 if the silhouettes say nothing.
-    uncertainty: f64,
-    /// Whether the fit says that the silhouettes hardly show it.
-    held_by_prior: bool,
+#[derive(Debug, Clone, Copy, Serialize)]
+struct BodyErrors {
+    length_mm: f64,
+    radius_mm: f64,
+    /// Mean logarithm of all radii beside the true ones.
+    girth: f64,
+    /// Mean error of all joints in all frames, followed with this body.
+    track_mm: f64,
 }
 
-impl SizeError {
-    fn error_mm(&self) -> f64 {
-        (self.found_mm - self.truth_mm).abs()
-    }
-}
-
-impl OfPerson {
-    /// The size of the largest error of a kind; of all sizes, or of those that silhouettes show.
-    fn worst(&self, kind: SizeKind, seen_only: bool) -> Option<&SizeError> {
-        let of_kind =
-            self.sizes.iter().filter(|size| size.kind == kind && !(seen_only && size.held_by_prior));
-        of_kind.max_by(|a, b| a.error_mm().total_cmp(&b.error_mm()))
-    }
-
-    fn mean_mm(&self, kind: SizeKind) -> f64 {
-        let errors: Vec<f64> =
-            self.sizes.iter().filter(|size| size.kind == kind).map(SizeError::error_mm).collect();
-        errors.iter().sum::<f64>() / errors.len().max(1) as f64
-    }
-}
-
-impl Experiment for Sizes {
+impl Experiment for OwnSizes {
     const NAME: &'static str = "sizes";
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        let adult = Arc::new(builtin::full_body());
-        let cameras = studio::pinholes(self.size_px)?;
-        let mut people = Vec::new();
-        for person in &PEOPLE {
-            run.progress(people.len(), PEOPLE.len())?;
-            let body = person.of(&adult)?;
-            let stands = |&moment: &f64| person.standing(motion::pose(&body, moment));
-            let truths: Vec<Pose> = self.moments.iter().map(stands).collect();
-            let frames = self.frames(&adult, &body, &truths, &cameras)?;
-            let fit = fit_body(adult.clone(), frames, None, &self.fit, &run.cancel, |_| {});
-            people.push(report(person, &body, &truths, &of_person(person, fit)?));
+        let people = &PEOPLE[..self.people.min(PEOPLE.len())];
+        let total = self.settings.len() * self.widened.len() * people.len();
+        let mut cases = Vec::new();
+        for &setting in &self.settings {
+            for &share in &self.widened {
+                for person in people {
+                    run.progress(cases.len(), total)?;
+                    cases.push(FilmedPerson::new(self, setting, share, person)?.case(self, run)?);
+                }
+            }
         }
-        Ok(Report { people })
+        Ok(Report { cases })
     }
 
     fn table(&self, report: &Report) -> String {
-        let worst = |person: &&OfPerson, kind, seen_only| {
-            let size = person.worst(kind, seen_only);
-            size.map_or_else(|| "–".to_owned(), |size| format!("{:.1} {}", size.error_mm(), size.name))
+        let mean = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| {
+            cases.iter().map(of).sum::<f64>() / cases.len() as f64
         };
-        let (length, radius) = (SizeKind::Length, SizeKind::Radius);
+        let mm = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| format!("{:.1}", mean(cases, of));
+        let girth = |cases: &&[Case], of: &dyn Fn(&Case) -> f64| {
+            format!("{:+.1} %", 100.0 * (mean(cases, of).exp() - 1.0))
+        };
+        let worst = |cases: &&[Case], of: fn(&Case) -> f64| {
+            format!("{:.1}", cases.iter().map(of).fold(0.0, f64::max))
+        };
+        let too_wide = |cases: &&[Case]| {
+            format!("{:.0} %, {:.1} px", 100.0 * cases[0].widened, mean(cases, &|case| case.widened_px))
+        };
+        let refused = |cases: &&[Case]| cases.iter().filter(|case| !case.doubts.is_empty()).count();
         let table = Table::of(
-            &report.people,
+            report.cases.chunk_by(|a, b| a.setting == b.setting && a.widened == b.widened),
             &[
-                ("error, mm", &|person| person.name.to_owned()),
-                ("lengths: mean", &|person| number(person.mean_mm(length), 1)),
-                ("worst seen", &|person| worst(person, length, true)),
-                ("worst", &|person| worst(person, length, false)),
-                ("radii: mean", &|person| number(person.mean_mm(radius), 1)),
-                ("worst seen", &|person| worst(person, radius, true)),
-                ("worst", &|person| worst(person, radius, false)),
-                ("joints", &|person| number(person.joint_error_mm, 1)),
-                ("IoU", &|person| number(person.iou[1], 3)),
+                ("mm, means of all builds", &|cases| cases[0].setting.label().to_owned()),
+                ("too wide", &too_wide),
+                ("lengths: before", &|cases| mm(cases, &|case| case.before.length_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.length_mm)),
+                ("radii: before", &|cases| mm(cases, &|case| case.before.radius_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.radius_mm)),
+                ("girth: before", &|cases| girth(cases, &|case| case.before.girth)),
+                ("now", &|cases| girth(cases, &|case| case.now.girth)),
+                ("joints: average body", &|cases| mm(cases, &|case| case.average.track_mm)),
+                ("before", &|cases| mm(cases, &|case| case.before.track_mm)),
+                ("now", &|cases| mm(cases, &|case| case.now.track_mm)),
+                ("worst build: average body", &|cases| worst(cases, |case| case.average.track_mm)),
+                ("before", &|cases| worst(cases, |case| case.before.track_mm)),
+                ("now", &|cases| worst(cases, |case| case.now.track_mm)),
+                ("not taken", &|cases| format!("{} of {}", refused(cases), cases.len())),
             ],
         );
-        table + "\nSeen: sizes that the fit does not mark as held by the proportions alone.\n"
+        table
+            + "\nBefore: a generic prior, silhouettes taken as they are, frames evenly spread, all that is found taken.\n"
     }
 }
 
 /// Names the person that sizes could not be fitted to.
-pub(crate) fn of_person<T>(person: &Person, fit: Result<T, BodyFitError>) -> Result<T> {
+fn of_person<T>(person: &Person, fit: Result<T, BodyFitError>) -> Result<T> {
     match fit {
         Err(BodyFitError::Cancelled) => Err(Interrupted.into()),
         fit => fit.context(person.name),
     }
 }
 
-impl Sizes {
-    fn frames(
-        &self,
-        adult: &Model,
-        body: &Model,
-        truths: &[Pose],
-        cameras: &[Arc<Camera>],
-    ) -> Result<Vec<BodyFrame>> {
-        let frame = |(index, truth): (usize, &Pose)| {
-            let see = |camera| {
-                scene::view(body, truth, camera, Simulation::Mask, RendererKind::Capsule, Ramp::Half)
-            };
-            let seed = self.seed.wrapping_add(index as u64);
-            Ok(BodyFrame {
-                frame: index,
-                views: cameras.iter().map(see).collect::<Result<_, _>>()?,
-                start: start::perturb(adult, truth, self.start_angle_rad, self.start_distance_m, seed),
-                joints: Vec::new(),
+/// What is seen of one person.
+struct FilmedPerson {
+    setting: Setting,
+    every: u32,
+    share: f64,
+    widened_px: f64,
+    person: &'static Person,
+    body: Model,
+    truths: Vec<Pose>,
+    views: Vec<Vec<FitView>>,
+}
+
+impl FilmedPerson {
+    fn new(options: &OwnSizes, setting: Setting, share: f64, person: &'static Person) -> Result<Self> {
+        let body = person.of(&builtin::full_body())?;
+        let truth = |index: usize| {
+            let frame = index * options.every as usize;
+            person.standing(match setting {
+                Setting::Around => motion::pose(&body, frame as f64 % 60.0),
+                Setting::Phones => squats::pose(&body, frame as f64 / squats::FRAME_RATE),
             })
         };
-        truths.iter().enumerate().map(frame).collect()
+        let truths: Vec<Pose> = (0..options.frames).map(truth).collect();
+        let cameras: Vec<Arc<Camera>> = match setting {
+            Setting::Around => studio::cameras()
+                .cameras()
+                .iter()
+                .map(|camera| Arc::new(camera.without_distortion()))
+                .collect(),
+            Setting::Phones => squats::cameras([180, 320])?,
+        };
+        let widening = |camera: &Camera, pose: &Pose| {
+            let depth = camera.camera_from_world().transform(pose.root).z;
+            0.5 * share * BREADTH * person.stature * camera.intrinsics().fx / depth
+        };
+        let see = |pose: &Pose| -> Result<Vec<FitView>> {
+            let of = |camera: &Arc<Camera>| {
+                let exact = capsules::hard_mask(&body, pose, camera)?;
+                Ok(masked(camera, widened(exact, widening(camera, pose))?))
+            };
+            cameras.iter().map(of).collect()
+        };
+        let views = truths.iter().map(see).collect::<Result<_>>()?;
+        let widened_px =
+            cameras.iter().map(|camera| widening(camera, &truths[0])).sum::<f64>() / cameras.len() as f64;
+        Ok(Self { setting, every: options.every, share, widened_px, person, body, truths, views })
     }
-}
 
-fn report(person: &Person, body: &Model, truths: &[Pose], fit: &BodyFit) -> OfPerson {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (&frame, pose) in fit.frames.iter().zip(&fit.poses) {
-        let (truth, found) = (Kinematics::new(body, &truths[frame]), Kinematics::new(&fit.model, pose));
-        for (truth, found) in truth.ends().iter().zip(found.ends()) {
-            sum += truth.distance(*found);
-            count += 1.0;
-        }
-    }
-    let sizes = fit.sizes.iter().map(|size| {
-        let is_it = |name: &str| name == size.name || name.strip_prefix("right ") == Some(&size.name);
-        let limb = body.limbs().iter().find(|limb| is_it(&limb.name));
-        let truth = limb.map_or(f64::NAN, |limb| match size.kind {
-            SizeKind::Length => limb.length,
-            SizeKind::Radius => limb.radius,
+    fn case(&self, options: &OwnSizes, run: &Run) -> Result<Case> {
+        let adult = Arc::new(builtin::full_body());
+        let cancel = &run.cancel;
+        let start = start::perturb(
+            &adult,
+            &self.truths[0],
+            options.start_angle_rad,
+            options.start_distance_m,
+            options.seed,
+        );
+        let generic = Proportions { surveyed: false, ..Proportions::default() };
+        let old = BodyFitOptions { proportions: generic, widening: 0.0, ..BodyFitOptions::default() };
+        let old = old.with_proportions(options.proportions[0]);
+        let plan = Approach { start: start.clone(), size: None, frames: vec![0], step: 1 };
+        let approached = approach(
+            &adult,
+            &plan,
+            &old,
+            cancel,
+            |frame| Ok::<_, BodyFitError>(self.views[frame].clone()),
+            |_| ReferenceJoints::new(),
+            |_, _| {},
+        );
+        let (size, first) = of_person(self.person, approached)?;
+        let average = Arc::new(adult.scaled(size.exp())?);
+        let start = &first[0].start;
+        let (average_report, track) = self.follow(&average, start, 0.0, run)?;
+        let all: Vec<usize> = (0..self.views.len()).collect();
+        let to_fit = frames::spread(&all, BEFORE).into_iter().map(|frame| BodyFrame {
+            frame,
+            views: self.views[frame].clone(),
+            start: track[frame].pose.clone(),
+            joints: ReferenceJoints::new(),
         });
-        SizeError {
-            name: size.name.clone(),
-            kind: size.kind,
-            truth_mm: 1000.0 * truth,
-            found_mm: 1000.0 * size.found,
-            deviation_mm: 1000.0 * size.deviation,
-            uncertainty: size.uncertainty(),
-            held_by_prior: size.is_held_by_prior(),
-        }
-    });
-    OfPerson {
-        name: person.name,
-        true_size: person.stature,
-        size: fit.size,
-        iou: fit.iou,
-        joint_error_mm: 1000.0 * sum / count,
-        iterations: fit.iterations,
-        sizes: sizes.collect(),
+        let before = fit_body(adult.clone(), to_fit.collect(), Some(size), &old, cancel, |_| {});
+        let before = of_person(self.person, before)?;
+        let before = self.follow(&Arc::new(before.model), start, 0.0, run)?.0;
+        let fit = BodyFitOptions { widening: options.widening_deviation_m, ..BodyFitOptions::default() };
+        let now = OwnSizesOptions {
+            fit: fit.with_proportions(options.proportions[1]),
+            ..OwnSizesOptions::default()
+        };
+        let own = own_sizes(
+            &average,
+            &track,
+            &now,
+            cancel,
+            |frame| Ok::<_, OwnSizesError>(self.views[frame].clone()),
+            |_| ReferenceJoints::new(),
+            |_| {},
+        );
+        let own = match own {
+            Err(OwnSizesError::Fit(error)) => of_person(self.person, Err(error))?,
+            own => own.context(self.person.name)?,
+        };
+        // The person's errors, and those of the track with the body that is followed in its place.
+        let follow = |person: &Model, seen: Model, by_px| -> Result<BodyErrors> {
+            let track_mm = self.follow(&Arc::new(seen), start, by_px, run)?.0.track_mm;
+            Ok(self.errors(person, track_mm))
+        };
+        let narrow = own.widening_px();
+        let found = follow(&own.fit.model, own.fit.as_seen(), 0.0)?;
+        Ok(Case {
+            setting: self.setting,
+            widened: self.share,
+            widened_px: self.widened_px,
+            name: self.person.name,
+            average: average_report,
+            before,
+            found,
+            now: if own.is_taken() { found } else { follow(own.model(), own.as_seen(), 0.0)? },
+            now_narrowed: if narrow == 0.0 {
+                None
+            } else {
+                Some(follow(own.model(), own.model().clone(), narrow)?)
+            },
+            widening: own.fit.widening.map(|one| (one.px, one.deviation_px, one.is_believed)),
+            doubts: own.doubts.iter().map(|doubt| format!("{doubt:?}")).collect(),
+        })
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiment::arguments::defaults;
-
-    /// Half of the experiment's moments.
-    #[test]
-    fn people_of_all_builds_get_their_sizes() {
-        let mut half = Sizes { moments: vec![0.0, 16.0, 31.0, 50.0], ..defaults() };
-        let report = half.run(&Run::hidden()).unwrap();
-        let mut failures = Vec::new();
-        for person in &report.people {
-            for (kind, most_mm) in [(SizeKind::Length, 10.0), (SizeKind::Radius, 5.0)] {
-                let worst = person.worst(kind, true).unwrap();
-                if worst.error_mm() > most_mm {
-                    failures.push(format!("{}: {worst:?}", person.name));
-                }
+    /// Follows everything with a body, on masks that are narrowed by this many pixels.
+    fn follow(
+        &self,
+        model: &Arc<Model>,
+        start: &Pose,
+        narrow_px: f64,
+        run: &Run,
+    ) -> Result<(BodyErrors, Vec<PosedFrame>)> {
+        let rate = match self.setting {
+            Setting::Around => 25.0,
+            Setting::Phones => squats::FRAME_RATE,
+        } / f64::from(self.every);
+        let mut tracker = Tracker::new(Arc::clone(model), FitOptions::default(), start.clone())?
+            .with_motion(Motion::Velocity, rate)?
+            .with_search(WhenToSearch::WhenPoor);
+        let (mut sum, mut count) = (0.0, 0.0);
+        let mut track = Vec::new();
+        for (frame, truth) in self.truths.iter().enumerate() {
+            let views = self.views[frame].iter().map(|view| narrowed(view, narrow_px)).collect();
+            let estimate = tracker.track_frame(frame, views, &run.cancel)?;
+            run.check()?;
+            let [truth, found] = [(&self.body, truth), (&**model, &estimate.pose)]
+                .map(|(model, pose)| Kinematics::new(model, pose));
+            for (truth, found) in truth.ends().iter().zip(found.ends()) {
+                sum += truth.distance(*found);
+                count += 1.0;
             }
+            track.push(PosedFrame::from(&estimate));
         }
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
+        Ok((self.errors(model, 1000.0 * sum / count), track))
+    }
+
+    fn errors(&self, model: &Model, track_mm: f64) -> BodyErrors {
+        let limbs = || model.limbs().iter().zip(self.body.limbs());
+        let mean = |of: &dyn Fn(&Limb, &Limb) -> f64| {
+            limbs().map(|(found, truth)| of(found, truth)).sum::<f64>() / model.limbs().len() as f64
+        };
+        BodyErrors {
+            length_mm: mean(&|found, truth| 1000.0 * (found.length - truth.length).abs()),
+            radius_mm: mean(&|found, truth| 1000.0 * (found.radius - truth.radius).abs()),
+            girth: mean(&|found, truth| (found.radius / truth.radius).ln()),
+            track_mm,
+        }
     }
 }

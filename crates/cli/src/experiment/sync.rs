@@ -13,21 +13,22 @@ use backlit_lab::synthetic::masks::{noisy, widened};
 use backlit_lab::synthetic::people::BREADTH;
 use backlit_lab::synthetic::{capsules, motion, squats, studio};
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::camera::Camera;
+use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld};
 use backlit_tracking::fit::Evidence;
+use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::silhouette::Mask;
 use backlit_tracking::synchronise::{
     CameraOffset, Recording, Synchronisation, SynchroniseOptions, synchronise,
 };
 use clap::Args;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::arguments::OutputArguments;
-use super::robustness::turned;
 use super::{Experiment, ExperimentArguments, Run};
 use crate::take_options;
 
@@ -338,6 +339,24 @@ impl Experiment for ShiftedTake {
     fn table(&self, report: &Report) -> String {
         table(report)
     }
+}
+
+/// The camera turned about its centre, about an axis in any direction.
+fn turned(camera: &Camera, angle: f64, random: &mut Pcg64Mcg) -> Result<Camera, CameraError> {
+    let axis = loop {
+        let axis = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
+        if (0.01..1.0).contains(&axis.length_squared()) {
+            break axis.normalize();
+        }
+    };
+    let turn = exp(axis * angle);
+    let place = camera.camera_from_world();
+    let place = CameraFromWorld {
+        rotation: DMat3::from_quat(turn) * place.rotation,
+        translation: turn * place.translation,
+    };
+    let size = [camera.width() as u64, camera.height() as u64];
+    Camera::new(camera.name(), size, *camera.intrinsics(), *camera.distortion(), place)
 }
 
 /// A number between −1 and 1.

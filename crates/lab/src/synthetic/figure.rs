@@ -34,8 +34,6 @@ pub struct Build {
     pub folds: f64,
     /// Thickness of the hair, metres.
     pub hair: f64,
-    /// Reflectance of a shirt of one colour (linear red, green, blue); none for the red one with pale stripes.
-    pub shirt: Option<DVec3>,
     /// Contrast of a pattern of blotches all over skin and clothes, as of a patterned long sleeve; 0 for none.
     pub pattern: f64,
 }
@@ -51,7 +49,6 @@ impl Default for Build {
             cloth: 1.0,
             folds: 0.0035,
             hair: 0.014,
-            shirt: None,
             pattern: 0.0,
         }
     }

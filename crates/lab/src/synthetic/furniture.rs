@@ -63,23 +63,6 @@ impl Default for Room {
     }
 }
 
-impl Room {
-    /// An empty room, walls and floor of one grey (a linear reflectance): plain, or blotched all over.
-    #[must_use]
-    pub fn empty(grey: f64, is_blotched: bool) -> Self {
-        let surface = if is_blotched { Surface::Blotched } else { Surface::Plain }(grey, grey, grey);
-        let mut f = Furnisher::default();
-        f.at(0.0, 0.0, 0.0);
-        let [wide, tall] = [2.0 * HALF, HEIGHT];
-        for side in [-1.0, 1.0] {
-            f.block([side * (HALF - 0.01), 0.0, 0.5 * tall], [0.02, wide, tall], surface);
-            f.block([0.0, side * (HALF - 0.01), 0.5 * tall], [wide, 0.02, tall], surface);
-        }
-        f.block([0.0, 0.0, 0.0005], [wide, wide, 0.001], surface);
-        Self::of(f.pieces)
-    }
-}
-
 const WOOD: Surface = Surface::Wood(0.34, 0.2, 0.1);
 const PALE_WOOD: Surface = Surface::Wood(0.62, 0.46, 0.29);
 const WHITE: Surface = Surface::Plain(0.78, 0.78, 0.76);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::figure::{Figure, STEP};
 use super::noise::unit;
 use super::room::Room;
-use super::shading::{Lamp, Lighting, Shade, ambient, figure_light, lamp_seen, open_sky, room_colours};
+use super::shading::{LAMPS, Shade, ambient, figure_light, lamp_seen, open_sky, room_colours};
 
 /// Linear light per pixel, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +67,6 @@ struct PlatePixel {
 #[derive(Debug, Clone)]
 pub struct Plate {
     camera: Camera,
-    lighting: Lighting,
     pixels: Vec<PlatePixel>,
 }
 
@@ -75,25 +74,17 @@ pub struct Plate {
 const CONTACT_REACH: f64 = 0.35;
 
 impl Plate {
-    /// Renders the room in its usual light, with `samples`² rays a pixel.
+    /// Renders the room with `samples`² rays a pixel. The same for the same room, camera and samples.
     #[must_use]
     pub fn new(room: &Room, camera: &Camera, samples: usize) -> Self {
-        Self::lit(room, Lighting::default(), camera, samples)
-    }
-
-    /// Renders the room with `samples`² rays a pixel. The same for the same room, light, camera and samples.
-    #[must_use]
-    pub fn lit(room: &Room, lighting: Lighting, camera: &Camera, samples: usize) -> Self {
         let rows: Vec<Vec<PlatePixel>> = (0..camera.height())
             .into_par_iter()
             .map(|y| {
                 let mut random = Pcg64Mcg::seed_from_u64(y as u64 + 1);
-                (0..camera.width())
-                    .map(|x| plate_pixel(room, &lighting.0, camera, [x, y], samples, &mut random))
-                    .collect()
+                (0..camera.width()).map(|x| plate_pixel(room, camera, [x, y], samples, &mut random)).collect()
             })
             .collect();
-        Self { camera: camera.clone(), lighting, pixels: rows.concat() }
+        Self { camera: camera.clone(), pixels: rows.concat() }
     }
 
     /// The camera.
@@ -121,17 +112,15 @@ impl Plate {
             .map(|y| {
                 (0..width)
                     .map(|x| {
-                        let behind = self.pixels[y * width + x].shaded(figure, &self.lighting.0);
-                        figure_over(&self.camera, figure, &self.lighting.0, [x, y], samples, behind)
+                        let behind = self.pixels[y * width + x].shaded(figure);
+                        figure_over(&self.camera, figure, [x, y], samples, behind)
                     })
                     .collect()
             })
             .collect();
         Picture { width, height, light: rows.concat() }
     }
-}
 
-impl Plate {
     /// The figure before the empty room in light without any shadow, one ray a pixel, and its exact silhouette: what takes
     /// seconds with shadows takes tenths. `may_be` says at which pixels the figure may be at all.
     ///
@@ -153,7 +142,7 @@ impl Plate {
                 let Some(ray) = self.camera.ray_in_world(DVec2::new(x as f64, y as f64)) else { continue };
                 let Some(t) = figure.intersect(origin, ray) else { continue };
                 let at = origin + ray * t;
-                *light = figure_light(figure, at, ray, &self.lighting.0, &Shade::none(at));
+                *light = figure_light(figure, at, ray, &Shade::none(at));
                 *label = Label::Subject;
             }
         });
@@ -162,13 +151,13 @@ impl Plate {
 }
 
 impl PlatePixel {
-    fn shaded(&self, figure: &Figure, lamps: &[Lamp; 3]) -> DVec3 {
+    fn shaded(&self, figure: &Figure) -> DVec3 {
         let (centre, radius) = figure.bounding_ball();
         let near = self.position.distance(centre) < radius + CONTACT_REACH;
         let open = if near { open_sky(figure, self.position, self.normal, CONTACT_REACH) } else { 1.0 };
         // Light from the floor around still comes in below the figure.
         let mut light = self.own + self.ambient * (0.4 + 0.6 * open);
-        for (lamp, arriving) in lamps.iter().zip(self.lamps) {
+        for (lamp, arriving) in LAMPS.iter().zip(self.lamps) {
             if arriving.max_element() > 1e-4 {
                 light += arriving * lamp_seen(figure, self.position, self.normal, lamp);
             }
@@ -179,7 +168,6 @@ impl PlatePixel {
 
 fn plate_pixel(
     room: &Room,
-    lamps: &[Lamp; 3],
     camera: &Camera,
     at: [usize; 2],
     samples: usize,
@@ -215,7 +203,7 @@ fn plate_pixel(
         let (colour, own) = room_colours(&hit);
         sum.own += own * share;
         let start = hit.position + hit.normal * 1e-4;
-        for (sum, lamp) in sum.lamps.iter_mut().zip(lamps) {
+        for (sum, lamp) in sum.lamps.iter_mut().zip(&LAMPS) {
             let from = lamp.point(2.0 * unit(random) - 1.0, 2.0 * unit(random) - 1.0);
             let light = lamp.light(from, start, hit.normal);
             if light.max_element() > 0.0 && !room.blocks(start, from) {
@@ -233,14 +221,7 @@ fn plate_pixel(
     sum
 }
 
-fn figure_over(
-    camera: &Camera,
-    figure: &Figure,
-    lamps: &[Lamp; 3],
-    at: [usize; 2],
-    samples: usize,
-    behind: DVec3,
-) -> DVec3 {
+fn figure_over(camera: &Camera, figure: &Figure, at: [usize; 2], samples: usize, behind: DVec3) -> DVec3 {
     let centre = DVec2::new(at[0] as f64, at[1] as f64);
     let origin = camera.centre();
     let Some(direction) = camera.ray_in_world(centre) else { return behind };
@@ -256,8 +237,8 @@ fn figure_over(
         sum += figure.intersect(origin, direction).map_or(behind, |t| {
             let position = origin + direction * t;
             let near = shade.filter(|shade| shade.serves(position));
-            let shade = shade.insert(near.unwrap_or_else(|| Shade::new(figure, position, lamps)));
-            figure_light(figure, position, direction, lamps, shade)
+            let shade = shade.insert(near.unwrap_or_else(|| Shade::new(figure, position)));
+            figure_light(figure, position, direction, shade)
         });
     }
     sum / (samples * samples) as f64

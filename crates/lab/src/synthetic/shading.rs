@@ -41,30 +41,6 @@ pub(super) const LAMPS: [Lamp; 3] = [
     },
 ];
 
-/// The lamps of a room: their light, and how sharp the shadows are that they throw.
-#[derive(Debug, Clone, Copy)]
-pub struct Lighting(pub(super) [Lamp; 3]);
-
-impl Default for Lighting {
-    /// Panels of half a metre and a window: soft shadows.
-    fn default() -> Self {
-        Self(LAMPS)
-    }
-}
-
-impl Lighting {
-    /// The same light out of lamps whose sides are this fraction of the usual: the smaller, the harder the shadows.
-    #[must_use]
-    pub fn narrowed(fraction: f64) -> Self {
-        Self(LAMPS.map(|lamp| Lamp {
-            half_u: lamp.half_u * fraction,
-            half_v: lamp.half_v * fraction,
-            radiance: lamp.radiance / (fraction * fraction),
-            ..lamp
-        }))
-    }
-}
-
 impl Lamp {
     pub(super) fn point(&self, u: f64, v: f64) -> DVec3 {
         self.centre + self.half_u * u + self.half_v * v
@@ -100,8 +76,6 @@ pub(super) enum Surface {
     Wood(f64, f64, f64),
     Fabric(f64, f64, f64),
     Wall(f64, f64, f64),
-    /// Blots of five centimetres, much darker and brighter than one another.
-    Blotched(f64, f64, f64),
     Book(i64),
     Poster(i64),
     Floor,
@@ -129,9 +103,6 @@ pub(super) fn room_colours(hit: &RoomHit) -> (DVec3, DVec3) {
         }
         Surface::Wall(r, g, b) => {
             DVec3::new(r, g, b) * (1.0 + 0.03 * noise(p * 1.3) + 0.02 * noise(p * 30.0))
-        }
-        Surface::Blotched(r, g, b) => {
-            DVec3::new(r, g, b) * (1.0 + 0.5 * noise(p * 20.0) + 0.2 * noise(p * 45.0))
         }
         Surface::Book(which) => book(which, p, hit.half),
         Surface::Poster(which) => poster(which, p.x / hit.half.x, p.z / hit.half.z),
@@ -284,7 +255,7 @@ fn sky(p: DVec3, half: DVec3) -> DVec3 {
 
 /// Reflectance and gloss of a point of the figure.
 fn figure_colours(touch: &Touch, build: &Build) -> (DVec3, f64) {
-    let (colour, gloss) = cloth_colours(touch, build.shirt);
+    let (colour, gloss) = cloth_colours(touch);
     if build.pattern == 0.0 {
         return (colour, gloss);
     }
@@ -293,7 +264,7 @@ fn figure_colours(touch: &Touch, build: &Build) -> (DVec3, f64) {
     (colour * (1.0 + build.pattern * blotches).max(0.1), gloss)
 }
 
-fn cloth_colours(touch: &Touch, plain_shirt: Option<DVec3>) -> (DVec3, f64) {
+fn cloth_colours(touch: &Touch) -> (DVec3, f64) {
     let p = touch.local;
     match touch.material {
         Material::Skin => (skin(touch), 0.1),
@@ -307,7 +278,7 @@ fn cloth_colours(touch: &Touch, plain_shirt: Option<DVec3>) -> (DVec3, f64) {
             let stripe = trunk && ((p.z - 0.055).abs() < 0.019 || (p.z - 0.005).abs() < 0.009)
                 || !trunk && (p.z + 0.198).abs() < 0.013;
             let striped = if stripe { DVec3::new(0.78, 0.72, 0.6) } else { DVec3::new(0.62, 0.085, 0.055) };
-            (plain_shirt.unwrap_or(striped) * weave, 0.0)
+            (striped * weave, 0.0)
         }
         Material::Trousers => {
             let weave = 1.0 + 0.22 * noise(p * DVec3::new(170.0, 170.0, 50.0)) + 0.16 * noise(p * 9.0);
@@ -411,9 +382,9 @@ impl Shade {
     /// How far away the body's own parts still darken a place, metres.
     const REACH: f64 = 0.16;
 
-    pub(super) fn new(figure: &Figure, position: DVec3, lamps: &[Lamp; 3]) -> Self {
+    pub(super) fn new(figure: &Figure, position: DVec3) -> Self {
         let normal = figure.normal(position);
-        let lamps = lamps.map(|lamp| {
+        let lamps = LAMPS.map(|lamp| {
             let faces = lamp.light(lamp.centre, position, normal).max_element() > 1e-4;
             if faces { lamp_seen(figure, position, normal, &lamp) } else { 0.0 }
         });
@@ -431,17 +402,11 @@ impl Shade {
 }
 
 /// Light from a point of the figure towards the eye (`direction` is the ray's, unit).
-pub(super) fn figure_light(
-    figure: &Figure,
-    position: DVec3,
-    direction: DVec3,
-    lamps: &[Lamp; 3],
-    shade: &Shade,
-) -> DVec3 {
+pub(super) fn figure_light(figure: &Figure, position: DVec3, direction: DVec3, shade: &Shade) -> DVec3 {
     let normal = figure.normal(position);
     let (colour, gloss) = figure_colours(&figure.touch(position), &figure.build);
     let mut light = colour * ambient(normal) * shade.open;
-    for (lamp, seen) in lamps.iter().zip(shade.lamps) {
+    for (lamp, seen) in LAMPS.iter().zip(shade.lamps) {
         let half = ((lamp.centre - position).normalize() - direction).normalize();
         let shine = gloss * half.dot(normal).max(0.0).powi(24);
         light += lamp.light(lamp.centre, position, normal) * seen * (colour + DVec3::splat(shine));

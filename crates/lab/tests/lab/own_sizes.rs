@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
+use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::{capsules, motion, people::PEOPLE, studio};
-use backlit_tracking::body::{Model, Pose, builtin};
+use backlit_tracking::body::{Model, Pose, SizeKind, builtin};
 use backlit_tracking::body_fit::survey::{LeftOut, Unusable};
 use backlit_tracking::body_fit::{
     BodyFitError, BodyFitOptions, BodyFrame, Doubt, OwnSizes, OwnSizesError, OwnSizesOptions, PosedFrame,
-    fit_body, own_sizes,
+    WELL_SEEN, fit_body, own_sizes,
 };
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
 
@@ -168,4 +170,39 @@ fn takes_that_cannot_be_right_are_refused() {
     assert!(found.left_out.iter().all(|one| one.camera == "cam1"));
     let few = sizes_of(&track(&body, 0.05)[..2], as_seen(|_, label| label));
     assert!(matches!(few, Err(OwnSizesError::FewFrames { found: 2, .. })), "{few:?}");
+}
+
+/// Exact silhouettes of four moments, poses 5° and 3 cm off, the average adult to begin with.
+#[test]
+fn people_of_all_builds_get_their_sizes() {
+    let adult = Arc::new(builtin::full_body());
+    let cameras = studio::pinholes([studio::WIDTH, studio::HEIGHT]).unwrap();
+    let options = BodyFitOptions::default().with_proportions(WELL_SEEN);
+    let mut failures = Vec::new();
+    for person in &PEOPLE {
+        let body = person.of(&adult).unwrap();
+        let frame = |(frame, moment): (usize, f64)| {
+            let truth = person.standing(motion::pose(&body, moment));
+            let see = |camera| {
+                scene::view(&body, &truth, camera, Simulation::Mask, RendererKind::Capsule, Ramp::Half)
+                    .unwrap()
+            };
+            let start = perturb(&adult, &truth, 5.0_f64.to_radians(), 0.03, 1 + frame as u64);
+            BodyFrame { frame, views: cameras.iter().map(see).collect(), start, joints: Vec::new() }
+        };
+        let frames = [0.0, 16.0, 31.0, 50.0].into_iter().enumerate().map(frame).collect();
+        let fit = fit_body(adult.clone(), frames, None, &options, &CancelToken::new(), |_| {}).unwrap();
+        for size in fit.sizes.iter().filter(|size| !size.is_held_by_prior()) {
+            let is_it = |name: &str| name == size.name || name.strip_prefix("right ") == Some(&size.name);
+            let limb = body.limbs().iter().find(|limb| is_it(&limb.name)).unwrap();
+            let (truth, most_mm) = match size.kind {
+                SizeKind::Length => (limb.length, 10.0),
+                SizeKind::Radius => (limb.radius, 5.0),
+            };
+            if 1000.0 * (size.found - truth).abs() > most_mm {
+                failures.push(format!("{}: {size:?}", person.name));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
