@@ -10,7 +10,8 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 
-use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, text};
+use crate::text::{self, Words};
+use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
 
 /// Most joints of a skeleton.
 const MAX_JOINTS: usize = 4096;
@@ -119,8 +120,7 @@ pub fn read(path: &Path) -> Result<BvhMotion, FileError> {
 /// Not such a file, more than 4096 joints, a word that is not a number up to 10⁹, or frames that do not have as many numbers as
 /// there are channels. The error names the line.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
-    let mut words =
-        Words { path, lines: text::decode(path, bytes)?.lines().enumerate(), line: 0, left: None };
+    let mut words = BvhWords { path, words: Words::new(text::decode(path, bytes)?, char::is_whitespace) };
     words.expect("HIERARCHY")?;
     let (joints, after) = hierarchy(&mut words)?;
     if after != "MOTION" {
@@ -144,7 +144,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
     for _ in 0..frames.saturating_mul(channels) {
         values.push(words.number("MOTION")?);
     }
-    match words.after() {
+    match words.words.after() {
         Some(word) => {
             Err(words.wrong("MOTION", word, &format!("no more than {frames} frames of {channels} numbers")))
         }
@@ -153,7 +153,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
 }
 
 /// The joints of all roots, and the word after them.
-fn hierarchy<'a>(words: &mut Words<'a>) -> Result<(Vec<BvhJoint>, &'a str), FileError> {
+fn hierarchy<'a>(words: &mut BvhWords<'a>) -> Result<(Vec<BvhJoint>, &'a str), FileError> {
     let mut joints: Vec<BvhJoint> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
     loop {
@@ -194,7 +194,7 @@ fn hierarchy<'a>(words: &mut Words<'a>) -> Result<(Vec<BvhJoint>, &'a str), File
     }
 }
 
-fn channels(words: &mut Words<'_>) -> Result<Vec<Channel>, FileError> {
+fn channels(words: &mut BvhWords<'_>) -> Result<Vec<Channel>, FileError> {
     const EXPECTED: &str = "0 to 6";
     let text = words.next("CHANNELS")?;
     let count = text.parse().ok().filter(|count| *count <= 6_usize);
@@ -208,31 +208,15 @@ fn channels(words: &mut Words<'_>) -> Result<Vec<Channel>, FileError> {
     Ok(channels)
 }
 
-/// A file's words, one by one, with their lines.
-struct Words<'a> {
+/// The words of a file and its path.
+struct BvhWords<'a> {
     path: &'a Path,
-    lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    line: usize,
-    left: Option<&'a str>,
+    words: Words<'a>,
 }
 
-impl<'a> Words<'a> {
-    fn after(&mut self) -> Option<&'a str> {
-        loop {
-            let left = self.left.unwrap_or_default().trim_start();
-            if left.is_empty() {
-                let (index, line) = self.lines.next()?;
-                (self.line, self.left) = (index + 1, Some(line));
-                continue;
-            }
-            let end = left.find(char::is_whitespace).unwrap_or(left.len());
-            self.left = Some(&left[end..]);
-            return Some(&left[..end]);
-        }
-    }
-
+impl<'a> BvhWords<'a> {
     fn next(&mut self, field: &str) -> Result<&'a str, FileError> {
-        self.after().ok_or_else(|| self.wrong(field, "missing", "more: the text ends too early"))
+        self.words.after().ok_or_else(|| self.wrong(field, "missing", "more: the text ends too early"))
     }
 
     fn expect(&mut self, wanted: &str) -> Result<(), FileError> {
@@ -247,24 +231,25 @@ impl<'a> Words<'a> {
     }
 
     fn rest_of_line(&mut self, what: &str) -> Result<String, FileError> {
-        let rest = self.left.take().unwrap_or_default().trim();
+        let rest = self.words.left.trim();
         // Some writers put the bracket behind the name.
         let (name, left) = match rest.strip_suffix('{') {
-            Some(name) => (name.trim_end(), Some("{")),
-            None => (rest, None),
+            Some(name) => (name.trim_end(), "{"),
+            None => (rest, ""),
         };
-        self.left = left;
+        self.words.left = left;
         if name.is_empty() { Err(self.wrong("JOINT", "missing", what)) } else { Ok(name.to_owned()) }
     }
 
     fn wrong(&self, field: &str, found: &str, expected: &str) -> FileError {
-        FileProblem::field(field, found, expected).at(self.path, self.line)
+        FileProblem::field(field, found, expected).at(self.path, self.words.line)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     const SMALL: &str = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 1 0\n CHANNELS 6 Xposition Yposition Zposition \
         Zrotation Xrotation Yrotation\n JOINT Left Leg {\n OFFSET 2 0 0\n CHANNELS 1 Yrotation\n End Site\n {\n OFFSET 0 0 3\n }\n }\n}\n\
@@ -289,27 +274,27 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        for (from, to, expected) in [
-            ("HIERARCHY", "HIERARCHIE", "line 1: `HIERARCHY` is HIERARCHIE"),
-            ("0 1 0", "0 one 0", "line 4: `OFFSET` is one; expected a number"),
-            ("0 1 0", "0 NaN 0", "line 4: `OFFSET` is NaN"),
-            ("6 Xposition", "7 Xposition", "line 5: `CHANNELS` is 7"),
-            ("Yrotation\n JOINT", "Wrotation\n JOINT", "line 5: `CHANNELS` is Wrotation"),
-            ("JOINT Left Leg", "JOINT", "line 6: `JOINT` is missing"),
-            ("}\n}\nMOTION", "}\nMOTION", "`HIERARCHY` is MOTION; expected JOINT"),
-            ("Frames: 2", "Frames: -2", "line 16: `Frames:` is -2"),
-            ("Frames: 2", "Frames: 99999999999", "line 19: `MOTION` is missing"),
-            ("Frames: 2", "Frames: 1", "line 19: `MOTION` is 1; expected no more than 1 frames of 7"),
-            ("0.04", "0", "line 17: `Frame Time:` is 0"),
-            ("0.04", "1e10", "line 17: `Frame Time:` is 1e10"),
-        ] {
-            let changed = SMALL.replacen(from, to, 1);
-            assert_ne!(changed, SMALL, "{from}");
-            let message = parse(Path::new("a.bvh"), changed.as_bytes()).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        let read = |text: &str| parse(Path::new("a.bvh"), text.as_bytes());
+        assert_refused(
+            SMALL,
+            read,
+            r#"
+            HIERARCHY ⇒ HIERARCHIE ⇒ line 1: `HIERARCHY` is HIERARCHIE
+            0 1 0 ⇒ 0 one 0 ⇒ line 4: `OFFSET` is one; expected a number
+            0 1 0 ⇒ 0 NaN 0 ⇒ line 4: `OFFSET` is NaN
+            6 Xposition ⇒ 7 Xposition ⇒ line 5: `CHANNELS` is 7
+            Yrotation\n JOINT ⇒ Wrotation\n JOINT ⇒ line 5: `CHANNELS` is Wrotation
+            JOINT Left Leg ⇒ JOINT ⇒ line 6: `JOINT` is missing
+            }\n}\nMOTION ⇒ }\nMOTION ⇒ `HIERARCHY` is MOTION; expected JOINT
+            Frames: 2 ⇒ Frames: -2 ⇒ line 16: `Frames:` is -2
+            Frames: 2 ⇒ Frames: 99999999999 ⇒ line 19: `MOTION` is missing
+            Frames: 2 ⇒ Frames: 1 ⇒ line 19: `MOTION` is 1; expected no more than 1 frames of 7
+            0.04 ⇒ 0 ⇒ line 17: `Frame Time:` is 0
+            0.04 ⇒ 1e10 ⇒ line 17: `Frame Time:` is 1e10
+            "#,
+        );
         for end in 0..SMALL.len() - 2 {
-            assert!(parse(Path::new("a.bvh"), &SMALL.as_bytes()[..end]).is_err(), "{end}");
+            assert!(read(&SMALL[..end]).is_err(), "{end}");
         }
     }
 }

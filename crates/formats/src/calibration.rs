@@ -1,20 +1,5 @@
 //! Calibrations: several formats, one [`Rig`]. The format is told by the content.
 //!
-//! | file | format |
-//! |---|---|
-//! | [`backlit`] | `backlit-cameras 1`, our own JSON |
-//! | `matrices` | JSON with `OpenCV`'s matrices K, R, t a camera |
-//! | `qualisys` | Qualisys Track Manager's `.qca.txt` XML |
-//! | `opencv`, `xml` | `OpenCV`'s `FileStorage` as YAML, XML and JSON, and JSON written by hand |
-//! | `easymocap` | `EasyMocap`'s `intri.yml` and `extri.yml` |
-//! | `anipose` | TOML of Anipose, `Pose2Sim` and `FreeMoCap` |
-//! | `caliscope` | Caliscope's `camera_array.toml` |
-//! | `kalibr`, `ros` | Kalibr's camchain, ROS `camera_info` |
-//! | `colmap`, `transforms` | COLMAP's text, `transforms.json` |
-//! | `vicon` | Vicon's `.xcp` |
-//! | `opencap`, `pickle` | `OpenCap`'s pickles, read without running anything |
-//! | [`mod@write`] | the formats that are written |
-//!
 //! `tree` is what YAML, XML, JSON and TOML are brought to, `yaml` and `xml` read such texts, `lens` turns numbers into
 //! lenses, and `partial` makes a rig of what one or two files say.
 
@@ -24,6 +9,7 @@ use backlit_tracking::camera::{Camera, Rig};
 
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, text};
 use partial::PartialCameras;
+use tree::Field;
 
 mod anipose;
 pub mod backlit;
@@ -229,7 +215,7 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
     let first = content.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
     let parts = match first.unwrap_or_default() {
         first if first.starts_with('<') => match xml::root_name(content) {
-            "opencv_storage" => opencv::parts(path, &xml::parse(path, content)?)?,
+            "opencv_storage" => opencv::parts(&Field::root(path, &xml::parse(path, content)?))?,
             "Cameras" => vicon::parts(path, content)?,
             _ => qualisys::parts(path, content, options.size)?,
         },
@@ -238,31 +224,30 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
                 return backlit::parse(path, content, options).map(Content::Rig);
             }
             let node = tree::from_json(path, content)?;
+            let root = Field::root(path, &node);
             let is_matrices = node.get("cameras").is_some_and(matrices::is_one);
             if transforms::is_one(&node) {
-                transforms::parts(path, &node)?
+                transforms::parts(&root)?
             } else if is_matrices || node.entries().is_empty() {
-                matrices::parts(path, &node, options.size)?
+                matrices::parts(&root, options.size)?
             } else {
-                opencv::parts(path, &node)?
+                opencv::parts(&root)?
             }
         }
         first if is_toml(first) => {
             let node = tree::from_toml(path, content)?;
-            if caliscope::is_one(&node) {
-                caliscope::parts(path, &node)?
-            } else {
-                anipose::parts(path, &node)?
-            }
+            let root = Field::root(path, &node);
+            if caliscope::is_one(&node) { caliscope::parts(&root)? } else { anipose::parts(&root)? }
         }
         first if is_yaml(first) => {
             let node = yaml::parse(path, content)?;
+            let root = Field::root(path, &node);
             if kalibr::is_one(&node) {
-                kalibr::parts(path, &node)?
+                kalibr::parts(&root)?
             } else if ros::is_one(&node) {
-                ros::parts(path, &node)?
+                ros::parts(&root)?
             } else {
-                opencv::parts(path, &node)?
+                opencv::parts(&root)?
             }
         }
         _ => match colmap::which(content) {

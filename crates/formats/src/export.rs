@@ -1,12 +1,4 @@
 //! Tracks for other programs (see `docs/formats.md`).
-//!
-//! | file | holds |
-//! |---|---|
-//! | [`tables`] | CSV: poses, joints, and how well each frame fits |
-//! | [`track_json`] | all of it in one `backlit-track 1` JSON |
-//! | [`track_read`] | that JSON again |
-//! | [`resume_file`] | what the tracker knew at the end, to go on from |
-//! | [`write`](write()) | all of these files at once |
 
 use std::path::Path;
 
@@ -92,32 +84,17 @@ pub(super) mod tests {
         let moved = rest.retract(Parameters::Tangent, &[0.1, -2.0, 3.0, 0.0, 0.0, 0.5]);
         let overlap = Overlap { agreement: 3, missing: 1, spurious: 0 };
         let first = FrameEstimate {
-            frame: 4,
-            pose: moved,
             cost: Some(1234.5),
             rms: Some(2.25),
             overlap: vec![Some(overlap), None],
-            empty_cameras: Vec::new(),
             iterations: 7,
-            lost_because: None,
             termination: Some(Termination::NoDecrease),
-            belief: None,
-            hypotheses: Vec::new(),
-            holds: Vec::new(),
+            ..FrameEstimate::of_pose(4, moved)
         };
         let second = FrameEstimate {
-            frame: 6,
-            pose: rest,
-            cost: None,
-            rms: None,
             overlap: vec![None, None],
-            empty_cameras: Vec::new(),
-            iterations: 0,
             lost_because: Some(backlit_tracking::track::Lost::Nobody),
-            termination: None,
-            belief: None,
-            hypotheses: Vec::new(),
-            holds: Vec::new(),
+            ..FrameEstimate::of_pose(6, rest)
         };
         Track { frames: [(4, first), (6, second)].into() }
     }

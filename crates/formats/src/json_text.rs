@@ -213,6 +213,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     #[derive(Debug, Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -224,30 +225,21 @@ mod tests {
 
     #[test]
     fn errors_name_line_and_field() {
-        let cases = [
-            (
-                "{\n\"name\": \"a\",\n\"turns\": {\"x\": [1, NaN]}}",
-                "line 3: is not valid JSON: in `turns.x[1]`: NaN",
-            ),
-            (
-                "{\"name\": \"a\", \"turns\": {\"x\":\n [1, -Infinity]}}",
-                "line 2: is not valid JSON: in `turns.x[1]`: Inf",
-            ),
-            ("{\"name\": \"a\", \"turns\": {\"x\": [1, null]}}", "`turns.x[1]` is null; expected a number"),
-            (
-                "{\"name\": \"a\",\n \"turns\": {\"x,\\\"{\": [\"b\", 2]}}",
-                "`turns.x,\\\"{[0]` is \"b\"; expected a number",
-            ),
-            ("{\"name\": 3}", "`name` is 3; expected a text"),
-            ("{\n\"nmae\": 3}", "line 2: is not valid JSON: unknown field `nmae`"),
-            ("{\"turns\": {\"x\": [1, 2], \"x\": [1, 2]}}", "in `turns`: \"x\" is given twice"),
-            ("{\"name\": \"a\", \"turns\": {\"x\": [1, 2", "in `turns.x[1]`: the text ends too early"),
-            ("", "the text ends too early"),
-        ];
-        for (text, expected) in cases {
-            let message = parse::<Sample>(Path::new("s.json"), text).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        assert_refused(
+            "",
+            |text| parse::<Sample>(Path::new("s.json"), text),
+            r#"
+            {\n"name": "a",\n"turns": {"x": [1, NaN]}} ⇒ line 3: is not valid JSON: in `turns.x[1]`: NaN
+            {"name": "a", "turns": {"x":\n [1, -Infinity]}} ⇒ line 2: is not valid JSON: in `turns.x[1]`: Inf
+            {"name": "a", "turns": {"x": [1, null]}} ⇒ `turns.x[1]` is null; expected a number
+            {"name": "a",\n "turns": {"x,\"{": ["b", 2]}} ⇒ `turns.x,\"{[0]` is "b"; expected a number
+            {"name": 3} ⇒ `name` is 3; expected a text
+            {\n"nmae": 3} ⇒ line 2: is not valid JSON: unknown field `nmae`
+            {"turns": {"x": [1, 2], "x": [1, 2]}} ⇒ in `turns`: "x" is given twice
+            {"name": "a", "turns": {"x": [1, 2 ⇒ in `turns.x[1]`: the text ends too early
+            \n ⇒ the text ends too early
+            "#,
+        );
     }
 
     #[test]

@@ -1,10 +1,4 @@
 //! Masks made elsewhere, by a neural net or a keyer: pictures or a video of one camera's silhouettes.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `numbers` | a picture's numbers as its file has them: grey levels, ids of a palette, alpha |
-//! | `values` | [`MaskValues`]: what the numbers mean, told or guessed from some pictures |
-//! | `evidence` | numbers to shares of subject, which can be averaged, and from shares to a mask |
 
 mod evidence;
 mod numbers;

@@ -43,6 +43,16 @@ pub enum MeshProblem {
     Surface(MeshError),
 }
 
+impl MeshProblem {
+    fn word(what: impl Into<String>, found: impl Into<String>, expected: &'static str) -> Self {
+        Self::Word { what: what.into(), found: found.into(), expected }
+    }
+
+    fn unsupported(what: &'static str, found: impl Into<String>) -> Self {
+        Self::Unsupported { what, found: found.into() }
+    }
+}
+
 /// Vertices and triangles that name them, as a file has them.
 #[derive(Debug, Default, Clone, PartialEq)]
 struct Soup {

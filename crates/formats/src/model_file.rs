@@ -93,22 +93,33 @@ pub fn write(path: &Path, model: &Model) -> Result<(), FileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
-    fn message(text: &str) -> String {
-        parse(Path::new("body.toml"), text.as_bytes()).unwrap_err().to_string()
-    }
+    /// Two limbs side by side.
+    const GOOD: &str = r#"format = "backlit-body 1"
+name = "b"
+[[limb]]
+name = "a"
+direction = [0, 1, 0]
+length = 0.5
+radius = 0.1
 
-    const HEAD: &str = "format = \"backlit-body 1\"\nname = \"b\"\n";
+[[limb]]
+name = "c"
+direction = [0, 1, 0]
+length = 0.5
+radius = 0.1
+"#;
 
-    fn limb(name: &str, more: &str) -> String {
-        format!("[[limb]]\nname = \"{name}\"\ndirection = [0, 1, 0]\nlength = 0.5\n{more}\n")
+    fn read_text(text: &str) -> Result<Model, FileError> {
+        parse(Path::new("body.toml"), text.as_bytes())
     }
 
     #[test]
     fn models_survive_their_files() {
         for model in [builtin::single_limb(), builtin::upper_body(), builtin::full_body()] {
             let text = to_text(&model);
-            assert_eq!(parse(Path::new("body.toml"), text.as_bytes()).unwrap(), model);
+            assert_eq!(read_text(&text).unwrap(), model);
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("body.toml");
@@ -125,51 +136,40 @@ mod tests {
 
     #[test]
     fn errors_name_file_line_and_field() {
-        let cases = [
-            (
-                HEAD.to_owned() + &limb("a", "radius = 0.1\nparent = \"b\""),
-                "body.toml, line 8: limb \"a\": `parent` names \"b\"",
-            ),
-            (
-                HEAD.to_owned()
-                    + &limb("a", "radius = 0.1\nparent = \"b\"")
-                    + &limb("b", "radius = 0.1\nparent = \"a\""),
-                "line 8: limb \"a\": `parent` = \"b\" makes a cycle: a → b → a",
-            ),
-            (HEAD.to_owned() + &limb("a", "radius = nan"), "line 7: limb \"a\": `radius` is NaN"),
-            (
-                HEAD.to_owned() + &limb("a", "radius = \"x\""),
-                "line 7: `limb[0].radius` is \"x\"; expected a number",
-            ),
-            (HEAD.to_owned() + &limb("a", ""), "missing field `radius`"),
-            (
-                HEAD.to_owned()
-                    + &limb(
-                        "a",
-                        "radius = 1\nlimits = { axis = [0, 1, 0], flexion = [0, 1], sideways = [0, 1], twist = [0, 1] }",
-                    ),
-                "line 8: limb \"a\": `limits.axis`",
-            ),
-            (
-                HEAD.to_owned() + &limb("a", "radius = 1\ncolour = 3"),
-                "line 8: is not valid TOML: in `limb[0]`: unknown field `colour`",
-            ),
-            (
-                HEAD.to_owned() + &limb("a", "radius = 1") + &limb("a", "radius = 1"),
-                "line 9: limb \"a\": `name` is used twice",
-            ),
-            ("name = \"b\"".to_owned(), "`format` is missing; expected \"backlit-body 1\""),
-            (
-                "\nformat = \"backlit-body 2\"\nshape = 3".to_owned(),
-                "line 2: `format` is \"backlit-body 2\"; expected",
-            ),
-            ("format = 3".to_owned(), "`format` is integer; expected"),
-            ("\n\nname = ".to_owned(), "line 3: is not valid TOML"),
-        ];
-        for (text, expected) in cases {
-            let message = message(&text);
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        read_text(GOOD).unwrap();
+        assert_refused(
+            GOOD,
+            read_text,
+            r#"
+            radius = 0.1\n ⇒ radius = 0.1\nparent = "b" ⇒ body.toml, line 8: limb "a": `parent` names "b"
+            radius = 0.1\n ⇒ radius = 0.1\nparent = "a" ⇒ line 8: limb "a": `parent` = "a" makes a cycle: a → a
+            radius = 0.1 ⇒ radius = nan ⇒ line 7: limb "a": `radius` is NaN
+            radius = 0.1 ⇒ radius = "x" ⇒ line 7: `limb[0].radius` is "x"; expected a number
+            radius = 0.1 ⇒ ⇒ missing field `radius`
+            radius = 0.1 ⇒ radius = 0.0 ⇒ body.toml, line 7: limb "a": `radius`
+            radius = 0.1 ⇒ radius = -1 ⇒ limb "a": `radius`
+            radius = 0.1 ⇒ radius = inf ⇒ limb "a": `radius`
+            radius = 0.1 ⇒ radius = 1e200 ⇒ limb "a": `radius`
+            length = 0.5 ⇒ length = 0.0 ⇒ body.toml, line 6: limb "a": `length`
+            length = 0.5 ⇒ length = -1 ⇒ limb "a": `length`
+            length = 0.5 ⇒ length = nan ⇒ limb "a": `length`
+            length = 0.5 ⇒ length = inf ⇒ limb "a": `length`
+            length = 0.5 ⇒ length = 1e200 ⇒ limb "a": `length`
+            radius = 0.1\n ⇒ radius = 1\nlimits = { axis = [0, 1, 0], flexion = [0, 1], sideways = [0, 1], twist = [0, 1] } ⇒ line 8: limb "a": `limits.axis`
+            radius = 0.1\n ⇒ radius = 1\ncolour = 3 ⇒ line 8: is not valid TOML: in `limb[0]`: unknown field `colour`
+            name = "c" ⇒ name = "a" ⇒ line 10: limb "a": `name` is used twice
+            name = "b" ⇒ `format` is missing; expected "backlit-body 1"
+            \nformat = "backlit-body 2"\nshape = 3 ⇒ line 2: `format` is "backlit-body 2"; expected
+            format = 3 ⇒ `format` is integer; expected
+            a = 1\n\nname = ⇒ line 3: is not valid TOML
+            "#,
+        );
+        let pair = GOOD.replacen("0.1\n\n", "0.1\nparent = \"c\"\n", 1) + "parent = \"a\"\n";
+        let message = read_text(&pair).unwrap_err().to_string();
+        assert!(
+            message.contains("line 8: limb \"a\": `parent` = \"c\" makes a cycle: a → c → a"),
+            "{message}"
+        );
         let bytes = [b"format = \"backlit-body 1\"\n".as_slice(), &[0xFF]].concat();
         let message = parse(Path::new("body.toml"), &bytes).unwrap_err().to_string();
         assert!(message.contains("line 2: is not UTF-8"), "{message}");

@@ -6,20 +6,6 @@
 //! `p_file = scale · (file_from_world p)`. A skeleton's bones turn by `file_from_world W file_from_body⁻¹`, where W is
 //! the world rotation of the bone's limb and `file_from_body` makes the rest pose stand upright in the file.
 //!
-//! | file | holds |
-//! |---|---|
-//! | `options` | [`MotionOptions`]: axes, unit, frames, names, order of angles |
-//! | `names` | joints and bones as other programs call them |
-//! | `frames` | the frames to write, in the file's axes and unit |
-//! | `bones` | limbs as a tree of bones; rotations as three angles, without jumps |
-//! | `bvh` | Biovision hierarchy |
-//! | `tables` | TRC and MOT of `OpenSim`, CSV |
-//! | `c3d` | C3D points |
-//! | `glb` | glTF 2.0 with a skinned body |
-//! | `npz` | NumPy arrays |
-//! | `joints` | [`JointTrack`]: joints over time, of a track or a BVH |
-//! | `labels` | `labels.csv`: what motions of a folder are called |
-//!
 //! A format is a variant of [`MotionFormat`] with its row of `FORMATS`, and a function that writes it in a file of its own.
 
 use std::collections::BTreeMap;

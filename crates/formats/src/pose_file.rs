@@ -52,18 +52,10 @@ pub fn parse(path: &Path, bytes: &[u8], model: &Model, quaternions: Quaternions)
     })?;
     pose.root = DVec3::from_array(spec.root);
     for (limb, coefficients) in spec.rotations.0 {
-        let field = || "rotations".to_owned();
         check_magnitude(&coefficients)
             .map_err(|problem| fail(&limb, problem(format!("rotations.{limb}"))))?;
-        let [w, x, y, z] = coefficients;
-        let Some(index) = model.limb_index(&limb) else {
-            return Err(fail(&limb.clone(), FileProblem::UnknownLimb { field: field(), limb }));
-        };
-        let found = &model.limbs()[index];
-        if !found.has_own_rotation {
-            return Err(fail(&limb.clone(), FileProblem::RigidLimb { field: field(), limb }));
-        }
-        pose.rotations[found.rotation] = DQuat::from_xyzw(x, y, z, w);
+        set_rotation(model, &mut pose, "rotations", &limb, coefficients)
+            .map_err(|problem| fail(&limb, problem))?;
     }
     pose.check(model).map_err(|error| {
         let line = match &error {
@@ -77,6 +69,25 @@ pub fn parse(path: &Path, bytes: &[u8], model: &Model, quaternions: Quaternions)
         Quaternions::Normalised => normalised(&pose),
         Quaternions::Raw => pose,
     })
+}
+
+/// Sets the rotation of a limb, w x y z, and returns its place among the rotations; `field` is for the error's message.
+pub(super) fn set_rotation(
+    model: &Model,
+    pose: &mut Pose,
+    field: &str,
+    limb: &str,
+    [w, x, y, z]: [f64; 4],
+) -> Result<usize, FileProblem> {
+    let (field, limb) = (field.to_owned(), limb.to_owned());
+    match model.limb_index(&limb).map(|index| &model.limbs()[index]) {
+        None => Err(FileProblem::UnknownLimb { field, limb }),
+        Some(found) if !found.has_own_rotation => Err(FileProblem::RigidLimb { field, limb }),
+        Some(found) => {
+            pose.rotations[found.rotation] = DQuat::from_xyzw(x, y, z, w);
+            Ok(found.rotation)
+        }
+    }
 }
 
 /// Refuses numbers so large that their squares would overflow.
@@ -129,6 +140,7 @@ mod tests {
     use backlit_tracking::body::{Parameters, builtin};
 
     use super::*;
+    use crate::damaged::assert_refused;
 
     fn parse_text(text: &str, quaternions: Quaternions) -> Result<Pose, FileError> {
         parse(Path::new("start.json"), text.as_bytes(), &builtin::upper_body(), quaternions)
@@ -157,45 +169,29 @@ mod tests {
 
     #[test]
     fn errors_name_line_and_limb() {
-        let text = |root: &str, rotations: &str| {
-            format!(
-                "{{\"format\": \"backlit-pose 1\",\n\"root\": {root},\n\"rotations\": {{\n{rotations}}}}}"
-            )
-        };
-        let cases = [
-            (
-                text("[0, 0, 0]", "\"head\": [NaN, 0, 0, 0]"),
-                "start.json, line 4: is not valid JSON: in `rotations.head[0]`: NaN is not a number",
-            ),
-            (
-                text("[0, 0, 0]", "\"head\":\n[1, null, 0, 0]"),
-                "line 5: `rotations.head[1]` is null; expected a number",
-            ),
-            (
-                text("[0, 0, 0]", "\"head\": [0, 0, 0, 0]"),
-                "line 4: `rotations.head` is [w x y z] = [0.0, 0.0, 0.0, 0.0]",
-            ),
-            (text("[0, 0, 0]", "\"head\": [1, 0, 0]"), "`rotations.head"),
-            (text("[0, 0, 0]", "\"head\": [1e999, 0, 0, 0]"), "in `rotations.head[0]`: number out of range"),
-            (
-                text("[0, 0, 0]", "\"tail\": [1, 0, 0, 0]"),
-                "line 4: `rotations` names \"tail\", and the model has no limb",
-            ),
-            (
-                text("[0, 0, 0]", "\"left hip\": [1, 0, 0, 0]"),
-                "line 4: `rotations`: \"left hip\" follows another",
-            ),
-            (text("[0, 0, 0]", "\"head\": [1, 0, 0, 0], \"head\": [1, 0, 0, 0]"), "given twice"),
-            (text("[0, 0, 1e200]", ""), "line 2: `root` is 1e200; expected numbers of at most 1000000"),
-            (text("[0, 0, 0]", "\"head\": [1e300, 0, 0, 0]"), "line 4: `rotations.head` is 1e300"),
-            (text("[0, 0]", ""), "line 2: `root"),
-            ("{\"root\": [0, 0, 0], \"rotations\": {}}".to_owned(), "`format` is missing"),
-            ("{\n\"format\": \"backlit-pose 7\"}".to_owned(), "line 2: `format` is \"backlit-pose 7\""),
-        ];
-        for (text, expected) in cases {
-            let message = parse_text(&text, Quaternions::Normalised).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        let good = "{\"format\": \"backlit-pose 1\",\n\"root\": [0, 0, 0],\n\"rotations\": {\n\"head\": [1, 0, 0, 0]}}";
+        assert_refused(
+            good,
+            |text| parse_text(text, Quaternions::Normalised),
+            r#"
+            [1, 0, 0, 0] ⇒ [NaN, 0, 0, 0] ⇒ start.json, line 4: is not valid JSON: in `rotations.head[0]`: NaN is not a number
+            [1, 0, 0, 0] ⇒ \n[1, null, 0, 0] ⇒ line 5: `rotations.head[1]` is null; expected a number
+            [1, 0, 0, 0] ⇒ [0, 0, 0, 0] ⇒ line 4: `rotations.head` is [w x y z] = [0.0, 0.0, 0.0, 0.0]
+            [1, 0, 0, 0] ⇒ [1, 0, 0] ⇒ `rotations.head
+            [1, 0, 0, 0] ⇒ [1e999, 0, 0, 0] ⇒ in `rotations.head[0]`: number out of range
+            head ⇒ tail ⇒ line 4: `rotations` names "tail", and the model has no limb
+            head ⇒ left hip ⇒ line 4: `rotations`: "left hip" follows another
+            [1, 0, 0, 0] ⇒ [1, 0, 0, 0], "head": [1, 0, 0, 0] ⇒ given twice
+            [0, 0, 0] ⇒ [0, 0, 1e200] ⇒ line 2: `root` is 1e200; expected numbers of at most 1000000
+            [0, 0, 0] ⇒ [0, 1e999, 0] ⇒ start.json
+            [0, 0, 0] ⇒ [0, NaN, 0] ⇒ start.json
+            [0, 0, 0] ⇒ [0, null, 0] ⇒ start.json
+            [1, 0, 0, 0] ⇒ [1e300, 0, 0, 0] ⇒ line 4: `rotations.head` is 1e300
+            [0, 0, 0] ⇒ [0, 0] ⇒ line 2: `root
+            {"root": [0, 0, 0], "rotations": {}} ⇒ `format` is missing
+            {\n"format": "backlit-pose 7"} ⇒ line 2: `format` is "backlit-pose 7"
+            "#,
+        );
     }
 
     #[test]

@@ -30,16 +30,8 @@ struct PriorSpec {
 struct PartSpec {
     name: String,
     directions: Vec<BodyDirection>,
-    step: StepSpec,
+    step: StepStatistics,
     components: Vec<StudentComponent>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StepSpec {
-    seconds: f64,
-    exponent: f64,
-    covariance: Vec<f64>,
 }
 
 /// The name of the prior that comes with the program.
@@ -72,9 +64,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
         FileError::new(path, problem).at_line(json_text::line_of(text, &["parts"]))
     };
     let part = |part: PartSpec| {
-        let StepSpec { seconds, exponent, covariance } = part.step;
-        let step = StepStatistics { seconds, exponent, covariance };
-        PriorPart::new(&part.name, part.directions, part.components, step, spec.degrees)
+        PriorPart::new(&part.name, part.directions, part.components, part.step, spec.degrees)
     };
     let parts: Result<Vec<PriorPart>, PriorError> = spec.parts.into_iter().map(part).collect();
     PosePrior::new(&spec.source, parts.map_err(wrong)?).map_err(wrong)
@@ -85,10 +75,10 @@ pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
     let part = |part: &PriorPart| PartSpec {
         name: part.name().to_owned(),
         directions: part.directions().to_vec(),
-        step: StepSpec {
+        step: StepStatistics {
             seconds: short(part.step().seconds),
             exponent: short(part.step().exponent),
-            covariance: part.step().covariance.iter().copied().map(short).collect(),
+            covariance: short_all(&part.step().covariance),
         },
         components: part
             .poses()
@@ -96,8 +86,8 @@ pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
             .iter()
             .map(|component| StudentComponent {
                 share: short(component.share),
-                mean: component.mean.iter().copied().map(short).collect(),
-                covariance: component.covariance.iter().copied().map(short).collect(),
+                mean: short_all(&component.mean),
+                covariance: short_all(&component.covariance),
             })
             .collect(),
     };
@@ -123,6 +113,10 @@ fn short(number: f64) -> f64 {
     let scale = 10f64.powi(places.clamp(-300, 300));
     let rounded = (number * scale).round() / scale;
     if rounded.is_finite() { rounded } else { number }
+}
+
+fn short_all(numbers: &[f64]) -> Vec<f64> {
+    numbers.iter().copied().map(short).collect()
 }
 
 /// Writes a prior, whole or not at all.
@@ -160,6 +154,7 @@ pub fn clips(folder: &Path) -> Result<Vec<Clip>, FileError> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     /// Two poses of an arm.
     pub(crate) fn small() -> PosePrior {
@@ -187,21 +182,20 @@ pub(crate) mod tests {
         for cut in 0..text.len() - 2 {
             assert!(read(&text[..cut]).is_err());
         }
-        for (from, to, expected) in [
-            ("backlit-prior 1", "backlit-prior 9", "`format` is \"backlit-prior 9\""),
-            ("right-upper-arm", "right-upper-leg", "parts[0].directions"),
-            ("right-upper-arm", "right-forearm", "`directions` has 2; expected 1 to 12, each once"),
-            ("\"share\":0.5", "\"share\":-0.5", "`components[0]` is not a distribution"),
-            ("0.0625", "0", "`step` is not a distribution"),
-            ("\"degrees\":4.0", "\"degrees\":0", "`degrees` is 0"),
-            ("\"degrees\":4.0", "\"degrees\":null", "`degrees` is null"),
-            ("0.04,", "", "`components[0]` is not a distribution"),
-        ] {
-            let changed = text.replacen(from, to, 1);
-            assert_ne!(changed, text, "{from}");
-            let message = read(&changed).unwrap_err().to_string();
-            assert!(message.starts_with("p.json") && message.contains(expected), "{from}: {message}");
-        }
+        assert_refused(
+            &text,
+            read,
+            r#"
+            backlit-prior 1 ⇒ backlit-prior 9 ⇒ `format` is "backlit-prior 9"
+            right-upper-arm ⇒ right-upper-leg ⇒ parts[0].directions
+            right-upper-arm ⇒ right-forearm ⇒ `directions` has 2; expected 1 to 12, each once
+            "share":0.5 ⇒ "share":-0.5 ⇒ `components[0]` is not a distribution
+            0.0625 ⇒ 0 ⇒ `step` is not a distribution
+            "degrees":4.0 ⇒ "degrees":0 ⇒ `degrees` is 0
+            "degrees":4.0 ⇒ "degrees":null ⇒ p.json, line 2: `degrees` is null
+            0.04, ⇒ ⇒ `components[0]` is not a distribution
+            "#,
+        );
     }
 
     #[test]

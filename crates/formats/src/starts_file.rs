@@ -267,6 +267,7 @@ fn bits(text: &str) -> Vec<Label> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     const FILE: &str = r#"{
         "model": {"limbs": [
@@ -295,32 +296,28 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let cases = [
-            ("\"parent\": 0", "\"parent\": 7", "`model.limbs[1].parent` is 7"),
-            ("\"rot\": 0, \"own\": false", "\"rot\": 3, \"own\": false", "`model.limbs[1].rot` is 3"),
-            ("\"f\": 4", "\"f\": 0", "`cameras.1`: `fx` is 0"),
-            ("Bg==", "", "`starts[0].masks.1[0]` is a mask of 0 pixels; expected 8"),
-            ("\"truth\": [0, 0,", "\"truth\": [0,", "`starts[0].truth`"),
-            ("\"starts\": [{", "\"starts\": {", "`starts` is a table; expected a list"),
-            (
-                "[\"Bg==\"]",
-                "[]",
-                "`starts[0].masks.1` is a list of 0 masks; expected 1, one a camera of `cameras.1`",
-            ),
-            ("[\"Bg==\"]", "[\"Bg==\", \"Bg==\"]", "`starts[0].masks.1` is a list of 2 masks; expected 1"),
-            ("{\"1\": [\"Bg==\"]}", "{}", "`starts[0].masks.1` is a list of 0 masks; expected 1"),
-            ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"3\": []}", "is with masks of 3 cameras"),
-            ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"1\": [\"Bg==\"]}", "\"1\" is given twice"),
-            ("{\"1\": [\"Bg==\"]}", "{\"01\": [\"Bg==\"]}", "with the key \"01\""),
-            ("Bg==", "BgAAAAAA", "is a mask of 48 pixels; expected 8"),
-            ("\"angle_deg\"", "\"angles_deg\"", "unknown field `angles_deg`"),
-            ("\"angle_deg\": 5", "\"angle_deg\": -5", "`starts[0].angle_deg` is -5; expected degrees"),
-            ("\"cameras\": {\"1\"", "\"cameras\": {\"2\"", "`cameras.2` is a list of 1; expected 2 cameras"),
-            ("\"name\": \"b\"", "\"name\": \"b\", \"name\": \"b\"", "given twice: `name`"),
-        ];
-        for (from, to, expected) in cases {
-            let message = read_text(&FILE.replace(from, to)).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        assert_refused(
+            FILE,
+            read_text,
+            r#"
+            "parent": 0 ⇒ "parent": 7 ⇒ `model.limbs[1].parent` is 7
+            "rot": 0, "own": false ⇒ "rot": 3, "own": false ⇒ `model.limbs[1].rot` is 3
+            "f": 4 ⇒ "f": 0 ⇒ `cameras.1`: `fx` is 0
+            Bg== ⇒ ⇒ `starts[0].masks.1[0]` is a mask of 0 pixels; expected 8
+            "truth": [0, 0, ⇒ "truth": [0, ⇒ `starts[0].truth`
+            "starts": [{ ⇒ "starts": { ⇒ `starts` is a table; expected a list
+            ["Bg=="] ⇒ [] ⇒ `starts[0].masks.1` is a list of 0 masks; expected 1, one a camera of `cameras.1`
+            ["Bg=="] ⇒ ["Bg==", "Bg=="] ⇒ `starts[0].masks.1` is a list of 2 masks; expected 1
+            {"1": ["Bg=="]} ⇒ {} ⇒ `starts[0].masks.1` is a list of 0 masks; expected 1
+            {"1": ["Bg=="]} ⇒ {"1": ["Bg=="], "3": []} ⇒ is with masks of 3 cameras
+            {"1": ["Bg=="]} ⇒ {"1": ["Bg=="], "1": ["Bg=="]} ⇒ "1" is given twice
+            {"1": ["Bg=="]} ⇒ {"01": ["Bg=="]} ⇒ with the key "01"
+            Bg== ⇒ BgAAAAAA ⇒ is a mask of 48 pixels; expected 8
+            "angle_deg" ⇒ "angles_deg" ⇒ unknown field `angles_deg`
+            "angle_deg": 5 ⇒ "angle_deg": -5 ⇒ `starts[0].angle_deg` is -5; expected degrees
+            "cameras": {"1" ⇒ "cameras": {"2" ⇒ `cameras.2` is a list of 1; expected 2 cameras
+            "name": "b" ⇒ "name": "b", "name": "b" ⇒ given twice: `name`
+            "#,
+        );
     }
 }

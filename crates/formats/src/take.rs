@@ -1,17 +1,4 @@
 //! A take: one recording with everything that belongs to it, as `take.toml` says it (see `docs/formats.md`).
-//!
-//! | file | holds |
-//! |---|---|
-//! | [`take`] | [`Take`]: the parsed take; pictures on demand |
-//! | `spec`, `reader` | what the take file says, and what it means |
-//! | `paths` | numbered pictures, variables, what lies outside the take's folder |
-//! | `footage` | one camera's pictures and background; the frames that all cameras have |
-//! | `pictures` | its pictures, backgrounds and masks, reduced |
-//! | `masks` | one camera's masks that were made elsewhere |
-//! | `keypoints` | one camera's two-dimensional keypoints |
-//! | `measurement` | how pictures are segmented |
-//! | `offsets` | offsets written into a take file |
-//! | [`mod@reference`] | keypoints to compare with |
 
 mod footage;
 mod keypoints;

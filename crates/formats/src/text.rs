@@ -27,6 +27,36 @@ pub(super) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count()
 }
 
+/// A text's words, one by one, with their lines.
+pub(super) struct Words<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    is_space: fn(char) -> bool,
+    /// Of the last word, counted from 1.
+    pub(super) line: usize,
+    /// What is left of that line.
+    pub(super) left: &'a str,
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn new(text: &'a str, is_space: fn(char) -> bool) -> Self {
+        Self { lines: text.lines().enumerate(), is_space, line: 0, left: "" }
+    }
+
+    pub(super) fn after(&mut self) -> Option<&'a str> {
+        loop {
+            let left = self.left.trim_start_matches(self.is_space);
+            if left.is_empty() {
+                let (index, line) = self.lines.next()?;
+                (self.line, self.left) = (index + 1, line);
+                continue;
+            }
+            let end = left.find(self.is_space).unwrap_or(left.len());
+            self.left = &left[end..];
+            return Some(&left[..end]);
+        }
+    }
+}
+
 /// A text from a file as it may be shown: letters that would steer a terminal are written out, as `\u{1b}`. Names of files,
 /// cameras, limbs and takes go to a terminal through this.
 #[must_use]

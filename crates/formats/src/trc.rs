@@ -199,6 +199,7 @@ fn fields(line: &str) -> Vec<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     const TABLE: &str = "PathFileType\t4\t(X/Y/Z)\ta.trc\n\
         DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n\
@@ -220,18 +221,19 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        for (text, expected) in [
-            (TABLE.replace("2000", "two"), "line 7: `RHip` is \"two\"; expected a number"),
-            (TABLE.replace("mm", "feet"), "line 3: `Units` is \"feet\"; expected m, cm or mm"),
-            (TABLE.replace("\n2\t", "\n-2\t"), "line 8: `Frame#` is -2"),
-            (TABLE.replace("1000", "1e300"), "metres: the unit must be wrong"),
-            (TABLE.replace("RHip", ""), "line 4: `markers` is 0 names"),
-            (TABLE[..200].to_owned(), "line "),
-            ("PathFileType\n".to_owned(), "cut off"),
-        ] {
-            let message = parsed(&text).unwrap_err();
-            assert!(message.contains("a.trc") && message.contains(expected), "{message}");
-        }
+        assert_refused(
+            TABLE,
+            parsed,
+            r#"
+            2000 ⇒ two ⇒ a.trc, line 7: `RHip` is "two"; expected a number
+            mm ⇒ feet ⇒ line 3: `Units` is "feet"; expected m, cm or mm
+            \n2 ⇒ \n-2 ⇒ line 8: `Frame#` is -2
+            1000 ⇒ 1e300 ⇒ metres: the unit must be wrong
+            RHip ⇒ ⇒ line 4: `markers` is 0 names
+            PathFileType\n ⇒ a.trc, line 1: `header` is cut off
+            "#,
+        );
+        assert!(parsed(&TABLE[..200]).unwrap_err().contains("a.trc, line "));
     }
 
     #[test]

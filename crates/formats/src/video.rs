@@ -4,16 +4,6 @@
 //! else by the programs `ffmpeg` and `ffprobe`, where they are installed. Frames are counted in the order in which they
 //! are shown, each has its own time, and the picture is turned as the file says. What is cut or damaged gives the frames
 //! that are there, and a [note](Video::notes).
-//!
-//! | file | holds |
-//! |---|---|
-//! | `boxes`, `mp4`, `samples` | the index of MP4 and MOV |
-//! | `avi` | the index of AVI |
-//! | `index` | an index: samples, frames, times |
-//! | `h264`, `jpeg`, `coded` | decoding by the index |
-//! | `probe`, `ffmpeg` | decoding by the programs |
-//! | `yuv`, `orientation` | planes to pictures |
-//! | `cache` | frames that are kept |
 
 mod avi;
 mod boxes;

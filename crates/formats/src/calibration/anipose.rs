@@ -6,19 +6,16 @@
 //! `FreeMoCap`'s is the millimetre, told by the board's square in `metadata.charuco_square_size`; where that is 1 it
 //! is the square.
 
-use std::path::Path;
-
 use super::opencv;
 use super::partial::PartialCameras;
-use super::tree::{Field, Tree};
+use super::tree::Field;
 use crate::{FileError, FileProblem};
 
 /// Metres in a millimetre.
 const MILLIMETRE: f64 = 0.001;
 
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
-    let root = Field::root(path, node);
-    let mut parts = PartialCameras::new(metres_per_unit(&root)?);
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+    let mut parts = PartialCameras::new(metres_per_unit(root)?);
     for (key, table) in root.children() {
         if key == "metadata" || table.node.entries().is_empty() {
             continue;
@@ -32,10 +29,10 @@ pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileErro
             Some(name) => name.text()?,
             None => key,
         };
-        parts.push(path, opencv::camera(&table, name)?)?;
+        parts.push(root.path, opencv::camera(&table, name)?)?;
     }
     if parts.cameras.is_empty() {
-        return Err(FileError::new(path, FileProblem::UnknownCalibration));
+        return Err(FileError::new(root.path, FileProblem::UnknownCalibration));
     }
     Ok(parts)
 }

@@ -4,8 +4,6 @@
 //! `translation` in metres; camera from world, pixel centres at integers. `rotation_count` turns pictures for showing
 //! only. A camera that could not be linked to the others has no place and is left out.
 
-use std::path::Path;
-
 use super::opencv;
 use super::partial::PartialCameras;
 use super::tree::{Field, Tree};
@@ -22,9 +20,8 @@ pub(super) fn is_one(node: &Tree) -> bool {
     node.get("cameras").is_some_and(is_array) || is_array(node)
 }
 
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
-    let root = Field::root(path, node);
-    let cameras = root.find(&["cameras"]).unwrap_or(root);
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+    let cameras = root.find(&["cameras"]).unwrap_or_else(|| root.clone());
     let mut parts = PartialCameras::new(Some(1.0));
     for (key, table) in cameras.children() {
         if table.find(&["size"]).is_none() {
@@ -40,11 +37,11 @@ pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileErro
             parts.leave_out(name, "its lens is not calibrated");
         } else {
             table.need(&["distortions"], "the lens's coefficients")?;
-            parts.push(path, opencv::camera(&table, name)?)?;
+            parts.push(root.path, opencv::camera(&table, name)?)?;
         }
     }
     if parts.cameras.is_empty() && parts.left_out.is_empty() {
-        return Err(FileError::new(path, FileProblem::UnknownCalibration));
+        return Err(FileError::new(root.path, FileProblem::UnknownCalibration));
     }
     Ok(parts)
 }

@@ -4,8 +4,6 @@
 //! camera is the world. Metres; pixel centres at integers. `radtan` is k1 k2 p1 p2 of `OpenCV`, `equidistant` its
 //! fisheye. `T_cam_imu` is not read. Other cameras than `pinhole`, such as `omni` with xi before fx, are left out.
 
-use std::path::Path;
-
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
@@ -22,10 +20,10 @@ pub(super) fn is_one(node: &Tree) -> bool {
         .any(|(_, table)| table.get("camera_model").is_some() && table.get("intrinsics").is_some())
 }
 
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     let mut parts = PartialCameras::new(Some(1.0));
     let mut place = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
-    for (index, (name, table)) in Field::root(path, node).children().enumerate() {
+    for (index, (name, table)) in root.children().enumerate() {
         if index > 0 {
             let step =
                 table.need(&["T_cn_cnm1"], "the camera from the one before it, 4 × 4")?.array::<16>()?;
@@ -50,7 +48,7 @@ pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileErro
         part.lens = Some((Pinhole::Pixels(Intrinsics { fx, fy, cx, cy }), distortion));
         part.size = size(&table)?;
         part.place = Some(place);
-        parts.push(path, part)?;
+        parts.push(root.path, part)?;
     }
     Ok(parts)
 }

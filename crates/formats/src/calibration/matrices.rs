@@ -4,8 +4,6 @@
 //! `R` and `t` (`x_camera` = R · `x_world` + t). `K_WIDTHxHEIGHT` is the matrix for scaled pictures. Other keys are
 //! notes and not read.
 
-use std::path::Path;
-
 use glam::DVec3;
 
 use backlit_tracking::camera::CameraFromWorld;
@@ -24,10 +22,10 @@ pub(super) fn is_one(cameras: &Tree) -> bool {
 }
 
 /// The cameras, with the matrices for pictures of `size` where the file has them.
-pub(super) fn parts(path: &Path, tree: &Tree, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
     let mut parts = PartialCameras::new(None);
-    for (name, camera) in Field::root(path, tree).need(&["cameras"], "a table of cameras")?.children() {
-        parts.push(path, partial(name, &camera, size)?)?;
+    for (name, camera) in root.need(&["cameras"], "a table of cameras")?.children() {
+        parts.push(root.path, partial(name, &camera, size)?)?;
     }
     Ok(parts)
 }
@@ -79,6 +77,7 @@ mod tests {
     use glam::DVec3;
 
     use super::super::{CalibrationOptions, parse as parse_any};
+    use crate::damaged::assert_refused;
 
     const GOOD: &str = r#"{"note": "by hand", "cameras": {
         "right": {"size": [1088, 1920],
@@ -116,26 +115,20 @@ mod tests {
 
     #[test]
     fn errors_name_line_camera_and_field() {
-        let cases = [
-            ("\"t\": [1, 2, 3]", "\"t\": [1, 2]", "line 7: `cameras.right.t` is 2 numbers; expected 3"),
-            ("\"t\": [1, 2, 3]", "\"x\": 1", "line 2: `cameras.right.t` is missing"),
-            ("536.0", "\"a\"", "line 3: `cameras.right.K[0][2]` is \"a\"; expected a finite number"),
-            (
-                "\"K\": [[1680.0, 0,",
-                "\"K\": [[1680.0, 1,",
-                "line 3: `cameras.right.K` is another matrix; expected [[fx",
-            ),
-            ("[0, 1, 0]", "[0, 2, 0]", "line 2: camera \"right\": `rotation` is not a rotation"),
-            ("[1088, 1920]", "[-1, 1920]", "line 2: `cameras.right.size[0]` is -1; expected a whole number"),
-            ("-0.05", "NaN", "line 5: is not valid JSON: in `cameras.right.dist[0]`: NaN"),
-            ("\"left\"", "\"right\"", "`right` is given twice"),
-            (GOOD, "{}", "`cameras` is missing; expected a table of cameras"),
-        ];
-        for (from, to, expected) in cases {
-            let text = GOOD.replacen(from, to, 1);
-            let message =
-                parse_any(Path::new("c.json"), text.as_bytes(), options(None)).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        assert_refused(
+            GOOD,
+            |text| parse_any(Path::new("c.json"), text.as_bytes(), options(None)),
+            r#"
+            "t": [1, 2, 3] ⇒ "t": [1, 2] ⇒ line 7: `cameras.right.t` is 2 numbers; expected 3
+            "t": [1, 2, 3] ⇒ "x": 1 ⇒ line 2: `cameras.right.t` is missing
+            536.0 ⇒ "a" ⇒ line 3: `cameras.right.K[0][2]` is "a"; expected a finite number
+            "K": [[1680.0, 0, ⇒ "K": [[1680.0, 1, ⇒ line 3: `cameras.right.K` is another matrix; expected [[fx
+            [0, 1, 0] ⇒ [0, 2, 0] ⇒ line 2: camera "right": `rotation` is not a rotation
+            [1088, 1920] ⇒ [-1, 1920] ⇒ line 2: `cameras.right.size[0]` is -1; expected a whole number
+            -0.05 ⇒ NaN ⇒ line 5: is not valid JSON: in `cameras.right.dist[0]`: NaN
+            "left" ⇒ "right" ⇒ `right` is given twice
+            {} ⇒ `cameras` is missing; expected a table of cameras
+            "#,
+        );
     }
 }

@@ -5,45 +5,19 @@
 //! a list of them, or a stereo pair. Left unread are `extrinsic_parameters`, the board's places, and R1 R2 P1 P2 Q,
 //! which belong to rectified pictures. Camera from world; the unit of length is not said; pixel centres at integers.
 
-use std::path::Path;
-
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
-use super::tree::{Field, Tree, Value};
+use super::tree::{Field, Value};
 use super::{easymocap, lens, stem};
 use crate::{FileError, FileProblem};
 
-const MATRIX: [&str; 12] = [
-    "camera_matrix",
-    "Camera_Matrix",
-    "cameraMatrix",
-    "CameraMatrix",
-    "K",
-    "intrinsic_matrix",
-    "intrinsics",
-    "intrinsic",
-    "mtx",
-    "matrix",
-    "M",
-    "intrinsicMat",
-];
-const LENS: [&str; 13] = [
-    "distortion_coefficients",
-    "Distortion_Coefficients",
-    "distortion_coeffs",
-    "distortion_params",
-    "dist_coeffs",
-    "distCoeffs",
-    "dist_coeff",
-    "distortions",
-    "distortion",
-    "dist",
-    "D",
-    "d",
-    "DistCoeffs",
-];
+/// Words between spaces.
+const MATRIX: &str = "camera_matrix Camera_Matrix cameraMatrix CameraMatrix K intrinsic_matrix intrinsics intrinsic mtx matrix M \
+    intrinsicMat";
+const LENS: &str = "distortion_coefficients Distortion_Coefficients distortion_coeffs distortion_params dist_coeffs distCoeffs \
+    dist_coeff distortions distortion dist D d DistCoeffs";
 const WIDTH: [&str; 4] = ["image_width", "image_Width", "width", "w"];
 const HEIGHT: [&str; 4] = ["image_height", "image_Height", "height", "h"];
 const SIZE: [&str; 5] = ["image_size", "imageSize", "size", "resolution", "img_size"];
@@ -56,48 +30,51 @@ const FIRST_LENS: [[&str; 4]; 2] =
     [["D1", "dist1", "distCoeffs1", "dist_coeffs_1"], ["D2", "dist2", "distCoeffs2", "dist_coeffs_2"]];
 
 /// What a tree with such keys says of cameras.
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
-    let root = Field::root(path, node);
-    if easymocap::is_one(&root) {
-        return easymocap::parts(&root);
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+    if easymocap::is_one(root) {
+        return easymocap::parts(root);
     }
     let mut parts = PartialCameras::new(None);
     let pose = root.find(&ROTATION).zip(root.find(&TRANSLATION));
     if root.find(&FIRST[0]).is_some() && root.find(&FIRST[1]).is_some() {
         for index in 0..2 {
-            let mut part = PartialCamera::new(["1", "2"][index], node.line);
-            part.size = size(&root)?;
+            let mut part = PartialCamera::new(["1", "2"][index], root.node.line);
+            part.size = size(root)?;
             let matrix = root.need(&FIRST[index], "a 3 × 3 matrix")?;
-            part.lens = Some((pinhole(&matrix)?, coefficients(&root, &FIRST_LENS[index])?));
-            part.place = pose.is_some().then(|| stereo_place(&root, index)).transpose()?;
-            parts.push(path, part)?;
+            part.lens = Some((pinhole(&matrix)?, coefficients(root, &FIRST_LENS[index])?));
+            part.place = pose.is_some().then(|| stereo_place(root, index)).transpose()?;
+            parts.push(root.path, part)?;
         }
-    } else if is_camera(&root) {
-        parts.push(path, camera(&root, &name_of(&root, &stem(path)))?)?;
+    } else if is_camera(root) {
+        parts.push(root.path, camera(root, &name_of(root, &stem(root.path)))?)?;
     } else if pose.is_some() {
         for index in 0..2 {
-            let mut part = PartialCamera::new(["1", "2"][index], node.line);
-            part.place = Some(stereo_place(&root, index)?);
-            parts.push(path, part)?;
+            let mut part = PartialCamera::new(["1", "2"][index], root.node.line);
+            part.place = Some(stereo_place(root, index)?);
+            parts.push(root.path, part)?;
         }
     } else {
         let inner = root.find(&["cameras", "Cameras"]).unwrap_or_else(|| root.clone());
         for item in inner.items() {
             let name = name_of(&item, &format!("{}", parts.cameras.len()));
-            parts.push(path, camera(&item, &name)?)?;
+            parts.push(root.path, camera(&item, &name)?)?;
         }
         for (key, child) in inner.children().filter(|(_, child)| is_camera(child)) {
-            parts.push(path, camera(&child, &name_of(&child, key))?)?;
+            parts.push(root.path, camera(&child, &name_of(&child, key))?)?;
         }
     }
     if parts.cameras.is_empty() {
-        return Err(FileError::new(path, FileProblem::UnknownCalibration));
+        return Err(FileError::new(root.path, FileProblem::UnknownCalibration));
     }
     Ok(parts)
 }
 
+fn matrix_of<'a>(field: &Field<'a>) -> Option<Field<'a>> {
+    field.find(&MATRIX.split(' ').collect::<Vec<_>>())
+}
+
 fn is_camera(field: &Field<'_>) -> bool {
-    field.find(&MATRIX).is_some() || field.find(&["fx"]).is_some()
+    matrix_of(field).is_some() || field.find(&["fx"]).is_some()
 }
 
 /// The camera's own name, else what it stands under.
@@ -113,8 +90,8 @@ fn name_of(field: &Field<'_>, otherwise: &str) -> String {
 pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera, FileError> {
     let mut part = PartialCamera::new(name, field.node.line);
     part.size = size(field)?;
-    part.lens = Some(match field.find(&MATRIX) {
-        Some(matrix) => (pinhole(&matrix)?, coefficients(field, &LENS)?),
+    part.lens = Some(match matrix_of(field) {
+        Some(matrix) => (pinhole(&matrix)?, coefficients(field, &LENS.split(' ').collect::<Vec<_>>())?),
         None => flat(field)?,
     });
     part.place = place(field)?;

@@ -142,6 +142,7 @@ mod tests {
     use glam::DVec3;
 
     use super::super::{CalibrationOptions, parse};
+    use crate::damaged::assert_refused;
 
     const GOOD: &str = r#"<?xml version='1.0' encoding='ASCII'?>
 <calibration source="x"><cameras>
@@ -232,25 +233,18 @@ mod tests {
 
     #[test]
     fn errors_name_line_and_field() {
-        let cases = [
-            ("\"2000\"", "\"two\"", "line 5: `transform.x` is \"two\"; expected a number"),
-            ("r33=\"0\" ", "", "line 5: `transform.r33` is missing"),
-            ("r33=\"0\"", "r33=\"5\"", "line 3: camera \"cam01\": `rotation`"),
-            ("right=\"1087\"", "right=\"-7\"", "line 3: camera \"cam01\": `width` is 0"),
-            ("</cameras>", "", "line 10: is not valid XML"),
-            (
-                "viewrotation=\"0\"",
-                "viewrotation=\"45\"",
-                "line 3: `camera.viewrotation` is \"45\"; expected 0, 90, 180 or 270",
-            ),
-            (GOOD, "<calibration/>", "there is no camera"),
-        ];
-        for (from, to, expected) in cases {
-            let text = GOOD.replace(from, to);
-            let message = parse(Path::new("c.txt"), text.as_bytes(), CalibrationOptions::default())
-                .unwrap_err()
-                .to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        assert_refused(
+            GOOD,
+            |text| parse(Path::new("c.txt"), text.as_bytes(), CalibrationOptions::default()),
+            r#"
+            "2000" ⇒ "two" ⇒ line 5: `transform.x` is "two"; expected a number
+            r33="0" ⇒ ⇒ line 5: `transform.r33` is missing
+            r33="0" ⇒ r33="5" ⇒ line 3: camera "cam01": `rotation`
+            right="1087" ⇒ right="-7" ⇒ line 3: camera "cam01": `width` is 0
+            </cameras> ⇒ ⇒ line 10: is not valid XML
+            viewrotation="0" ⇒ viewrotation="45" ⇒ line 3: `camera.viewrotation` is "45"; expected 0, 90, 180 or 270
+            <calibration/> ⇒ there is no camera
+            "#,
+        );
     }
 }

@@ -4,8 +4,6 @@
 //! `projection_matrix` (P) is of the rectified picture: neither is read. `plumb_bob` and `rational_polynomial` are
 //! `OpenCV`'s lenses, `equidistant` its fisheye. Pixel centres at integers.
 
-use std::path::Path;
-
 use backlit_tracking::camera::Distortion;
 
 use super::partial::{PartialCamera, PartialCameras};
@@ -17,15 +15,14 @@ pub(super) fn is_one(node: &Tree) -> bool {
     node.get("distortion_model").is_some()
 }
 
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
-    let root = Field::root(path, node);
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     let header = root.find(&["header"]).and_then(|header| header.find(&["frame_id"]));
     let name = match root.find(&["camera_name"]).or(header) {
         Some(name) => name.text()?.to_owned(),
-        None => stem(path),
+        None => stem(root.path),
     };
-    let mut part = PartialCamera::new(&name, node.line);
-    part.size = opencv::size(&root)?;
+    let mut part = PartialCamera::new(&name, root.node.line);
+    part.size = opencv::size(root)?;
     let matrix = root.need(&["camera_matrix", "K", "k"], "a 3 × 3 matrix")?;
     let model = root.need(&["distortion_model"], "the name of a model")?;
     let coefficients = || root.need(&["distortion_coefficients", "D", "d"], "the lens's coefficients");
@@ -37,6 +34,6 @@ pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileErro
     };
     part.lens = Some((opencv::pinhole(&matrix)?, distortion));
     let mut parts = PartialCameras::new(None);
-    parts.push(path, part)?;
+    parts.push(root.path, part)?;
     Ok(parts)
 }

@@ -5,8 +5,6 @@
 //! `fl_y`, or as the picture's angle `camera_angle_x`; what a frame has of its own goes before what all share. A
 //! camera's name is its `file_path`.
 
-use std::path::Path;
-
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
@@ -19,16 +17,15 @@ pub(super) fn is_one(node: &Tree) -> bool {
     node.get("frames").is_some()
 }
 
-pub(super) fn parts(path: &Path, node: &Tree) -> Result<PartialCameras, FileError> {
-    let root = Field::root(path, node);
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     let mut parts = PartialCameras::new(None);
     for frame in root.need(&["frames"], "a list of frames")?.items() {
         let name = frame.need(&["file_path"], "the picture's path")?.text()?;
         let mut part = PartialCamera::new(name, frame.node.line);
-        part.size = size(&frame)?.or(size(&root)?);
-        part.lens = Some((pinhole(&root, &frame, part.size)?, distortion(&root, &frame)?));
+        part.size = size(&frame)?.or(size(root)?);
+        part.lens = Some((pinhole(root, &frame, part.size)?, distortion(root, &frame)?));
         part.place = Some(place(&frame)?);
-        parts.push(path, part)?;
+        parts.push(root.path, part)?;
     }
     Ok(parts)
 }

@@ -169,16 +169,8 @@ mod tests {
     const PLAIN: Distortion = Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: -7e-4, k3: 0.0 };
     const WITH_K3: Distortion = Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: -7e-4, k3: 1e-7 };
     const FISHEYE: Distortion = Distortion::Fisheye { k1: -0.06, k2: 0.01, k3: -0.004, k4: 3e-4 };
-    const RATIONAL: Distortion = Distortion::Rational {
-        k1: 0.2,
-        k2: 0.1,
-        p1: 6e-4,
-        p2: 7e-4,
-        k3: 0.01,
-        k4: 0.25,
-        k5: 0.02,
-        k6: 0.001,
-    };
+    const RATIONAL: Distortion =
+        Distortion::Rational { k1: 0.2, k2: 0.1, p1: 6e-4, p2: 7e-4, k3: 0.01, k4: 0.2, k5: 0.02, k6: 0.001 };
 
     /// Cameras round the world with these lenses.
     fn rig(names: [&str; 2], lenses: [Distortion; 2]) -> Rig {

@@ -132,6 +132,7 @@ impl OpenValues<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     fn read(text: &str) -> Result<String, String> {
         parse(Path::new("c.yml"), text).map(|tree| show(&tree)).map_err(|error| error.to_string())
@@ -176,29 +177,19 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        let deep = "[".repeat(100);
-        let cases = [
-            (
-                "a: [1, 2\n",
-                "line 2: is not valid YAML: the text ends too early: while parsing a flow sequence",
-            ),
-            (
-                "a: 1\n  b: 2\n",
-                "line 2: is not valid YAML: texts over several lines are not read here; expected `key: value`",
-            ),
-            ("a: 1\na: 2\n", "line 2: `a` is given twice"),
-            (
-                "a: [1 2]\nb: [[1][2]]",
-                "line 2: is not valid YAML: while parsing a flow sequence, expected ','",
-            ),
-            ("a: &b 1\n", "line 1: is not valid YAML: anchors"),
-            ("a: 1\nb: c\n  d\n", "line 3: is not valid YAML: texts over several lines"),
-            ("a: \"b\n", "is not valid YAML: "),
-            (&deep, "more than 32 levels"),
-        ];
-        for (text, expected) in cases {
-            let message = read(text).unwrap_err();
-            assert!(message.contains(expected), "{message:?}: {expected:?}");
-        }
+        assert!(read(&"[".repeat(100)).unwrap_err().contains("more than 32 levels"));
+        assert_refused(
+            "",
+            read,
+            r#"
+            a: [1, 2\n ⇒ line 2: is not valid YAML: the text ends too early: while parsing a flow sequence
+            a: 1\n  b: 2\n ⇒ line 2: is not valid YAML: texts over several lines are not read here; expected `key: value`
+            a: 1\na: 2\n ⇒ line 2: `a` is given twice
+            a: [1 2]\nb: [[1][2]] ⇒ line 2: is not valid YAML: while parsing a flow sequence, expected ','
+            a: &b 1\n ⇒ line 1: is not valid YAML: anchors
+            a: 1\nb: c\n  d\n ⇒ line 3: is not valid YAML: texts over several lines
+            a: "b\n ⇒ is not valid YAML:
+            "#,
+        );
     }
 }

@@ -6,12 +6,13 @@ use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::cues::{Cue, LimbHold};
 use backlit_tracking::silhouette::Overlap;
 use backlit_tracking::track::{FrameEstimate, Lost, Track};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use serde::Deserialize;
 
 use super::track_json::FORMAT;
 use super::{ROOT, ending_of_text};
 use crate::json_text::{self, Entries};
+use crate::pose_file::set_rotation;
 use crate::{DiskFiles, FileError, FileProblem, TakeFiles, text};
 
 /// Largest track that is read, bytes: an hour of a full body.
@@ -191,16 +192,8 @@ fn pose(model: &Model, at: &str, frame: &FrameSpec) -> Result<Pose, FileProblem>
     pose.root = DVec3::from_array(frame.root);
     let mut left_out = vec![true; model.rotation_count()];
     let in_rotations = format!("{at}.rotations");
-    for (limb, [w, x, y, z]) in &frame.rotations.0 {
-        let Some(index) = model.limb_index(limb) else {
-            return Err(FileProblem::UnknownLimb { field: in_rotations, limb: limb.clone() });
-        };
-        let found = &model.limbs()[index];
-        if !found.has_own_rotation {
-            return Err(FileProblem::RigidLimb { field: in_rotations, limb: limb.clone() });
-        }
-        pose.rotations[found.rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
-        left_out[found.rotation] = false;
+    for (limb, coefficients) in &frame.rotations.0 {
+        left_out[set_rotation(model, &mut pose, &in_rotations, limb, *coefficients)?] = false;
     }
     if let Some(rotation) = left_out.iter().position(|left_out| *left_out) {
         let limb = &model.limbs()[model.rotation_owners()[rotation]].name;
@@ -214,17 +207,12 @@ fn pose(model: &Model, at: &str, frame: &FrameSpec) -> Result<Pose, FileProblem>
     }
     let kinematics = Kinematics::new(model, &pose);
     for (joint, place) in &frame.joints.0 {
-        let expected = if joint == ROOT {
-            pose.root
-        } else {
-            match model.limb_index(joint) {
-                Some(limb) => kinematics.ends()[limb],
-                None => {
-                    return Err(FileProblem::UnknownLimb {
-                        field: format!("{at}.joints"),
-                        limb: joint.clone(),
-                    });
-                }
+        let expected = match model.limb_index(joint) {
+            _ if joint == ROOT => pose.root,
+            Some(limb) => kinematics.ends()[limb],
+            None => {
+                let field = format!("{at}.joints");
+                return Err(FileProblem::UnknownLimb { field, limb: joint.clone() });
             }
         };
         let place = DVec3::from_array(*place);
@@ -244,6 +232,7 @@ mod tests {
     use super::super::tests::sample;
     use super::super::{TrackExport, track_json};
     use super::*;
+    use crate::damaged::assert_refused;
 
     #[test]
     fn a_written_track_reads_back_and_a_broken_one_says_where() {
@@ -264,25 +253,20 @@ mod tests {
         let longer = model.with_sizes(|_| [2.0, 0.1]).unwrap();
         let message = read(&text, Some(&longer)).unwrap_err().to_string();
         assert!(message.contains("another body"), "{message}");
-        for (from, to, expected) in [
-            ("8.0", "0", "line 4: `frame_rate` is 0"),
-            ("\"model\": \"", "\"model\": \"x", "line 5: `model` is \"x"),
-            ("\"root\":[0.1", "\"root\":[null", "frames[0]."),
-            ("\"root\":[0.1", "\"root\":[9e9", "frames[0]"),
-            ("\"frame\":6", "\"frame\":4", "`frame 4` is given twice"),
-            (
-                "\"pixels\":{\"left\"",
-                "\"pixels\":{\"top\"",
-                "`frames[0].pixels` is top; expected a camera of the track",
-            ),
-            ("[3,1,0]", "[3,1,4294967297]", "`frames[0].pixels.left` is [3, 1, 4294967297]"),
-            ("[\"left\",\"right\"]", "[\"left\",\"left\"]", "`cameras[1]` is given twice"),
-            ("backlit-track 1", "backlit-track 2", "line 2: `format`"),
-        ] {
-            let changed = text.replace(from, to);
-            assert_ne!(changed, text, "{from}");
-            let message = read(&changed, None).unwrap_err().to_string();
-            assert!(message.contains(expected), "{from}: {message}");
-        }
+        assert_refused(
+            &text,
+            |text| read(text, None),
+            r#"
+            8.0 ⇒ 0 ⇒ line 4: `frame_rate` is 0
+            "model": " ⇒ "model": "x ⇒ line 5: `model` is "x
+            "root":[0.1 ⇒ "root":[null ⇒ frames[0].
+            "root":[0.1 ⇒ "root":[9e9 ⇒ frames[0]
+            "frame":6 ⇒ "frame":4 ⇒ `frame 4` is given twice
+            "pixels":{"left" ⇒ "pixels":{"top" ⇒ `frames[0].pixels` is top; expected a camera of the track
+            [3,1,0] ⇒ [3,1,4294967297] ⇒ `frames[0].pixels.left` is [3, 1, 4294967297]
+            ["left","right"] ⇒ ["left","left"] ⇒ `cameras[1]` is given twice
+            backlit-track 1 ⇒ backlit-track 2 ⇒ line 2: `format`
+            "#,
+        );
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::camera::{Camera, CameraError, Rectification, Rig, RigError};
+use backlit_tracking::camera::{Camera, Rectification, Rig};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
 use thiserror::Error;
 
@@ -41,20 +41,18 @@ pub enum ReplacementError {
     CameraSize { path: PathBuf, camera: String, found: [usize; 2], expected: [usize; 2] },
     #[error("{}: has {}×{} pixels; the pictures of camera \"{camera}\" have {}×{}", path.display(), found[0], found[1], expected[0], expected[1])]
     MaskSize { path: PathBuf, camera: String, found: [usize; 2], expected: [usize; 2] },
-    #[error("{}: {error}", path.display())]
-    Camera { path: PathBuf, error: CameraError },
-    #[error("{}: {error}", path.display())]
-    Rig { path: PathBuf, error: RigError },
-    #[error("{}: {error}", path.display())]
-    Mask { path: PathBuf, error: MaskError },
-    #[error("{}: {error}", path.display())]
-    Folder { path: PathBuf, error: std::io::Error },
+    #[error("{}: {message}", path.display())]
+    Content { path: PathBuf, message: String },
     #[error("{}: there is no PNG in it", path.display())]
     NoPictures { path: PathBuf },
     #[error("{}: no camera is called that; expected NAME.png for one of {known}, or one picture for each camera", path.display())]
     NoCamera { path: PathBuf, known: String },
     #[error("{} and {} are for the same camera", first.display(), second.display())]
     Twice { first: PathBuf, second: PathBuf },
+}
+
+fn content(path: &Path, error: &dyn std::fmt::Display) -> ReplacementError {
+    ReplacementError::Content { path: path.to_owned(), message: error.to_string() }
 }
 
 /// Reads a calibration of any of the formats for cameras of a take: by their names if it has them all, else by their
@@ -92,9 +90,9 @@ pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, 
         let size = expected.map(|side| side as u64);
         let (lens, place) = (*new.distortion(), *new.camera_from_world());
         let camera = Camera::new(camera.name(), size, *new.intrinsics(), lens, place);
-        fitted.push(camera.map_err(|error| ReplacementError::Camera { path: path.to_owned(), error })?);
+        fitted.push(camera.map_err(|error| content(path, &error))?);
     }
-    let rig = Rig::new(fitted).map_err(|error| ReplacementError::Rig { path: path.to_owned(), error })?;
+    let rig = Rig::new(fitted).map_err(|error| content(path, &error))?;
     Ok(Calibration { path: path.to_owned(), rig })
 }
 
@@ -138,8 +136,7 @@ pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize,
 
 /// The PNGs of a folder.
 fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ReplacementError> {
-    let entries = std::fs::read_dir(folder)
-        .map_err(|error| ReplacementError::Folder { path: folder.to_owned(), error })?;
+    let entries = std::fs::read_dir(folder).map_err(|error| content(folder, &error))?;
     let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let pictures: Vec<PathBuf> =
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_png(path)).collect();
@@ -158,7 +155,7 @@ pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError>
         let (path, camera) = (path.to_owned(), camera.name().to_owned());
         return Err(ReplacementError::MaskSize { path, camera, found, expected });
     }
-    let wrong = |error| ReplacementError::Mask { path: path.to_owned(), error };
+    let wrong = |error: MaskError| content(path, &error);
     let mask = Mask::from_gray(&picture).map_err(wrong)?;
     match Rectification::new(camera).nearest(mask.labels(), Label::Unknown) {
         Some(labels) => Mask::new(mask.width(), mask.height(), labels).map_err(wrong),

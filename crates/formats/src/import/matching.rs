@@ -109,10 +109,7 @@ impl FootageFiles {
     pub(super) fn open(&self) -> Result<Pictures, FileError> {
         Ok(match self {
             Self::Video(path) => Pictures::Video(Video::open(path)?),
-            Self::Numbered(Sequence { folder, pattern, first, count, .. }) => {
-                let (folder, pattern) = (folder.clone(), pattern.clone());
-                Pictures::Numbered { folder, pattern, first: *first, count: *count }
-            }
+            Self::Numbered(sequence) => Pictures::Numbered(sequence.clone()),
         })
     }
 

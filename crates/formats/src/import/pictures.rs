@@ -8,7 +8,7 @@ use backlit_tracking::camera::{Camera, CameraError};
 use glam::DVec2;
 use image::RgbImage;
 
-use crate::take::{FramePattern, PatternError};
+use super::scan::Sequence;
 use crate::video::Video;
 use crate::{FileError, images};
 
@@ -18,16 +18,7 @@ pub enum Pictures {
     /// A video.
     Video(Video),
     /// Numbered pictures.
-    Numbered {
-        /// Their folder.
-        folder: PathBuf,
-        /// The file's name with `%03d` in the place of its number.
-        pattern: String,
-        /// The first number.
-        first: u64,
-        /// How many there are.
-        count: usize,
-    },
+    Numbered(Sequence),
 }
 
 impl Pictures {
@@ -36,7 +27,7 @@ impl Pictures {
     pub fn count(&self) -> usize {
         match self {
             Self::Video(video) => video.frame_count(),
-            Self::Numbered { count, .. } => *count,
+            Self::Numbered(sequence) => sequence.count,
         }
     }
 
@@ -50,16 +41,7 @@ impl Pictures {
     pub(super) fn path_of(&self, index: usize) -> PathBuf {
         match self {
             Self::Video(video) => video.path().to_owned(),
-            Self::Numbered { .. } => self.numbered(index).unwrap_or_default(),
-        }
-    }
-
-    fn numbered(&self, index: usize) -> Result<PathBuf, PatternError> {
-        match self {
-            Self::Video(_) => Err(PatternError::NoNumber),
-            Self::Numbered { folder, pattern, first, .. } => {
-                Ok(FramePattern::new(pattern)?.path(folder, first.saturating_add(index as u64)))
-            }
+            Self::Numbered(sequence) => sequence.path(index).unwrap_or_default(),
         }
     }
 
@@ -72,9 +54,9 @@ impl Pictures {
     pub fn reduced(&self, index: usize, divisor: usize) -> Result<RgbImage, FileError> {
         match self {
             Self::Video(video) => video.frame_reduced(index, divisor).map(Arc::unwrap_or_clone),
-            Self::Numbered { folder, .. } => match self.numbered(index) {
+            Self::Numbered(sequence) => match sequence.path(index) {
                 Ok(path) => Ok(images::reduced(images::read(&path)?, divisor)),
-                Err(_) => Err(FileError::new(folder, crate::FileProblem::Missing)),
+                Err(_) => Err(FileError::new(&sequence.folder, crate::FileProblem::Missing)),
             },
         }
     }

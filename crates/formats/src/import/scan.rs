@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::take::split_number;
+use crate::take::{FramePattern, PatternError, split_number};
 use crate::{FileError, FileProblem, keypoints};
 
 /// How deep folders are searched.
@@ -18,7 +18,7 @@ const CALIBRATIONS: [&str; 9] = ["toml", "json", "yml", "yaml", "xml", "xcp", "t
 
 /// Numbered pictures of one folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Sequence {
+pub struct Sequence {
     pub(super) folder: PathBuf,
     /// The file's name with `%03d` in the place of its number.
     pub(super) pattern: String,
@@ -32,6 +32,12 @@ pub(super) struct Sequence {
 }
 
 impl Sequence {
+    /// The picture with this place among them.
+    pub(super) fn path(&self, index: usize) -> Result<PathBuf, PatternError> {
+        let number = self.first.saturating_add(index as u64);
+        Ok(FramePattern::new(&self.pattern)?.path(&self.folder, number))
+    }
+
     /// Says that pictures lie behind a gap, which are not used.
     pub(super) fn gap(&self) -> Option<String> {
         let missing = self.first.saturating_add(self.count as u64);

@@ -308,12 +308,9 @@ fn open(
     options: &ImportOptions,
 ) -> Result<ImportCamera, ImportError> {
     let pictures = footage.open()?;
-    let (frame_rate, notes) = match (&pictures, footage) {
-        (Pictures::Video(video), _) => (video.frame_rate(), video.notes()),
-        (Pictures::Numbered { .. }, FootageFiles::Numbered(sequence)) => {
-            (None, Vec::from_iter(sequence.gap()))
-        }
-        (Pictures::Numbered { .. }, FootageFiles::Video(_)) => (None, Vec::new()),
+    let (frame_rate, notes) = match &pictures {
+        Pictures::Video(video) => (video.frame_rate(), video.notes()),
+        Pictures::Numbered(sequence) => (None, Vec::from_iter(sequence.gap())),
     };
     let picture = pictures.picture(0)?;
     let size = [picture.width() as usize, picture.height() as usize];

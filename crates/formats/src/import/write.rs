@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use backlit_tracking::camera::{Adjusted, Rig};
 use backlit_tracking::cancel::CancelToken;
 
-use super::scan::escaped;
+use super::scan::{Sequence, escaped};
 use super::{ImportCamera, ImportError, ImportMasks, ImportSurvey, Pictures};
 use super::{keypoints, plates};
 use crate::calibration::backlit;
@@ -244,14 +244,12 @@ impl TakeText<'_> {
         }
         text
     }
-}
 
-impl TakeText<'_> {
     /// The path of pictures, as the take names it, and the number of the first.
     fn named(&self, pictures: &Pictures) -> (String, u64) {
         match pictures {
             Pictures::Video(video) => (escaped(&relative(video.path(), self.out)), 0),
-            Pictures::Numbered { folder, pattern, first, .. } => {
+            Pictures::Numbered(Sequence { folder, pattern, first, .. }) => {
                 (format!("{}/{pattern}", escaped(&relative(folder, self.out))), *first)
             }
         }

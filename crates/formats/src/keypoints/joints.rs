@@ -164,29 +164,14 @@ mod tests {
     use super::*;
     use backlit_tracking::silhouette::Label;
 
-    /// A person upright in a picture of 200 × 300, in the order of COCO.
+    /// A person upright in a picture of 200 × 300, in the order of COCO: x and y of each keypoint.
     fn person() -> Person {
         let places = [
-            [100, 30],
-            [104, 26],
-            [96, 26],
-            [110, 28],
-            [90, 28],
-            [130, 70],
-            [70, 70],
-            [145, 120],
-            [55, 120],
-            [150, 160],
-            [50, 160],
-            [118, 160],
-            [82, 160],
-            [120, 215],
-            [80, 215],
-            [122, 270],
-            [78, 270],
+            100, 30, 104, 26, 96, 26, 110, 28, 90, 28, 130, 70, 70, 70, 145, 120, 55, 120, 150, 160, 50, 160,
+            118, 160, 82, 160, 120, 215, 80, 215, 122, 270, 78, 270,
         ];
-        let keypoint = |[x, y]: [i32; 2]| Keypoint { place: DVec2::new(x.into(), y.into()), score: 0.9 };
-        places.map(|place| Some(keypoint(place))).to_vec()
+        let keypoint = |&[x, y]: &[i32; 2]| Keypoint { place: DVec2::new(x.into(), y.into()), score: 0.9 };
+        places.as_chunks().0.iter().map(|place| Some(keypoint(place))).collect()
     }
 
     /// Through a lens and in a picture of half the size, keypoints project back onto the joints.

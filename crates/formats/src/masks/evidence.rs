@@ -75,21 +75,9 @@ mod tests {
     use super::*;
     use crate::images::reduced;
 
-    fn grey(width: usize, numbers: &[u16]) -> Numbers {
-        let size = [width, numbers.len() / width];
-        Numbers {
-            size,
-            numbers: numbers.to_vec(),
-            white: 255,
-            alpha: None,
-            is_coloured: false,
-            is_index: false,
-        }
-    }
-
     #[test]
     fn every_kind_of_values_finds_its_subject() {
-        let mut numbers = grey(6, &[0, 1, 3, 127, 128, 255]);
+        let mut numbers = Numbers::grey(6, &[0, 1, 3, 127, 128, 255]);
         numbers.alpha = Some(vec![0, 255, 127, 128, 1, 254]);
         let found = |values: MaskValues| mask_of(&shares(&numbers, &values)).unwrap().to_string();
         assert_eq!(found(MaskValues::Grey), "...??#\n");
@@ -97,7 +85,7 @@ mod tests {
         assert_eq!(found(MaskValues::NonZero), ".#####\n");
         assert_eq!(found(MaskValues::Ids(vec![3, 255])), "..#..#\n");
         assert_eq!(found(MaskValues::Classes), "...??#\n");
-        let wide = Numbers { white: 15, ..grey(4, &[0, 7, 8, 15]) };
+        let wide = Numbers { white: 15, ..Numbers::grey(4, &[0, 7, 8, 15]) };
         assert_eq!(mask_of(&shares(&wide, &MaskValues::Grey)).unwrap().to_string(), "..##\n");
     }
 
@@ -105,7 +93,7 @@ mod tests {
     fn our_own_masks_are_read_as_they_were_written() {
         let mask = Mask::from_ascii("#.-~?\n?#.##\n").unwrap();
         let numbers: Vec<u16> = mask.to_gray().into_raw().into_iter().map(u16::from).collect();
-        let shares = shares(&grey(5, &numbers), &MaskValues::Classes);
+        let shares = shares(&Numbers::grey(5, &numbers), &MaskValues::Classes);
         assert_eq!(mask_of(&shares).unwrap(), mask);
         assert_eq!(drawn(&shares).get_pixel(4, 0), &Rgb([127; 3]));
         assert_eq!(drawn(&shares).get_pixel(0, 0), &Rgb([255; 3]));
@@ -121,14 +109,14 @@ mod tests {
         ";
         let mask = Mask::from_ascii(text).unwrap();
         let numbers: Vec<u16> = mask.to_gray().into_raw().into_iter().map(u16::from).collect();
-        let shares = shares(&grey(8, &numbers), &MaskValues::Classes);
+        let shares = shares(&Numbers::grey(8, &numbers), &MaskValues::Classes);
         // Three of four unknown; half of two known; one of two known; half known and empty.
         assert_eq!(mask_of(&reduced(shares, 2)).unwrap().to_string(), "###.\n?#..\n");
     }
 
     #[test]
     fn exactly_half_is_nobody_s() {
-        let halves = grey(6, &[255, 255, 255, 0, 0, 0, 255, 0, 255, 0, 255, 0]);
+        let halves = Numbers::grey(6, &[255, 255, 255, 0, 0, 0, 255, 0, 255, 0, 255, 0]);
         let mask = mask_of(&reduced(shares(&halves, &MaskValues::NonZero), 2)).unwrap();
         assert_eq!(mask.to_string(), "#?.\n");
     }

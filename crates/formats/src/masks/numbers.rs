@@ -34,6 +34,16 @@ pub(crate) struct Numbers {
     pub(crate) is_index: bool,
 }
 
+#[cfg(test)]
+impl Numbers {
+    /// Grey levels, `width` a row.
+    pub(super) fn grey(width: usize, numbers: &[u16]) -> Self {
+        let size = [width, numbers.len() / width];
+        let numbers = numbers.to_vec();
+        Self { size, numbers, white: 255, alpha: None, is_coloured: false, is_index: false }
+    }
+}
+
 impl Numbers {
     /// Of a picture's file.
     pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {

@@ -197,15 +197,7 @@ mod tests {
     use super::*;
 
     fn numbers(numbers: &[u16]) -> Numbers {
-        let size = [numbers.len(), 1];
-        Numbers {
-            size,
-            numbers: numbers.to_vec(),
-            white: 255,
-            alpha: None,
-            is_coloured: false,
-            is_index: false,
-        }
+        Numbers::grey(numbers.len(), numbers)
     }
 
     fn told_of(given: Option<&MaskValues>, masks: &[Numbers]) -> Result<MaskValues, (usize, String)> {

@@ -143,7 +143,7 @@ fn chunks(bytes: &[u8]) -> Result<[Option<&[u8]>; 2], MeshProblem> {
     let mut cursor = Cursor { bytes, at: 4 };
     let version = u32::from_le_bytes(cursor.array(|| "its head".to_owned())?);
     if version != 2 {
-        return Err(MeshProblem::Unsupported { what: "this version of glTF", found: version.to_string() });
+        return Err(MeshProblem::unsupported("this version of glTF", version.to_string()));
     }
     cursor.take(4, || "its head".to_owned())?;
     let mut found = [None, None];
@@ -170,8 +170,7 @@ fn read_document<T>(
 ) -> Result<T, FileError> {
     let document: Gltf = parse_bytes(path, json)?;
     if let Some(first) = document.extensions_required.first() {
-        let error = MeshProblem::Unsupported { what: "a required extension", found: first.clone() };
-        return Err(wrong(path, error));
+        return Err(wrong(path, MeshProblem::unsupported("a required extension", first)));
     }
     let mut buffers = Vec::new();
     for (index, buffer) in document.buffers.iter().enumerate() {
@@ -182,9 +181,7 @@ fn read_document<T>(
                 None => {
                     let is_plain = !uri.contains(['/', '\\', ':', '%']) && !uri.starts_with('.');
                     if !is_plain {
-                        let found = uri.clone();
-                        let error = MeshProblem::Unsupported { what: "a buffer in another folder", found };
-                        return Err(wrong(path, error));
+                        return Err(wrong(path, MeshProblem::unsupported("a buffer in another folder", uri)));
                     }
                     Cow::Owned(beside(uri)?)
                 }
@@ -198,10 +195,7 @@ fn read_document<T>(
 /// The bytes of a data URI.
 fn inline(data: &str) -> Result<Vec<u8>, MeshProblem> {
     let Some((_, text)) = data.split_once(";base64,") else {
-        return Err(MeshProblem::Unsupported {
-            what: "a data URI that is not base64",
-            found: data.to_owned(),
-        });
+        return Err(MeshProblem::unsupported("a data URI that is not base64", data));
     };
     Ok(base64::bytes(text))
 }
@@ -215,11 +209,8 @@ struct GltfReader<'a> {
 
 /// An entry of a list that the file names by its number.
 fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T, MeshProblem> {
-    list.get(index).ok_or_else(|| MeshProblem::Word {
-        what: format!("the number of {what}"),
-        found: index.to_string(),
-        expected: "one that the file has",
-    })
+    let what = || format!("the number of {what}");
+    list.get(index).ok_or_else(|| MeshProblem::word(what(), index.to_string(), "one that the file has"))
 }
 
 impl GltfNode {
@@ -257,7 +248,7 @@ impl GltfReader<'_> {
         self.visits += 1;
         if depth > MAX_DEPTH || self.visits > MAX_VISITS {
             let found = format!("deeper than {MAX_DEPTH} or more than {MAX_VISITS}");
-            return Err(MeshProblem::Unsupported { what: "a tree of nodes", found });
+            return Err(MeshProblem::unsupported("a tree of nodes", found));
         }
         let world_from_node = world_from_parent * node.parent_from_node();
         if let Some(mesh) = node.mesh {
@@ -271,8 +262,7 @@ impl GltfReader<'_> {
             match primitive.mode.unwrap_or(4) {
                 4 => self.primitive(primitive, world_from_mesh)?,
                 5 | 6 => {
-                    let found = "strips or fans of triangles".to_owned();
-                    return Err(MeshProblem::Unsupported { what: "a primitive", found });
+                    return Err(MeshProblem::unsupported("a primitive", "strips or fans of triangles"));
                 }
                 _ => {}
             }
@@ -285,7 +275,7 @@ impl GltfReader<'_> {
         let accessor = entry(&self.document.accessors, position, "an accessor")?;
         if accessor.kind != "VEC3" || accessor.component_type != 5126 {
             let found = format!("{} of {}", accessor.kind, accessor.component_type);
-            return Err(MeshProblem::Unsupported { what: "a POSITION that is not a VEC3 of floats", found });
+            return Err(MeshProblem::unsupported("a POSITION that is not a VEC3 of floats", found));
         }
         let first = self.soup.vertices.len();
         room("vertices", first, accessor.count)?;
@@ -307,7 +297,7 @@ impl GltfReader<'_> {
                     (5125, "SCALAR") => 4,
                     (found, kind) => {
                         let found = format!("{kind} of {found}");
-                        return Err(MeshProblem::Unsupported { what: "indices of another kind", found });
+                        return Err(MeshProblem::unsupported("indices of another kind", found));
                     }
                 };
                 room("triangles", self.soup.triangles.len(), accessor.count / 3)?;
@@ -319,8 +309,8 @@ impl GltfReader<'_> {
             }
         }
         if let Some(bad) = corners.iter().find(|&&corner| corner >= count) {
-            let (what, found) = ("a corner of a triangle".to_owned(), bad.to_string());
-            return Err(MeshProblem::Word { what, found, expected: "a vertex of its primitive" });
+            let (what, expected) = ("a corner of a triangle", "a vertex of its primitive");
+            return Err(MeshProblem::word(what, bad.to_string(), expected));
         }
         let (triangles, _) = corners.as_chunks::<3>();
         self.soup
@@ -332,8 +322,7 @@ impl GltfReader<'_> {
     /// The rows of an accessor, `size` bytes each.
     fn rows(&self, accessor: &Accessor, size: usize, mut take: impl FnMut(&[u8])) -> Result<(), MeshProblem> {
         let (Some(view), None) = (accessor.buffer_view, &accessor.sparse) else {
-            let found = "sparse, or without a buffer view".to_owned();
-            return Err(MeshProblem::Unsupported { what: "an accessor", found });
+            return Err(MeshProblem::unsupported("an accessor", "sparse, or without a buffer view"));
         };
         let view = entry(&self.document.buffer_views, view, "a buffer view")?;
         let buffer = entry(&self.buffers, view.buffer, "a buffer")?;

@@ -27,11 +27,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
                 }
                 if corners.len() < 3 || corners.len() > MAX_CORNERS {
                     let found = format!("of {} corners", corners.len());
-                    return Err(at(MeshProblem::Word {
-                        what: "a face".to_owned(),
-                        found,
-                        expected: "3 to 4096 corners",
-                    }));
+                    return Err(at(MeshProblem::word("a face", found, "3 to 4096 corners")));
                 }
                 soup.push_polygon(&corners).map_err(at)?;
             }
@@ -45,11 +41,8 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
 pub(super) fn place<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<DVec3, MeshProblem> {
     let mut number = |what: &str| {
         let word = words.next().unwrap_or("missing");
-        word.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| MeshProblem::Word {
-            what: format!("{what} of a vertex"),
-            found: word.to_owned(),
-            expected: "a finite number",
-        })
+        let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.ok_or_else(|| MeshProblem::word(format!("{what} of a vertex"), word, "a finite number"))
     };
     Ok(DVec3::new(number("x")?, number("y")?, number("z")?))
 }
@@ -63,9 +56,8 @@ fn corner(word: &str, count: usize) -> Result<u32, MeshProblem> {
         _ => number.checked_add(count as i64),
     });
     let index = index.and_then(|index| usize::try_from(index).ok()).filter(|index| *index < count);
-    index.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| MeshProblem::Word {
-        what: "a corner of a face".to_owned(),
-        found: word.to_owned(),
-        expected: "a vertex of a line before it, counted from 1, or from the last one by -1",
+    index.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+        let expected = "a vertex of a line before it, counted from 1, or from the last one by -1";
+        MeshProblem::word("a corner of a face", word, expected)
     })
 }

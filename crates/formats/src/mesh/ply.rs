@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{Cursor, MeshProblem, Soup, wrong};
 use crate::FileError;
-use crate::text::decode;
+use crate::text::{Words, decode};
 
 /// Most corners of a face, and entries of other lists.
 const MAX_LIST: f64 = 65_536.0;
@@ -77,9 +77,9 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
     let lines = head.lines().count().max(1);
     if encoding == Encoding::Text {
         let text = decode(path, &bytes[start..])?;
-        let mut words = Words { lines: text.lines().enumerate(), words: None, line: 0 };
-        body(&elements, |kind, what| words.number(kind, what))
-            .map_err(|error| wrong(path, error).at_line(Some(lines + 2 + words.line)))
+        let mut words = Words::new(text, |letter| letter.is_ascii_whitespace());
+        body(&elements, |_kind, what| number(&mut words, what))
+            .map_err(|error| wrong(path, error).at_line(Some(lines + 1 + words.line.max(1))))
     } else {
         let mut cursor = Cursor { bytes, at: start };
         body(&elements, |kind, what| binary(&mut cursor, kind, encoding, what))
@@ -94,8 +94,7 @@ fn header(path: &Path, head: &str) -> Result<(Encoding, Vec<Element>), FileError
     for (index, line) in head.lines().enumerate() {
         let words: Vec<&str> = line.split_ascii_whitespace().take(8).collect();
         let bad = |what: &str, expected| {
-            let (what, found) = (what.to_owned(), line.to_owned());
-            wrong(path, MeshProblem::Word { what, found, expected }).at_line(Some(index + 1))
+            wrong(path, MeshProblem::word(what, line, expected)).at_line(Some(index + 1))
         };
         match words[..] {
             [] | ["ply" | "comment" | "obj_info", ..] => {}
@@ -170,11 +169,8 @@ fn body(
                 };
                 let length = number(length_kind, &what)?;
                 if !(0.0..=MAX_LIST).contains(&length) || length.fract() != 0.0 {
-                    return Err(MeshProblem::Word {
-                        what: format!("the length of {}", what()),
-                        found: length.to_string(),
-                        expected: "0 to 65536",
-                    });
+                    let what = format!("the length of {}", what());
+                    return Err(MeshProblem::word(what, length.to_string(), "0 to 65536"));
                 }
                 let is_face =
                     element.name == "face" && ["vertex_indices", "vertex_index"].contains(&&*property.name);
@@ -200,37 +196,14 @@ fn corner(value: f64, what: &dyn Fn() -> String) -> Result<u32, MeshProblem> {
     if is_index {
         return Ok(value as u32);
     }
-    Err(MeshProblem::Word { what: what(), found: value.to_string(), expected: "the number of a vertex" })
+    Err(MeshProblem::word(what(), value.to_string(), "the number of a vertex"))
 }
 
-/// Words of a text, line by line.
-struct Words<'a> {
-    lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    words: Option<std::str::SplitAsciiWhitespace<'a>>,
-    line: usize,
-}
-
-impl Words<'_> {
-    fn number(&mut self, _kind: Kind, what: &dyn Fn() -> String) -> Result<f64, MeshProblem> {
-        loop {
-            if let Some(word) = self.words.as_mut().and_then(Iterator::next) {
-                return word.parse().map_err(|_error| MeshProblem::Word {
-                    what: what(),
-                    found: word.to_owned(),
-                    expected: "a number",
-                });
-            }
-            let Some((line, text)) = self.lines.next() else {
-                return Err(MeshProblem::Word {
-                    what: what(),
-                    found: "missing".to_owned(),
-                    expected: "a number; the file ends before it",
-                });
-            };
-            self.line = line;
-            self.words = Some(text.split_ascii_whitespace());
-        }
-    }
+fn number(words: &mut Words<'_>, what: &dyn Fn() -> String) -> Result<f64, MeshProblem> {
+    let Some(word) = words.after() else {
+        return Err(MeshProblem::word(what(), "missing", "a number; the file ends before it"));
+    };
+    word.parse().map_err(|_error| MeshProblem::word(what(), word, "a number"))
 }
 
 fn binary(

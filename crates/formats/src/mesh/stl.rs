@@ -58,18 +58,13 @@ fn text(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
                 }
                 _ => {
                     let found = format!("of {} corners", corners.len());
-                    return Err(at(MeshProblem::Word {
-                        what: "a facet".to_owned(),
-                        found,
-                        expected: "3 corners",
-                    }));
+                    return Err(at(MeshProblem::word("a facet", found, "3 corners")));
                 }
             },
             Some("solid" | "facet" | "outer" | "endloop" | "endfacet" | "endsolid") | None => {}
             Some(word) => {
-                let (what, found) = ("a line's first word".to_owned(), word.to_owned());
                 let expected = "solid, facet, outer, vertex, endloop, endfacet or endsolid";
-                return Err(at(MeshProblem::Word { what, found, expected }));
+                return Err(at(MeshProblem::word("a line's first word", word, expected)));
             }
         }
     }

@@ -72,6 +72,7 @@ fn plain(error: &csv::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damaged::assert_refused;
 
     #[test]
     fn a_table_has_its_rows_and_says_what_is_wrong() {
@@ -81,16 +82,17 @@ mod tests {
         assert_eq!(labels.len(), 2);
         assert_eq!((&*labels[0].description, &*labels[1].class), ("walk, turn", "run"));
         assert_eq!(read("subject,file,class\n01,a.bvh,walk\n").unwrap()[0].class, "walk");
-        for (text, expected) in [
-            ("file,class\na.bvh,walk\n", "line 2: is not valid CSV: missing field `subject`"),
-            ("file,class,subject\na.bvh,walk\n", "line 2: is not valid CSV: 2 fields and not 3"),
-            ("file,class,subject\na.bvh,,01\n", "line 2: `class` is empty"),
-            ("file,class,subject\na.bvh,x,01\na.bvh,y,01\n", "line 3: `a.bvh` is given twice"),
-            ("file,class,subject\n../a.bvh,x,01\n", "line 2: `file` is ../a.bvh"),
-        ] {
-            let message = read(text).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message}");
-        }
+        assert_refused(
+            good,
+            read,
+            r#"
+            file,class\na.bvh,walk\n ⇒ line 2: is not valid CSV: missing field `subject`
+            file,class,subject\na.bvh,walk\n ⇒ line 2: is not valid CSV: 2 fields and not 3
+            walk, ⇒ , ⇒ line 2: `class` is empty
+            b.bvh ⇒ a.bvh ⇒ line 3: `a.bvh` is given twice
+            a.bvh ⇒ ../a.bvh ⇒ line 2: `file` is ../a.bvh
+            "#,
+        );
         assert!(read("").unwrap().is_empty());
     }
 }

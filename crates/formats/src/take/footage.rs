@@ -93,36 +93,6 @@ impl CameraFootage {
     }
 }
 
-/// How far behind the last picture others are looked for.
-const LOOKED_AHEAD: u64 = 1000;
-
-/// Says that pictures lie behind a gap, where no number of frames is given: such pictures are not used. `end` is the number of
-/// the first one that is missing.
-pub(super) fn gap(footage: &CameraFootage, exists: &dyn Fn(&Path) -> bool, end: u64) -> Option<String> {
-    if !matches!(footage.frames, FrameSource::Pictures { .. }) {
-        return None;
-    }
-    let behind = end.saturating_add(1)..end.saturating_add(LOOKED_AHEAD);
-    let there: Vec<u64> = behind.filter(|&number| exists(&footage.frames.path(number))).collect();
-    let (next, count) = (there.first()?, there.len());
-    Some(format!(
-        "camera \"{}\": pictures {end} to {} are missing, so that its frames end there; at least {count} later ones are not used",
-        footage.camera,
-        next - 1
-    ))
-}
-
-/// How many files of a pattern there are without a gap, at most `limit`.
-pub(super) fn count_files(
-    exists: &dyn Fn(&Path) -> bool,
-    pattern: &FramePattern,
-    folder: &Path,
-    first: u64,
-    limit: usize,
-) -> usize {
-    (0..limit).take_while(|&k| exists(&pattern.path(folder, first.saturating_add(k as u64)))).count()
-}
-
 /// Frames that a background is made of where a video of the empty scene is given and no number of them.
 pub const USUAL_BACKGROUND_FRAMES: usize = 50;
 /// Frame rates that differ by more than this part are told.

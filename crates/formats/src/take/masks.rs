@@ -1,17 +1,18 @@
 //! One camera's masks that were made elsewhere: where they are, and what their numbers mean.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use toml::Spanned;
 
 use super::footage::FrameSource;
+use super::pictures::{SizeCheck, sized};
 use super::reader::TakeReader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, TakeError};
 use crate::masks::{MaskValues, Numbers};
 use crate::video::VideoProblem;
-use crate::{FileError, FileProblem, TakeFiles, images};
+use crate::{FileError, FileProblem, TakeFiles};
 
 /// Where one camera's masks are.
 #[derive(Debug, Clone)]
@@ -26,9 +27,6 @@ pub(super) struct CameraMasks {
     /// There is no footage beside them.
     pub(super) is_alone: bool,
 }
-
-/// Asked whether the size of a file's picture is right.
-type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
 
 /// Opens the video or the numbered pictures that a field of a take file names.
 type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<FrameSource, FileError> + 'a;
@@ -56,7 +54,8 @@ impl CameraMasks {
                 Ok(Numbers::of_picture(&*video.frame(self.number(frame) as usize)?))
             }
             FrameSource::Pictures { .. } => {
-                Numbers::decode(&self.path(frame), &self.picture(files, frame, check)?)
+                let path = self.path(frame);
+                Numbers::decode(&path, &sized(files, &path, check)?)
             }
         }
     }
@@ -70,21 +69,8 @@ impl CameraMasks {
     ) -> Result<(), FileError> {
         match &self.source {
             FrameSource::Video(video) => check(video.path(), video.size()),
-            FrameSource::Pictures { .. } => self.picture(files, frame, check).map(drop),
+            FrameSource::Pictures { .. } => sized(files, &self.path(frame), check).map(drop),
         }
-    }
-
-    /// The bytes of a picture of the right size.
-    fn picture(
-        &self,
-        files: &dyn TakeFiles,
-        frame: u64,
-        check: &SizeCheck<'_>,
-    ) -> Result<Vec<u8>, FileError> {
-        let path = self.path(frame);
-        let bytes = files.read(&path, images::MAX_PICTURE_BYTES)?;
-        check(&path, images::size(&path, &bytes)?)?;
-        Ok(bytes)
     }
 
     /// Whether the mask of a frame of the camera's own number is there.

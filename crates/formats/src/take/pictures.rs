@@ -7,12 +7,11 @@ use std::sync::Arc;
 use backlit_tracking::camera::Camera;
 use image::{RgbImage, imageops};
 
-use super::Known;
-use super::{BackgroundSource, CameraFootage, Take, TakeError};
+use super::{BackgroundSource, CameraFootage, Known, Take, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::masks::{self, MaskSequence, MaskValues};
 use crate::video::Video;
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, TakeFiles};
 
 impl Take {
     /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
@@ -196,10 +195,8 @@ impl Take {
     }
 
     fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
-        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
-        // The size first: a wrong picture need not be decoded.
-        check_size(path, images::size(path, &bytes)?, &self.full_rig.cameras()[camera])?;
-        images::decode(path, &bytes)
+        let full = &self.full_rig.cameras()[camera];
+        images::decode(path, &sized(&*self.files, path, &|path, found| check_size(path, found, full))?)
     }
 
     /// A picture of a background, of the full size or of the reduced one already, reduced.
@@ -234,15 +231,23 @@ impl Take {
             return Ok(());
         }
         let path = footage.path(0);
-        let check = || {
-            if let Some(video) = footage.video() {
-                return check_size(&path, video.size(), &self.full_rig.cameras()[camera]);
-            }
-            let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
-            check_size(&path, images::size(&path, &bytes)?, &self.full_rig.cameras()[camera])
+        let check = |path: &Path, found| check_size(path, found, &self.full_rig.cameras()[camera]);
+        let checked = match footage.video() {
+            Some(video) => check(&path, video.size()),
+            None => sized(&*self.files, &path, &check).map(drop),
         };
-        check().map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame: 0, error })
+        checked.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame: 0, error })
     }
+}
+
+/// Asked whether the size of a file's picture is right.
+pub(super) type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
+
+/// The bytes of a picture of the right size: a wrong one need not be decoded.
+pub(super) fn sized(files: &dyn TakeFiles, path: &Path, check: &SizeCheck<'_>) -> Result<Vec<u8>, FileError> {
+    let bytes = files.read(path, MAX_PICTURE_BYTES)?;
+    check(path, images::size(path, &bytes)?)?;
+    Ok(bytes)
 }
 
 fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {

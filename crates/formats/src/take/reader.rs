@@ -10,8 +10,7 @@ use backlit_tracking::camera::Rig;
 use backlit_tracking::segment::SegmentOptions;
 use toml::{Spanned, Table};
 
-use super::footage::{self, AlignedFootage, Cache, CameraRange};
-use super::footage::{FrameSource, count_files, gap};
+use super::footage::{self, AlignedFootage, Cache, CameraRange, FrameSource};
 use super::paths::{expand_variables, variable};
 use super::reference::ReferenceOptions;
 use super::spec::{ReferenceSpec, TakeSpec, ViewSpec};
@@ -32,6 +31,9 @@ const MAX_REDUCTION: u32 = 64;
 const MAX_MARKERS: usize = 1000;
 /// Offsets beyond this are a mistake, seconds.
 const MAX_OFFSET_SECONDS: f64 = 1e6;
+
+/// How far behind the last picture others are looked for.
+const LOOKED_AHEAD: u64 = 1000;
 
 /// A take file's text and where its paths lead.
 pub(super) struct TakeReader<'a> {
@@ -106,9 +108,8 @@ impl<'a> TakeReader<'a> {
     pub(super) fn reduction(&self, spec: &TakeSpec) -> Result<u32, FileError> {
         let Some(value) = &spec.reduction else { return Ok(1) };
         let reduction = u32::try_from(*value.get_ref()).ok().filter(|by| (1..=MAX_REDUCTION).contains(by));
-        reduction.ok_or_else(|| {
-            self.field(value, "reduction", format!("a whole number from 1 to {MAX_REDUCTION}"))
-        })
+        let expected = || format!("a whole number from 1 to {MAX_REDUCTION}");
+        reduction.ok_or_else(|| self.field(value, "reduction", expected()))
     }
 
     /// All cameras' footage and how many frames it has.
@@ -145,8 +146,30 @@ impl<'a> TakeReader<'a> {
         let zero = self.offset(view, &footage, frame_rate)?;
         let there = view.first..view.first.saturating_add(count);
         let is_open = view.count.is_none() && view.last.is_none();
-        let gap = is_open.then(|| gap(&footage, &|path| self.files.exists(path), there.end)).flatten();
+        let gap = if is_open { self.gap(&footage, there.end) } else { None };
         Ok(CameraRange { footage, there, zero, gap })
+    }
+
+    /// Says that pictures lie behind a gap, where no number of frames is given: such pictures are not used. `end` is the number of the
+    /// first one that is missing.
+    fn gap(&self, footage: &CameraFootage, end: u64) -> Option<String> {
+        let FrameSource::Pictures { .. } = footage.frames else { return None };
+        let behind = end.saturating_add(1)..end.saturating_add(LOOKED_AHEAD);
+        let there: Vec<u64> =
+            behind.filter(|&number| self.files.exists(&footage.frames.path(number))).collect();
+        let (next, count) = (there.first()?, there.len());
+        Some(format!(
+            "camera \"{}\": pictures {end} to {} are missing, so that its frames end there; at least {count} later ones are not used",
+            footage.camera,
+            next - 1
+        ))
+    }
+
+    /// How many files of a pattern there are without a gap, at most `limit`.
+    fn count_files(&self, pattern: &FramePattern, first: u64, limit: usize) -> usize {
+        let exists =
+            |&k: &usize| self.files.exists(&pattern.path(&self.footage, first.saturating_add(k as u64)));
+        (0..limit).take_while(exists).count()
     }
 
     /// A video, or numbered pictures.
@@ -217,24 +240,18 @@ impl<'a> TakeReader<'a> {
         let wanted = match declared {
             Some((value, field, count)) => {
                 let count = count.and_then(|count| usize::try_from(count).ok());
-                let count = count.filter(|count| (1..=MAX_FRAMES).contains(count)).ok_or_else(|| {
-                    self.field(
-                        value,
-                        field,
-                        format!("1 to {MAX_FRAMES} frames from `first` = {}", view.first),
-                    )
-                })?;
-                Some(count)
+                let count = count.filter(|count| (1..=MAX_FRAMES).contains(count));
+                let expected = || format!("1 to {MAX_FRAMES} frames from `first` = {}", view.first);
+                Some(count.ok_or_else(|| self.field(value, field, expected()))?)
             }
             None => None,
         };
         let limit = wanted.unwrap_or(MAX_FRAMES);
-        let (folder, pattern) = match &footage.frames {
-            FrameSource::Pictures { folder, pattern } => (folder, pattern),
+        let pattern = match &footage.frames {
+            FrameSource::Pictures { pattern, .. } => pattern,
             FrameSource::Video(video) => return video_frames(video, view, limit),
         };
-        let exists = |path: &Path| self.files.exists(path);
-        let found = count_files(&exists, pattern, folder, footage.first, limit);
+        let found = self.count_files(pattern, footage.first, limit);
         if found < wanted.unwrap_or(1) {
             let error = FileError::new(&footage.path(found), FileProblem::Missing);
             return Err(TakeError::Frame { camera: footage.camera.clone(), frame: found, error });
@@ -245,10 +262,6 @@ impl<'a> TakeReader<'a> {
     fn background(&self, view: &ViewSpec, cache: &Cache) -> Result<Option<BackgroundSource>, TakeError> {
         let Some(background) = &view.background else { return Ok(None) };
         let text = self.expand(background, "camera.background")?;
-        let missing = |path: &Path| TakeError::Background {
-            camera: view.name.get_ref().clone(),
-            error: FileError::new(path, FileProblem::Missing),
-        };
         let wanted = match &view.background_count {
             None => None,
             Some(count) => {
@@ -259,6 +272,7 @@ impl<'a> TakeReader<'a> {
             }
         };
         let failed = |error| TakeError::Background { camera: view.name.get_ref().clone(), error };
+        let missing = |path: &Path| failed(FileError::new(path, FileProblem::Missing));
         if self.files.exists(&self.footage.join(&text))
             && let Some(video) = self.video(&text, cache).map_err(failed)?
         {
@@ -274,8 +288,7 @@ impl<'a> TakeReader<'a> {
         }
         let pattern = self.pattern(background, "camera.background")?;
         let limit = wanted.unwrap_or(MAX_BACKGROUND_FRAMES);
-        let exists = |path: &Path| self.files.exists(path);
-        let found = count_files(&exists, &pattern, &self.footage, view.background_first, limit);
+        let found = self.count_files(&pattern, view.background_first, limit);
         let path = |k: usize| pattern.path(&self.footage, view.background_first.saturating_add(k as u64));
         if found < wanted.unwrap_or(1) {
             return Err(missing(&path(found)));

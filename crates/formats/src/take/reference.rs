@@ -286,6 +286,7 @@ mod tests {
     use backlit_tracking::body::builtin;
 
     use super::*;
+    use crate::damaged::assert_refused;
 
     fn parse(text: &str, markers: Option<&[(String, Joint)]>) -> Result<Reference, FileError> {
         let options = ReferenceOptions {
@@ -323,26 +324,20 @@ mod tests {
 
     #[test]
     fn errors_name_line_and_field() {
-        let cases = [
-            ("frame,x,y,z\n", "k.csv, line 1: `marker` or `joint` is missing from the header"),
-            ("frame,marker,x,y,z\n5,head,0,0,1\n5,head,0,a,1\n", "line 3: `y` is \"a\"; expected a finite"),
-            ("frame,marker,x,y,z\n5,head,0,0,NaN\n", "line 2: `z` is \"NaN\"; expected a finite"),
-            ("frame,marker,x,y,z\n-5,head,0,0,1\n", "line 2: `frame` is \"-5\""),
-            (
-                "frame,marker,x,y,z\n5,tail,0,0,1\n",
-                "line 2: `marker` names \"tail\", and the model has no limb",
-            ),
-            (
-                "frame,marker,x,y,z\n5,head,0,0,1\n5,head,0,0,1\n",
-                "line 3: `frame 5, marker head` is given twice",
-            ),
-            ("frame,marker,x,y,z\n5,head,0,0\n", "is not valid CSV"),
-            ("", "`frame` is missing"),
-        ];
-        for (text, expected) in cases {
-            let message = parse(text, None).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
+        assert_refused(
+            "frame,marker,x,y,z\n5,head,0,0,1\n5,head,0,0,2\n",
+            |text| parse(text, None),
+            r#"
+            marker, ⇒ ⇒ k.csv, line 1: `marker` or `joint` is missing from the header
+            0,2 ⇒ a,1 ⇒ line 3: `y` is "a"; expected a finite
+            0,0,1 ⇒ 0,0,NaN ⇒ line 2: `z` is "NaN"; expected a finite
+            5,head ⇒ -5,head ⇒ line 2: `frame` is "-5"
+            head ⇒ tail ⇒ line 2: `marker` names "tail", and the model has no limb
+            0,0,2 ⇒ 0,0,1 ⇒ line 3: `frame 5, marker head` is given twice
+            0,0,1 ⇒ 0,0 ⇒ is not valid CSV
+            \n ⇒ `frame` is missing
+            "#,
+        );
         let map = [("RWrist".to_owned(), Joint::End(3))];
         let message = parse("frame,marker,x,y,z\n5,LWrist,0,0,1\n", Some(&map)).unwrap_err().to_string();
         assert!(message.contains("`marker` is never \"RWrist\""), "{message}");

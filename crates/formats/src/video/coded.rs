@@ -24,7 +24,7 @@ const MAX_DAMAGED_FIRST: usize = 16;
 pub(super) struct Coded {
     file: FileParts,
     path: PathBuf,
-    index: Index,
+    pub(super) index: Index,
     /// The frame that shows a sample.
     frame_of: Vec<Option<usize>>,
     decoder: Decoder,
@@ -32,7 +32,7 @@ pub(super) struct Coded {
     damaged: BTreeSet<usize>,
     reason: Option<String>,
     /// Samples decoded so far, to tell what reading in order costs.
-    decoded: usize,
+    pub(super) decoded: usize,
 }
 
 #[derive(Debug)]
@@ -70,14 +70,6 @@ impl Coded {
         }
         let (damaged, reason) = (BTreeSet::new(), None);
         Ok(Self { file, path, index, frame_of, decoder, damaged, reason, decoded: 0 })
-    }
-
-    pub(super) fn index(&self) -> &Index {
-        &self.index
-    }
-
-    pub(super) fn decoded(&self) -> usize {
-        self.decoded
     }
 
     /// What was found to be damaged so far.

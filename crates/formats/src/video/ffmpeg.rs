@@ -49,11 +49,11 @@ impl Default for Programs {
 pub(super) struct Piped {
     programs: Programs,
     input: OsString,
-    probed: Probed,
-    notes: Vec<String>,
+    pub(super) probed: Probed,
+    pub(super) notes: Vec<String>,
     running: Option<FfmpegOutput>,
     /// Frames that came through pipes.
-    decoded: usize,
+    pub(super) decoded: usize,
     /// The file, where the video was in memory only.
     _file: Option<NamedTempFile>,
 }
@@ -90,26 +90,6 @@ impl Piped {
             notes.clone_from(&index.notes);
         }
         Ok(Self { programs: programs.clone(), input, probed, notes, running: None, decoded: 0, _file: file })
-    }
-
-    pub(super) fn size(&self) -> [usize; 2] {
-        self.probed.size
-    }
-
-    pub(super) fn seconds(&self) -> &[f64] {
-        &self.probed.seconds
-    }
-
-    pub(super) fn codec(&self) -> &str {
-        &self.probed.codec
-    }
-
-    pub(super) fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    pub(super) fn decoded(&self) -> usize {
-        self.decoded
     }
 
     pub(super) fn frame(

@@ -11,6 +11,7 @@ use super::cache::{FrameCache, Key};
 use super::coded::Coded;
 use super::ffmpeg::{Piped, Programs};
 use super::index::{Codec, Container, Index};
+use super::probe::Probed;
 use super::{FrameRequest, Sink, VideoProblem, avi, boxes, mp4};
 use crate::files::FileParts;
 use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
@@ -125,13 +126,14 @@ impl Video {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (size, seconds, codec, notes) = match &source {
             VideoDecoder::Coded(coded) => {
-                let index = coded.index();
+                let index = &coded.index;
                 let seconds = index.frames.iter().map(|frame| frame.seconds).collect();
                 let size = index.orientation.size(index.size);
                 (size, seconds, index.codec.name().to_owned(), index.notes.clone())
             }
             VideoDecoder::Piped(piped) => {
-                (piped.size(), piped.seconds().to_vec(), piped.codec().to_owned(), piped.notes().to_vec())
+                let Probed { size, seconds, codec, .. } = &piped.probed;
+                (*size, seconds.clone(), codec.clone(), piped.notes.clone())
             }
         };
         let limit = MAX_SIDE as usize;
@@ -212,8 +214,8 @@ impl Video {
     #[must_use]
     pub fn decoded_count(&self) -> usize {
         match &*self.0.source() {
-            VideoDecoder::Coded(coded) => coded.decoded(),
-            VideoDecoder::Piped(piped) => piped.decoded(),
+            VideoDecoder::Coded(coded) => coded.decoded,
+            VideoDecoder::Piped(piped) => piped.decoded,
         }
     }
 

@@ -6,6 +6,8 @@ use backlit_formats::calibration::{self, CalibrationOptions, SkippedCamera};
 use backlit_tracking::camera::{Camera, Distortion, Rig};
 use glam::DVec3;
 
+use crate::damaged::assert_refused;
+
 const SIZE: Option<[u64; 2]> = Some([640, 480]);
 
 fn read(name: &str, text: &str, size: Option<[u64; 2]>) -> Result<Rig, String> {
@@ -41,34 +43,20 @@ fn opencv_s_storage_is_read_in_both_spellings() {
         assert_camera(&rig.cameras()[0], "front", [500.0, 501.0, 320.0, 240.0], [0.0; 3]);
         assert!(matches!(rig.cameras()[0].distortion(), Distortion::OpenCv { k1: -0.1, k2: 0.02, .. }));
     }
-    let cases = [
-        (
-            OPENCV_YAML.replace("501.", ".Nan"),
-            "line 9: `Camera_Matrix.data[4]` is .Nan; expected a finite number",
-        ),
-        (
-            OPENCV_YAML.replace("       0., 0., 1. ]", "       0., 1. ]"),
-            "`Camera_Matrix.data` is 8 numbers; expected 3 × 3",
-        ),
-        (
-            OPENCV_YAML.replace("rows: 5", "rows: 3").replace("0., 0., 0. ]\nE", "0. ]\nE"),
-            "`Distortion_Coefficients` is 3 numbers; expected 4, 5, 8",
-        ),
-        (
-            OPENCV_YAML.replace("image_Width: 640\n", ""),
-            "`cameras.front.size` is missing; expected the pictures' width",
-        ),
-        (OPENCV_YAML.replace("[ 500., 0.,", "[ 500., 3.,"), "`Camera_Matrix` is another matrix"),
-        (
-            OPENCV_YAML[..OPENCV_YAML.find("501.").unwrap()].to_owned(),
-            "is not valid YAML: the text ends too early",
-        ),
-        ("%YAML:1.0\n---\nnothing: 1\n".to_owned(), "cannot be recognised as a calibration"),
-    ];
-    for (text, expected) in cases {
-        let message = read("front.yml", &text, None).unwrap_err();
-        assert!(message.starts_with("front.yml") && message.contains(expected), "{message:?}: {expected:?}");
-    }
+    assert_refused(
+        OPENCV_YAML,
+        |text| read("front.yml", text, None),
+        r#"
+        501. ⇒ .Nan ⇒ front.yml, line 9: `Camera_Matrix.data[4]` is .Nan; expected a finite number
+        0., 0., 1. ] ⇒ 0., 1. ] ⇒ `Camera_Matrix.data` is 8 numbers; expected 3 × 3
+        rows: 5\n   cols: 1\n   dt: d\n   data: [ -1e-01, 2.e-02, 0., 0., 0. ] ⇒ rows: 3\n   cols: 1\n   dt: d\n   data: [ -1e-01, 2.e-02, 0. ] ⇒ `Distortion_Coefficients` is 3 numbers; expected 4, 5, 8
+        image_Width: 640\n ⇒ ⇒ `cameras.front.size` is missing; expected the pictures' width
+        [ 500., 0., ⇒ [ 500., 3., ⇒ `Camera_Matrix` is another matrix
+        %YAML:1.0\n---\nnothing: 1\n ⇒ front.yml: cannot be recognised as a calibration
+        "#,
+    );
+    let cut = &OPENCV_YAML[..OPENCV_YAML.find("501.").unwrap()];
+    assert!(read("front.yml", cut, None).unwrap_err().contains("is not valid YAML: the text ends too early"));
     let fisheye = OPENCV_YAML.replace("image_Width", "fisheye_model: 1\nimage_Width");
     assert!(matches!(
         read("c.yml", &fisheye, None).unwrap().cameras()[0].distortion(),
@@ -122,19 +110,19 @@ fn toml_of_anipose_pose2sim_and_freemocap_is_read() {
     let mocap = TOML.replace("error = 0.1", "charuco_square_size = 39.0");
     let rig = read("c.toml", &mocap, None).unwrap();
     assert_camera(&rig.cameras()[0], "A", [500.0, 501.0, 320.0, 240.0], [0.0, 0.0, -3.0]);
-    let cases = [
-        (TOML.replace("distortions", "distortion_s"), "line 1: `cam_0.distortions` is missing"),
-        (TOML.replace("matrix", "mat"), "`cam_0.matrix` is missing"),
-        (TOML.replace("501.0", "nan"), "line 4: `cam_0.matrix[1][1]` is nan; expected a finite number"),
-        (TOML.replace("rotation = [ 0.0, 0.0,", "rotation = [ 0.0,"), "`cam_0.rotation` is 2 numbers"),
-        (TOML.replace("[ 640.0, 480,]", "[ 640.5, 480,]"), "`cam_0.size` is 640.5; expected a whole number"),
-        (TOML[..60].to_owned(), "is not valid TOML"),
-        ("[charuco]\ncolumns = 4\n".to_owned(), "cannot be recognised as a calibration"),
-    ];
-    for (text, expected) in cases {
-        let message = read("c.toml", &text, None).unwrap_err();
-        assert!(message.contains(expected), "{message:?}: {expected:?}");
-    }
+    assert_refused(
+        TOML,
+        |text| read("c.toml", text, None),
+        r#"
+        distortions ⇒ distortion_s ⇒ line 1: `cam_0.distortions` is missing
+        matrix ⇒ mat ⇒ `cam_0.matrix` is missing
+        501.0 ⇒ nan ⇒ line 4: `cam_0.matrix[1][1]` is nan; expected a finite number
+        rotation = [ 0.0, 0.0, ⇒ rotation = [ 0.0, ⇒ `cam_0.rotation` is 2 numbers
+        [ 640.0, 480,] ⇒ [ 640.5, 480,] ⇒ `cam_0.size` is 640.5; expected a whole number
+        [charuco]\ncolumns = 4\n ⇒ cannot be recognised as a calibration
+        "#,
+    );
+    assert!(read("c.toml", &TOML[..60], None).unwrap_err().contains("is not valid TOML"));
 }
 
 #[test]
@@ -205,24 +193,15 @@ fn kalibr_s_chain_is_followed_past_cameras_that_are_left_out() {
     assert_camera(&rig.cameras()[0], "cam0", [500.0, 501.0, 320.0, 240.0], [0.0; 3]);
     assert_camera(&rig.cameras()[1], "cam2", [500.0, 501.0, 320.0, 240.0], [0.5, -0.25, 0.0]);
     assert!(matches!(rig.cameras()[0].distortion(), Distortion::Fisheye { .. }));
-    let cases = [
-        (KALIBR.replace("  - [1, 0, 0, -0.5]\n", ""), "`cam1.T_cn_cnm1` is 12 numbers; expected 16"),
-        (
-            KALIBR.replace(
-                "  T_cn_cnm1:\n  - [1, 0, 0, -0.5]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n",
-                "",
-            ),
-            "`cam1.T_cn_cnm1` is missing",
-        ),
-        (
-            KALIBR.replacen("[500, 501, 320, 240]", "[500, 501, 320]", 1),
-            "line 3: `cam0.intrinsics` is 3 numbers; expected 4",
-        ),
-    ];
-    for (text, expected) in cases {
-        let message = read("camchain.yaml", &text, None).unwrap_err();
-        assert!(message.contains(expected), "{message:?}: {expected:?}");
-    }
+    assert_refused(
+        KALIBR,
+        |text| read("camchain.yaml", text, None),
+        r#"
+        T_cn_cnm1:\n  - [1, 0, 0, -0.5] ⇒ T_cn_cnm1: ⇒ `cam1.T_cn_cnm1` is 12 numbers; expected 16
+        T_cn_cnm1: ⇒ T_other: ⇒ `cam1.T_cn_cnm1` is missing
+        [500, 501, 320, 240] ⇒ [500, 501, 320] ⇒ line 3: `cam0.intrinsics` is 3 numbers; expected 4
+        "#,
+    );
 }
 
 #[test]
@@ -250,19 +229,21 @@ fn colmap_s_pixels_are_half_a_pixel_off() {
     assert_eq!(rig.count(), 3);
     assert_camera(&rig.cameras()[0], "a b.png", [500.0, 500.0, 320.0, 240.0], [0.0, 0.0, -3.0]);
     assert!(matches!(rig.cameras()[1].distortion(), Distortion::Fisheye { .. }));
-    let cases = [
-        (
-            cameras.replace(" 0.1\n2", "\n2"),
-            "line 2: `PARAMS` is 3 numbers; expected 4 numbers for SIMPLE_RADIAL",
-        ),
-        (cameras.replace("SIMPLE_RADIAL", "FOV"), "line 2: `MODEL` is FOV"),
-        (cameras.replace("SIMPLE_RADIAL 640 480 500", "SIMPLE_RADIAL 640 480 NaN"), "`PARAMS[0]` is NaN"),
-        (images.replace("0 0 0 0 0 3 1 a", "1 1 1 0 0 3 1 a"), "line 2: `QW QX QY QZ` is of length 2"),
-    ];
-    for (text, expected) in cases {
-        let message = read("c.txt", &text, None).unwrap_err();
-        assert!(message.contains(expected), "{message:?}: {expected:?}");
-    }
+    let refused = |text: &str| read("c.txt", text, None);
+    assert_refused(
+        cameras,
+        refused,
+        r#"
+        0.1\n2 ⇒ \n2 ⇒ line 2: `PARAMS` is 3 numbers; expected 4 numbers for SIMPLE_RADIAL
+        SIMPLE_RADIAL ⇒ FOV ⇒ line 2: `MODEL` is FOV
+        640 480 500 ⇒ 640 480 NaN ⇒ `PARAMS[0]` is NaN
+        "#,
+    );
+    assert_refused(
+        &images,
+        refused,
+        "1 0 0 0 0 0 3 1 a ⇒ 1 1 1 1 0 0 3 1 a ⇒ line 2: `QW QX QY QZ` is of length 2",
+    );
 }
 
 #[test]
@@ -279,17 +260,16 @@ fn transforms_have_opengl_s_axes() {
     assert_eq!(rig.cameras()[0].depth(DVec3::ZERO), 5.0);
     // What is up in the world is up in the picture.
     assert!(rig.cameras()[0].project(DVec3::Y).unwrap().y < 239.0);
-    let cases = [
-        ("0, 0, 1, 5]", "0, 0, 2, 5]", "line 2: `frames[0].transform_matrix` is a matrix that mirrors"),
-        ("\"camera_angle_x\": 1.2", "\"camera_angle_x\": 4", "`camera_angle_x` is 4; expected an angle"),
-        ("\"file_path\": \"b.png\"", "\"path\": \"b\"", "line 3: `frames[1].file_path` is missing"),
-        ("b.png", "a.png", "camera name \"a.png\" is used twice"),
-    ];
-    for (from, to, expected) in cases {
-        let text = text.replace(from, to);
-        let message = read("transforms.json", &text, SIZE).unwrap_err();
-        assert!(message.contains(expected), "{message:?}: {expected:?}");
-    }
+    assert_refused(
+        text,
+        |text| read("transforms.json", text, SIZE),
+        r#"
+        0, 0, 1, 5] ⇒ 0, 0, 2, 5] ⇒ line 2: `frames[0].transform_matrix` is a matrix that mirrors
+        "camera_angle_x": 1.2 ⇒ "camera_angle_x": 4 ⇒ `camera_angle_x` is 4; expected an angle
+        "file_path": "b.png" ⇒ "path": "b" ⇒ line 3: `frames[1].file_path` is missing
+        b.png ⇒ a.png ⇒ camera name "a.png" is used twice
+        "#,
+    );
     let frame = r#"{"file_path": "a", "transform_matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5]}"#;
     let many = format!("{{\"camera_angle_x\": 1, \"frames\": [{}]}}", vec![frame; 4001].join(","));
     assert!(read("t.json", &many, SIZE).unwrap_err().contains("`cameras` is more than 4000"));
@@ -312,16 +292,15 @@ fn vicon_s_filming_cameras_are_read() {
     let ideal = glam::DVec2::new(-320.0, -240.0) * 1.016 / 500.0;
     let bent = rig.cameras()[0].distortion().distort(ideal) * 500.0;
     assert!(bent.distance(glam::DVec2::new(-320.0, -240.0)) < 0.01, "{bent}");
-    let cases = [
-        ("\"0 0 0 1\"", "\"0 0 1\"", "`KeyFrame.ORIENTATION` is \"0 0 1\"; expected 4 finite numbers"),
-        ("FOCAL_LENGTH=\"500\"", "", "`KeyFrame.FOCAL_LENGTH` is missing"),
-        ("\"DV\"", "\"MX\"", "expected a camera that can be used (it only sees markers)"),
-    ];
-    for (from, to, expected) in cases {
-        let text = VICON.replace(from, to);
-        let message = read("c.xcp", &text, None).unwrap_err();
-        assert!(message.contains(expected), "{message:?}: {expected:?}");
-    }
+    assert_refused(
+        VICON,
+        |text| read("c.xcp", text, None),
+        r#"
+        "0 0 0 1" ⇒ "0 0 1" ⇒ `KeyFrame.ORIENTATION` is "0 0 1"; expected 4 finite numbers
+        FOCAL_LENGTH="500" ⇒ ⇒ `KeyFrame.FOCAL_LENGTH` is missing
+        "DV" ⇒ "MX" ⇒ expected a camera that can be used (it only sees markers)
+        "#,
+    );
 }
 
 #[test]

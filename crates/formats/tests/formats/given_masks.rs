@@ -11,7 +11,7 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageFormat, Luma, LumaA, RgbImage};
 
-use crate::small_videos::{avi_of, jpeg};
+use crate::small_videos::{avi_of, cameras, jpeg};
 
 const SIZE: [u32; 2] = [16, 12];
 const FRAMES: u32 = 4;
@@ -33,14 +33,6 @@ fn mask(frame: u32, [subject, background]: [u8; 2]) -> Vec<u8> {
     encoded(GrayImage::from_fn(SIZE[0], SIZE[1], level).into(), ImageFormat::Png)
 }
 
-fn cameras(lens: &str) -> Vec<u8> {
-    format!(
-        r#"{{"format": "backlit-cameras 1", "cameras": [{{"name": "a", "width": 16, "height": 12, "fx": 20, "fy": 20,
-            "cx": 7.5, "cy": 5.5, {lens} "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 2]}}]}}"#
-    )
-    .into_bytes()
-}
-
 type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// A take of one camera whose table has these lines, with pictures `f%d.jpg` from 0 and masks `m%d.png` from 5.
@@ -49,8 +41,10 @@ fn take(top: &str, lines: &str, change: impl FnOnce(&mut Files)) -> Result<Take,
         "format = \"backlit-take 1\"\nname = \"masks\"\nframe_rate = 25\nmodel = \"single_limb\"\n{top}\n[cameras]\n\
          calibration = \"cameras.json\"\n[[camera]]\nname = \"a\"\n{lines}\n"
     );
-    let mut files =
-        Files::from([("take.toml".into(), text.into_bytes()), ("cameras.json".into(), cameras(""))]);
+    let mut files = Files::from([
+        ("take.toml".into(), text.into_bytes()),
+        ("cameras.json".into(), cameras(&["a"], SIZE, 20, "")),
+    ]);
     for frame in 0..FRAMES {
         files.insert(format!("f{frame}.jpg").into(), jpeg(frame as usize, SIZE));
         files.insert(format!("m{}.png", frame + 5).into(), mask(frame, [255, 0]));
@@ -170,14 +164,7 @@ fn masks_follow_offsets_and_ranges_of_their_footage() {
     let video = |files: &mut Files| {
         let pictures: Vec<Vec<u8>> = (0..FRAMES).map(coarse).collect();
         files.insert("m.avi".into(), avi_of(&pictures, [32, 16], b"MJPG"));
-        files.insert(
-            "cameras.json".into(),
-            String::from_utf8(cameras(""))
-                .unwrap()
-                .replace(": 16,", ": 32,")
-                .replace(": 12,", ": 16,")
-                .into_bytes(),
-        );
+        files.insert("cameras.json".into(), cameras(&["a"], [32, 16], 20, ""));
     };
     let take = take("", "masks = \"m.avi\"\nfirst = 1", video).unwrap();
     assert_eq!((take.frame_count(), take.mask_values(0).unwrap()), (3, Some(&MaskValues::Grey)));
@@ -214,7 +201,7 @@ fn masks_are_reduced_by_area_and_rectified_as_footage_is() {
     }
     let lens = r#""distortion": {"model": "opencv", "k1": -0.3, "k2": 0, "p1": 0, "p2": 0, "k3": 0},"#;
     let bent = |files: &mut Files| {
-        files.insert("cameras.json".into(), cameras(lens));
+        files.insert("cameras.json".into(), cameras(&["a"], SIZE, 20, lens));
         // The footage shows the same as the masks: both are bent back alike.
         for frame in 0..FRAMES {
             let white = |x, y| image::Rgb([if is_subject(frame, x, y) { 255 } else { 0 }; 3]);

@@ -2,10 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
-mod bad_numbers;
 mod bombs;
 mod calibration_files;
 mod calibration_texts;
+#[path = "../../src/damaged.rs"]
+mod damaged;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod given_masks;

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::{Take, model_file};
 use backlit_tracking::body::builtin;
-use backlit_tracking::camera::Distortion;
 use glam::DVec2;
 
 use crate::footage::footage;
@@ -92,40 +91,4 @@ fn every(across: usize, down: usize, depths: [f64; 3]) -> impl Iterator<Item = (
         let (at, depth) = (index / depths.len(), depths[index % depths.len()]);
         (place(at % across, across), place(at / across, down), depth)
     })
-}
-
-/// A file as the tool wrote it, against what an independent reader (numpy) finds in it.
-#[test]
-fn the_tool_s_own_file_is_read_as_an_independent_reader_reads_it() {
-    let Some(formats) = footage().map(|footage| footage.with_file_name("formats")) else { return };
-    if !formats.is_dir() {
-        println!("skipped: no files of other tools beside the footage");
-        return;
-    }
-    let text = std::fs::read_to_string(formats.join("expected/calibration/qualisys__Calib.json")).unwrap();
-    let expected: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let numbers = |value: &serde_json::Value| -> Vec<f64> {
-        value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
-    };
-    let path = formats.join("calibration/qualisys/Calib.qca.txt");
-    let rig = calibration::read(&path, CalibrationOptions::default()).unwrap();
-    let cameras = expected["cameras"].as_array().unwrap();
-    assert_eq!(rig.count(), cameras.len());
-    for (camera, expected) in rig.cameras().iter().zip(cameras) {
-        assert_eq!(expected["name"], camera.name());
-        assert_eq!([&expected["width"], &expected["height"]], [camera.width(), camera.height()]);
-        let found = camera.intrinsics();
-        for (field, found) in [("fx", found.fx), ("fy", found.fy), ("cx", found.cx), ("cy", found.cy)] {
-            assert!((found - expected[field].as_f64().unwrap()).abs() < 1e-6, "{field}");
-        }
-        let Distortion::OpenCv { k1, k2, p1, p2, k3 } = *camera.distortion() else { panic!("no lens") };
-        assert_eq!(numbers(&expected["distortion"]["coefficients"]), [k1, k2, p1, p2, k3]);
-        let place = camera.camera_from_world();
-        for (row, expected) in expected["rotation"].as_array().unwrap().iter().enumerate() {
-            let error = place.rotation.row(row) - glam::DVec3::from_slice(&numbers(expected));
-            assert!(error.length() < 1e-9, "{error}");
-        }
-        let error = place.translation - glam::DVec3::from_slice(&numbers(&expected["translation"]));
-        assert!(error.length() < 1e-6, "{error}");
-    }
 }

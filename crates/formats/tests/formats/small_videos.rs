@@ -16,6 +16,19 @@ pub(crate) fn number_of(picture: &RgbImage) -> usize {
     ((level - 20 + 2) / 5) as usize
 }
 
+/// A file of cameras of these names and size, which look along z; `lens` is what stands beside the pinhole.
+pub(crate) fn cameras(names: &[&str], [width, height]: [u32; 2], focal: u32, lens: &str) -> Vec<u8> {
+    let [cx, cy] = [width, height].map(|side| f64::from(side - 1) / 2.0);
+    let camera = |name: &&str| {
+        format!(
+            r#"{{"name": "{name}", "width": {width}, "height": {height}, "fx": {focal}, "fy": {focal}, "cx": {cx}, "cy": {cy}, {lens}
+            "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 2]}}"#
+        )
+    };
+    let cameras: Vec<String> = names.iter().map(camera).collect();
+    format!(r#"{{"format": "backlit-cameras 1", "cameras": [{}]}}"#, cameras.join(", ")).into_bytes()
+}
+
 /// A JPEG that shows a number.
 pub(crate) fn jpeg(number: usize, [width, height]: [u32; 2]) -> Vec<u8> {
     let grey = level(number);

@@ -10,6 +10,9 @@ use backlit_formats::{MemoryFiles, Take, TakeError};
 use backlit_tracking::body::builtin;
 use image::{ImageFormat, Rgb, RgbImage};
 
+use crate::damaged::assert_refused;
+use crate::small_videos::cameras;
+
 const TAKE: &str = r#"format = "backlit-take 1"
 name = "two cameras"
 frame_rate = 25
@@ -45,13 +48,6 @@ opening_px = 2
 shadow = false
 "#;
 
-fn camera(name: &str) -> String {
-    format!(
-        r#"{{"name": "{name}", "width": 8, "height": 6, "fx": 9, "fy": 9, "cx": 3.5, "cy": 2.5,
-            "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 2]}}"#
-    )
-}
-
 fn picture(width: u32, height: u32, level: u8, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     RgbImage::from_pixel(width, height, Rgb([level; 3])).write_to(&mut bytes, format).unwrap();
@@ -60,17 +56,11 @@ fn picture(width: u32, height: u32, level: u8, format: ImageFormat) -> Vec<u8> {
 
 /// A take that is right in everything.
 fn good() -> BTreeMap<PathBuf, Vec<u8>> {
-    let cameras = format!(
-        r#"{{"format": "backlit-cameras 1", "cameras": [{}, {}, {}]}}"#,
-        camera("a"),
-        camera("b"),
-        camera("c")
-    );
     let pose = r#"{"format": "backlit-pose 1", "root": [0, 1, 0], "rotations": {"head": [2, 0, 0, 0]}}"#;
     let mut files = BTreeMap::from([
         ("t/take.toml".into(), TAKE.into()),
         ("t/start.json".into(), pose.into()),
-        ("t/footage/cameras.json".into(), cameras.into_bytes()),
+        ("t/footage/cameras.json".into(), cameras(&["a", "b", "c"], [8, 6], 9, "")),
         ("t/footage/keypoints.csv".into(), "frame,marker,x,y,z\n0,Crown,0,0,1\n2,Hip,1,2,3\n".into()),
         ("t/footage/b/plate.png".into(), picture(8, 6, 200, ImageFormat::Png)),
     ]);
@@ -102,24 +92,11 @@ fn pictures_behind_a_gap_are_told() {
     assert!(open(files).unwrap().notes().is_empty());
 }
 
-#[test]
-fn names_that_steer_a_terminal_are_refused_and_not_repeated() {
-    let message = edited("name = \"two cameras\"", "name = \"a\\u001B[2Jb\"");
-    assert!(message.contains("line 2: `name` is \"a\\u{1b}[2Jb\"; expected 1 to 200 letters"), "{message}");
-    let message = edited("name = \"a\"", "name = \"\\u001B]0;x\\u0007\"");
-    assert!(message.contains("there is no camera \"\\u{1b}]0;x\\u{7}\""), "{message}");
-}
-
 /// What a take says whose file `path` is changed by `change`.
 fn message(path: &str, change: impl FnOnce(&mut Vec<u8>)) -> String {
     let mut files = good();
     change(files.get_mut(Path::new(path)).unwrap());
     open(files).unwrap_err().to_string()
-}
-
-fn edited(from: &str, to: &str) -> String {
-    assert!(TAKE.contains(from), "{from}");
-    message("t/take.toml", |text| *text = TAKE.replacen(from, to, 1).into_bytes())
 }
 
 #[test]
@@ -227,44 +204,34 @@ fn truncated_pictures_are_told() {
 
 #[test]
 fn errors_in_the_take_file_name_the_line() {
-    let cases = [
-        (
-            "frame_rate = 25",
-            "frame_rate = 25\nframes = 3",
-            "t/take.toml, line 4: is not valid TOML: unknown field `frames`",
-        ),
-        ("first = 5", "start = 5", "line 14: is not valid TOML: in `camera[0]`: unknown field `start`"),
-        ("opening_px = 2", "opening = 2", "line 32: `measurement.opening`: unknown field"),
-        ("region = { x = 1", "region = { z = 1", "line 23: `measurement.region`: unknown field `z`"),
-        ("frame_rate = 25", "frame_rate = 0", "line 3: `frame_rate` is 0.0; expected frames per second"),
-        ("frame_rate = 25", "frame_rate = nan", "line 3: `frame_rate` is NaN"),
-        (
-            "${BACKLIT_NO_SUCH_VARIABLE:-footage}",
-            "${BACKLIT_NO_SUCH_VARIABLE}",
-            "line 4: `footage`: the environment variable BACKLIT_NO_SUCH_VARIABLE is not set",
-        ),
-        ("\"upper_body\"", "\"upper_bdy\"", "t/upper_bdy: there is no such file, and no built-in model"),
-        ("name = \"b\"", "name = \"x\"", "line 12: there is no camera \"x\"; there are a, b, c"),
-        ("name = \"b\"", "name = \"a\"", "camera name \"a\" is used twice"),
-        ("b/%03d.png", "b/%3d.png", "line 13: `camera.frames` is \"b/%3d.png\"; expected a pattern"),
-        ("count = 3", "count = 0", "line 20: `count` is 0; expected 1 to"),
-        ("count = 3", "count = 4", "camera \"a\", frame 3: t/footage/a/03.jpg: there is no such file"),
-        ("count = 3", "count = 3\nlast = 2", "line 21: `last` is 2; expected either"),
-        ("first = 5", "first = 5\nlast = 3", "line 15: `last` is 3; expected 1 to"),
-        ("Crown = \"head\"", "Crown = \"hat\"", "line 28: `reference.markers.Crown` names \"hat\""),
-        ("Crown =", "Toe =", "keypoints.csv: `marker` is never \"Toe\""),
-        (
-            "backlit-take 1",
-            "backlit-take 2",
-            "line 1: `format` is \"backlit-take 2\"; expected \"backlit-take 1\"",
-        ),
-        ("[cameras]", "[cameras]\nsize = [80, 70]", "expected the proportions of 80×70"),
-        ("[[camera]]\nname = \"b\"", "[[camera]", "line 11: is not valid TOML"),
-    ];
-    for (from, to, expected) in cases {
-        let message = edited(from, to);
-        assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-    }
+    assert_refused(
+        TAKE,
+        |text| open(BTreeMap::from_iter(good().into_iter().chain([("t/take.toml".into(), text.into())]))),
+        r#"
+        frame_rate = 25 ⇒ frame_rate = 25\nframes = 3 ⇒ t/take.toml, line 4: is not valid TOML: unknown field `frames`
+        first = 5 ⇒ start = 5 ⇒ line 14: is not valid TOML: in `camera[0]`: unknown field `start`
+        opening_px = 2 ⇒ opening = 2 ⇒ line 32: `measurement.opening`: unknown field
+        region = { x = 1 ⇒ region = { z = 1 ⇒ line 23: `measurement.region`: unknown field `z`
+        frame_rate = 25 ⇒ frame_rate = 0 ⇒ line 3: `frame_rate` is 0.0; expected frames per second
+        frame_rate = 25 ⇒ frame_rate = nan ⇒ line 3: `frame_rate` is NaN
+        ${BACKLIT_NO_SUCH_VARIABLE:-footage} ⇒ ${BACKLIT_NO_SUCH_VARIABLE} ⇒ line 4: `footage`: the environment variable BACKLIT_NO_SUCH_VARIABLE is not set
+        "upper_body" ⇒ "upper_bdy" ⇒ t/upper_bdy: there is no such file, and no built-in model
+        name = "b" ⇒ name = "x" ⇒ line 12: there is no camera "x"; there are a, b, c
+        name = "b" ⇒ name = "a" ⇒ camera name "a" is used twice
+        b/%03d.png ⇒ b/%3d.png ⇒ line 13: `camera.frames` is "b/%3d.png"; expected a pattern
+        count = 3 ⇒ count = 0 ⇒ line 20: `count` is 0; expected 1 to
+        count = 3 ⇒ count = 4 ⇒ camera "a", frame 3: t/footage/a/03.jpg: there is no such file
+        count = 3 ⇒ count = 3\nlast = 2 ⇒ line 21: `last` is 2; expected either
+        first = 5 ⇒ first = 5\nlast = 3 ⇒ line 15: `last` is 3; expected 1 to
+        Crown = "head" ⇒ Crown = "hat" ⇒ line 28: `reference.markers.Crown` names "hat"
+        Crown = ⇒ Toe = ⇒ keypoints.csv: `marker` is never "Toe"
+        backlit-take 1 ⇒ backlit-take 2 ⇒ line 1: `format` is "backlit-take 2"; expected "backlit-take 1"
+        [cameras] ⇒ [cameras]\nsize = [80, 70] ⇒ expected the proportions of 80×70
+        [[camera]]\nname = "b" ⇒ [[camera] ⇒ line 11: is not valid TOML
+        name = "two cameras" ⇒ name = "a\u001B[2Jb" ⇒ line 2: `name` is "a\u{1b}[2Jb"; expected 1 to 200 letters
+        name = "a" ⇒ name = "\u001B]0;x\u0007" ⇒ there is no camera "\u{1b}]0;x\u{7}"
+        "#,
+    );
     let none = TAKE.split("[[camera]]").next().unwrap();
     let message = message("t/take.toml", |text| *text = none.into());
     assert!(message.contains("there is no camera"), "{message}");
@@ -275,30 +242,16 @@ fn errors_in_files_of_the_take_name_that_file() {
     let cases = [
         (
             "t/start.json",
-            "[2, 0, 0, 0]",
-            "[2, NaN, 0, 0]",
-            "t/start.json, line 1: is not valid JSON: in `rotations.head[1]`: NaN",
+            r#"[2, 0, 0, 0] ⇒ [2, NaN, 0, 0] ⇒ t/start.json, line 1: is not valid JSON: in `rotations.head[1]`: NaN"#,
         ),
-        (
-            "t/footage/cameras.json",
-            "\"fx\": 9",
-            "\"fx\": 0",
-            "t/footage/cameras.json: camera \"a\": `fx` is 0",
-        ),
-        (
-            "t/footage/keypoints.csv",
-            "2,Hip,1",
-            "2,Hip,one",
-            "t/footage/keypoints.csv, line 3: `x` is \"one\"",
-        ),
+        ("t/footage/cameras.json", r#""fx": 9 ⇒ "fx": 0 ⇒ t/footage/cameras.json: camera "a": `fx` is 0"#),
+        ("t/footage/keypoints.csv", r#"2,Hip,1 ⇒ 2,Hip,one ⇒ t/footage/keypoints.csv, line 3: `x` is "one""#),
     ];
-    for (path, from, to, expected) in cases {
-        let message = message(path, |bytes| {
-            let text = String::from_utf8(bytes.clone()).unwrap();
-            assert!(text.contains(from), "{from}");
-            *bytes = text.replacen(from, to, 1).into_bytes();
-        });
-        assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+    for (path, row) in cases {
+        let text = String::from_utf8(good()[Path::new(path)].clone()).unwrap();
+        let with =
+            |text: &str| open(BTreeMap::from_iter(good().into_iter().chain([(path.into(), text.into())])));
+        assert_refused(&text, with, row);
     }
 }
 

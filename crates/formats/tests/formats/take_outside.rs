@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use backlit_formats::Take;
 use image::RgbImage;
 
-const CAMERAS: &str = r#"{"format": "backlit-cameras 1", "cameras": [{"name": "a", "width": 8, "height": 6,
-"fx": 9, "fy": 9, "cx": 3.5, "cy": 2.5, "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 2]}]}"#;
+use crate::small_videos::cameras;
 
 /// A folder with a take in `take`, its pictures and plate also in `elsewhere`.
 fn folder() -> tempfile::TempDir {
@@ -15,7 +14,7 @@ fn folder() -> tempfile::TempDir {
     for place in ["take", "elsewhere"] {
         let place = folder.path().join(place);
         fs::create_dir_all(place.join("a")).unwrap();
-        fs::write(place.join("cameras.json"), CAMERAS).unwrap();
+        fs::write(place.join("cameras.json"), cameras(&["a"], [8, 6], 9, "")).unwrap();
         for name in ["3.png", "4.png", "plate.png"] {
             RgbImage::new(8, 6).save(place.join("a").join(name)).unwrap();
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use backlit_formats::{MemoryFiles, Take, TakeError};
 
-use crate::small_videos::{MP4_SIZE, Mp4, avi, jpeg, number_of};
+use crate::small_videos::{MP4_SIZE, Mp4, avi, cameras, jpeg, number_of};
 
 const TAKE: &str = r#"format = "backlit-take 1"
 name = "videos"
@@ -27,18 +27,8 @@ frames = "b.mp4"
 # b
 "#;
 
-fn cameras() -> String {
-    let camera = |name: &str| {
-        format!(
-            r#"{{"name": "{name}", "width": 32, "height": 16, "fx": 9, "fy": 9, "cx": 4, "cy": 3,
-            "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 2]}}"#
-        )
-    };
-    format!(r#"{{"format": "backlit-cameras 1", "cameras": [{}, {}]}}"#, camera("a"), camera("b"))
-}
-
 fn files() -> BTreeMap<PathBuf, Vec<u8>> {
-    [("take.toml", TAKE.as_bytes().to_vec()), ("cameras.json", cameras().into_bytes())]
+    [("take.toml", TAKE.as_bytes().to_vec()), ("cameras.json", cameras(&["a", "b"], MP4_SIZE, 9, ""))]
         .into_iter()
         .chain([("a.avi", avi(8, MP4_SIZE)), ("b.mp4", Mp4::new(10).bytes())])
         .map(|(path, bytes)| (path.into(), bytes))

@@ -1,6 +1,7 @@
 //! A prior as a whole: parts of the body with their poses and steps, checked once.
 
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::direction::BodyDirection;
@@ -16,7 +17,8 @@ const SHORTEST: f64 = 1e-3;
 const LONGEST: f64 = 1.0;
 
 /// How far a part is from where its motion led, after a time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StepStatistics {
     /// The time that the covariance is of, seconds.
     pub seconds: f64,

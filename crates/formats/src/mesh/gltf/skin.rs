@@ -35,8 +35,7 @@ impl GltfReader<'_> {
         let mut found = Skin { joints: skeleton.joints.clone(), ..Skin::default() };
         for primitive in &entry(&document.meshes, mesh, "a mesh")?.primitives {
             if primitive.mode.unwrap_or(4) != 4 {
-                let what = "a primitive of a skinned mesh";
-                return Err(MeshProblem::Unsupported { what, found: "no triangles".to_owned() });
+                return Err(MeshProblem::unsupported("a primitive of a skinned mesh", "no triangles"));
             }
             self.skinned(primitive, &skeleton, &mut found)?;
         }
@@ -47,7 +46,7 @@ impl GltfReader<'_> {
         let document = self.document;
         if skin.joints.len() > MAX_JOINTS {
             let found = format!("{} joints; expected at most {MAX_JOINTS}", skin.joints.len());
-            return Err(MeshProblem::Unsupported { what: "a skeleton", found });
+            return Err(MeshProblem::unsupported("a skeleton", found));
         }
         let mut parents: Vec<Option<usize>> = vec![None; document.nodes.len()];
         for (index, node) in document.nodes.iter().enumerate() {
@@ -74,8 +73,7 @@ impl GltfReader<'_> {
                 above = parents[at];
             }
             if above.is_some() {
-                let found = format!("deeper than {MAX_DEPTH}");
-                return Err(MeshProblem::Unsupported { what: "a tree of nodes", found });
+                return Err(MeshProblem::unsupported("a tree of nodes", format!("deeper than {MAX_DEPTH}")));
             }
             let name = joint.name.clone().unwrap_or_default();
             skeleton.joints.push(SkinJoint { name, parent, place: world_from_joint.translation });
@@ -90,7 +88,7 @@ impl GltfReader<'_> {
         let accessor = entry(&self.document.accessors, matrices, "an accessor")?;
         if accessor.kind != "MAT4" || accessor.component_type != 5126 || accessor.count < binds.len() {
             let found = format!("{} of {} for {} joints", accessor.count, accessor.kind, binds.len());
-            return Err(MeshProblem::Unsupported { what: "inverse bind matrices", found });
+            return Err(MeshProblem::unsupported("inverse bind matrices", found));
         }
         let mut rows = binds.iter_mut();
         self.rows(accessor, 64, |row| {
@@ -114,7 +112,7 @@ impl GltfReader<'_> {
         for (what, found) in [("JOINTS_0", joints.len()), ("WEIGHTS_0", weights.len())] {
             if found != vertices.len() {
                 let found = format!("{found} for {} vertices", vertices.len());
-                return Err(MeshProblem::Word { what: what.to_owned(), found, expected: "one a vertex" });
+                return Err(MeshProblem::word(what, found, "one a vertex"));
             }
         }
         room("vertices", skin.vertices.len(), vertices.len())?;
@@ -140,7 +138,7 @@ impl GltfReader<'_> {
         let accessor = entry(&self.document.accessors, index, "an accessor")?;
         if accessor.kind != "VEC4" || !kinds.contains(&accessor.component_type) {
             let found = format!("{what}: {} of {}", accessor.kind, accessor.component_type);
-            return Err(MeshProblem::Unsupported { what: "an attribute of another kind", found });
+            return Err(MeshProblem::unsupported("an attribute of another kind", found));
         }
         room("vertices", 0, accessor.count)?;
         let size = match accessor.component_type {
@@ -172,8 +170,8 @@ impl SkinSkeleton {
         for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
             let joint = joint as usize;
             let Some(world_from_mesh) = self.world_from_mesh.get(joint) else {
-                let (what, found) = ("a joint of JOINTS_0".to_owned(), joint.to_string());
-                return Err(MeshProblem::Word { what, found, expected: "one of the skin's joints" });
+                let (what, expected) = ("a joint of JOINTS_0", "one of the skin's joints");
+                return Err(MeshProblem::word(what, joint.to_string(), expected));
             };
             at += weight * world_from_mesh.transform_point3(place);
             total += weight;

@@ -1,6 +1,7 @@
 //! Small readers of the motion files, each by the rules of its format and none of the writers'.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::Value;
@@ -8,82 +9,14 @@ use serde_json::Value;
 /// Points by name, frame by frame.
 pub(super) type Points = Vec<BTreeMap<String, DVec3>>;
 
-/// Places of the joints of a BVH, and of its end sites as `JOINT_end`; the frame time.
+/// Places of the joints of a BVH, and of its end sites as `JOINT_end`; the frame time. Our own reader shares nothing with the writer.
 pub(super) fn bvh(bytes: &[u8]) -> (Points, f64) {
-    struct Joint {
-        name: String,
-        parent: Option<usize>,
-        offset: DVec3,
-        channels: Vec<String>,
-    }
-    let text = std::str::from_utf8(bytes).unwrap();
-    let (hierarchy, motion) = text.split_once("MOTION").unwrap();
-    let mut joints: Vec<Joint> = Vec::new();
-    let mut open: Vec<usize> = Vec::new();
-    let mut words = hierarchy.split_whitespace();
-    assert_eq!(words.next(), Some("HIERARCHY"));
-    while let Some(word) = words.next() {
-        let mut next = || words.next().unwrap();
-        match word {
-            "ROOT" | "JOINT" | "End" => {
-                let name = match (word, next()) {
-                    ("End", _) => format!("{}_end", joints[*open.last().unwrap()].name),
-                    (_, name) => name.to_owned(),
-                };
-                let parent = open.last().copied();
-                assert_eq!(word == "ROOT", parent.is_none());
-                joints.push(Joint { name, parent, offset: DVec3::ZERO, channels: Vec::new() });
-                assert_eq!(next(), "{");
-                open.push(joints.len() - 1);
-            }
-            "OFFSET" => {
-                joints[*open.last().unwrap()].offset =
-                    DVec3::from_array([(); 3].map(|()| next().parse().unwrap()));
-            }
-            "CHANNELS" => {
-                let count: usize = next().parse().unwrap();
-                joints[*open.last().unwrap()].channels = (0..count).map(|_| next().to_owned()).collect();
-            }
-            "}" => drop(open.pop().unwrap()),
-            other => panic!("{other}"),
-        }
-    }
-    assert!(open.is_empty());
-    let mut lines = motion.trim().lines();
-    let count: usize = lines.next().unwrap().strip_prefix("Frames: ").unwrap().parse().unwrap();
-    let time: f64 = lines.next().unwrap().strip_prefix("Frame Time: ").unwrap().parse().unwrap();
-    let frames: Points = lines
-        .map(|line| {
-            let mut numbers = line.split_whitespace().map(|word| word.parse::<f64>().unwrap());
-            let mut world: Vec<(DVec3, DQuat)> = Vec::new();
-            for joint in &joints {
-                let (mut place, mut turn) = (joint.offset, DQuat::IDENTITY);
-                for channel in &joint.channels {
-                    let value = numbers.next().unwrap();
-                    match channel.as_str() {
-                        "Xposition" => place.x = value,
-                        "Yposition" => place.y = value,
-                        "Zposition" => place.z = value,
-                        "Xrotation" => turn *= DQuat::from_rotation_x(value.to_radians()),
-                        "Yrotation" => turn *= DQuat::from_rotation_y(value.to_radians()),
-                        "Zrotation" => turn *= DQuat::from_rotation_z(value.to_radians()),
-                        other => panic!("{other}"),
-                    }
-                }
-                world.push(match joint.parent {
-                    Some(parent) => {
-                        let (p, q) = world[parent];
-                        (p + q * place, q * turn)
-                    }
-                    None => (place, turn),
-                });
-            }
-            assert_eq!(numbers.next(), None);
-            joints.iter().zip(world).map(|(joint, (place, _))| (joint.name.clone(), place)).collect()
-        })
-        .collect();
-    assert_eq!(frames.len(), count);
-    (frames, time)
+    let motion = backlit_formats::bvh::parse(Path::new("a.bvh"), bytes).unwrap();
+    let frame = |frame: usize| {
+        let places = motion.joints().iter().zip(motion.joints_at(frame));
+        places.map(|(joint, (place, _))| (joint.name.replace(" end", "_end"), place)).collect()
+    };
+    ((0..motion.frame_count()).map(frame).collect(), motion.frame_seconds())
 }
 
 /// Markers of a TRC by frame number; an empty map in a gap.
