@@ -30,9 +30,9 @@ pub(crate) struct Target {
     pub(crate) name: &'static str,
     pub(crate) syntax: Syntax,
     /// Whole files, made by our own writers or by hand.
-    pub(crate) seeds: fn() -> Vec<Vec<u8>>,
-    /// What the format's files say.
-    pub(crate) words: &'static [&'static str],
+    pub(crate) seeds: Vec<Vec<u8>>,
+    /// What the format's files say, between `¦`.
+    pub(crate) words: &'static str,
     /// Reads; panics where what it read does not survive its own file.
     pub(crate) read: fn(&[u8]) -> Outcome,
     /// Cases of the short run.
@@ -86,19 +86,20 @@ pub(crate) fn run(
 ) -> Result<Figures, Box<Fault>> {
     let began = processor_time();
     let mut random = Pcg64Mcg::seed_from_u64(16);
-    let seeds = (target.seeds)();
+    let seeds = &target.seeds;
     // Long cases are tried, but none is made longer still.
     let largest = 2000 + 3 * seeds.iter().map(Vec::len).max().unwrap_or(0);
-    let mutator = Mutator::new(target.syntax, target.words, &seeds);
+    let mutator = Mutator::new(target.syntax, target.words, seeds);
     // What was read, and what was refused in a way that is new.
     let (mut read, mut refused) = (VecDeque::from(seeds.clone()), VecDeque::new());
     let mut seen = BTreeSet::new();
     let mut figures = Figures { cases, ..Figures::default() };
-    for seed in &seeds {
+    for seed in seeds {
         let answer = one(target, seed, &mut figures)?;
         seen.insert(shape(&answer));
         assert!(matches!(answer, Outcome::Read), "{}: a seed is refused: {}", target.name, words_of(&answer));
     }
+    assert!(!seeds.is_empty(), "{}: there are no seeds", target.name);
     for case in 0..cases {
         if case % 1024 == 1023 && (processor_time() - began).as_secs_f64() > most_seconds {
             figures.cases = case;

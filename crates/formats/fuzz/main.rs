@@ -11,9 +11,6 @@
 mod engine;
 mod mutate;
 mod seeds;
-#[path = "../tests/formats/small_videos.rs"]
-#[expect(dead_code, reason = "other tests use the rest of it")]
-mod small_videos;
 mod targets;
 
 use std::path::PathBuf;
@@ -53,7 +50,7 @@ fn cut_and_deep_files_are_answered() {
             let outcome = engine::one(&target, bytes, &mut Figures::default());
             outcome.unwrap_or_else(|fault| panic!("{}; {}", fault.what, keep(target.name, bytes).display()))
         };
-        for seed in (target.seeds)() {
+        for seed in &target.seeds {
             for length in (0..seed.len()).step_by(1 + seed.len() / 100) {
                 answer(&seed[..length]);
             }
@@ -96,7 +93,6 @@ fn what_was_found_once_is_answered() {
 /// The engine itself: a reader that panics, one that dawdles, one that hoards and one that shouts are all found.
 #[test]
 fn faults_are_found() {
-    let seeds: fn() -> Vec<Vec<u8>> = || vec![b"[1, 2, 3]".to_vec()];
     type Reader = fn(&[u8]) -> engine::Outcome;
     let readers: [(&str, Reader); 4] = [
         ("panics", |bytes| {
@@ -120,7 +116,8 @@ fn faults_are_found() {
         }),
     ];
     for (what, read) in readers {
-        let target = Target { name: "none", syntax: mutate::Syntax::Text, seeds, words: &[], read, short: 0 };
+        let (syntax, seeds) = (mutate::Syntax::Text, vec![b"[1, 2, 3]".to_vec()]);
+        let target = Target { name: "none", syntax, seeds, words: "", read, short: 0 };
         let fault = engine::run(&target, 2000, f64::INFINITY, &|_| ()).unwrap_err();
         assert!(fault.what.contains(what) && fault.bytes.starts_with(b"[["), "{}", fault.what);
     }

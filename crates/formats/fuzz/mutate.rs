@@ -18,42 +18,8 @@ const NUMBERS: &str = "0 -0 1 -1 2 0.5 1e-300 1e300 -1e300 1e308 1e999 -1e999 na
     9223372036854775807 -9223372036854775808 18446744073709551615 18446744073709551616 1e19 1000000 \
     16384 16385 0x10 1_000 007";
 /// What structure is made of, in any of the texts.
-const MARKS: [&str; 34] = [
-    "[",
-    "]",
-    "{",
-    "}",
-    "(",
-    ")",
-    "\"",
-    "'",
-    "\\",
-    "\n",
-    "\r\n",
-    "\t",
-    "\u{0}",
-    "\u{1b}[31m",
-    "\u{7f}",
-    "\u{202e}",
-    "ü",
-    "\u{feff}",
-    "<",
-    ">",
-    "&lt;",
-    "&#0;",
-    ",",
-    ":",
-    ";",
-    "=",
-    "#",
-    "-",
-    ".",
-    "..",
-    "%",
-    "${",
-    "$",
-    "\"\"",
-];
+const MARKS: &str = "[ ] { } ( ) \" ' \\ \n \r\n \t \u{0} \u{1b}[31m \u{7f} \u{202e} ü \u{feff} < > &lt; &#0; , : ; = # - . .. % ${ $ \
+    \"\"";
 
 /// Makes inputs for one target.
 pub(crate) struct Mutator {
@@ -63,13 +29,14 @@ pub(crate) struct Mutator {
 
 impl Mutator {
     /// The words are those given, and those of the seeds.
-    pub(crate) fn new(syntax: Syntax, words: &[&str], seeds: &[Vec<u8>]) -> Self {
-        let mut all: Vec<Vec<u8>> = words.iter().map(|word| word.as_bytes().to_vec()).collect();
+    pub(crate) fn new(syntax: Syntax, words: &str, seeds: &[Vec<u8>]) -> Self {
+        let words = words.split('¦').filter(|word| !word.is_empty());
+        let mut all: Vec<Vec<u8>> = words.map(|word| word.as_bytes().to_vec()).collect();
         if syntax == Syntax::Text {
             let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.');
             let found = seeds.iter().flat_map(|seed| seed.split(move |byte| !is_word(byte)));
             all.extend(found.filter(|word| (2..40).contains(&word.len())).map(<[u8]>::to_vec));
-            all.extend(NUMBERS.split(' ').chain(MARKS).map(|word| word.as_bytes().to_vec()));
+            all.extend(NUMBERS.split(' ').chain(MARKS.split(' ')).map(|word| word.as_bytes().to_vec()));
             all.sort();
             all.dedup();
         }

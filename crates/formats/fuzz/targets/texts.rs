@@ -1,26 +1,26 @@
-//! Bodies, poses, starts, tracks, motions, priors, cameras, keypoints and markers.
+//! Readers of bodies, poses, starts, tracks, motions, priors, cameras and keypoints, and what must hold of what they read.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::calibration::write::{self, Format};
 use backlit_formats::calibration::{self, CalibrationOptions};
-use backlit_formats::export::{resume_file, track_read};
+use backlit_formats::export::track_read::WrittenTrack;
+use backlit_formats::export::{TrackExport, resume_file, track_json, track_read};
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file, trc};
+use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file};
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::camera::Rig;
 use backlit_tracking::cues::CueOptions;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::track::{KalmanOptions, Motion, Tracker};
 
-use crate::engine::{Outcome, Target};
-use crate::mutate::Syntax;
+use crate::engine::Outcome;
 use crate::seeds;
 
 const OPTIONS: CalibrationOptions = CalibrationOptions { size: None, metres_per_unit: 1.0 };
 
-fn model(bytes: &[u8]) -> Outcome {
+pub(super) fn model(bytes: &[u8]) -> Outcome {
     let found = model_file::parse(Path::new("body.toml"), bytes);
     if let Ok(model) = &found {
         let again = model_file::parse(Path::new("again.toml"), model_file::to_text(model).as_bytes());
@@ -29,7 +29,7 @@ fn model(bytes: &[u8]) -> Outcome {
     found.into()
 }
 
-fn pose(bytes: &[u8]) -> Outcome {
+pub(super) fn pose(bytes: &[u8]) -> Outcome {
     let model = builtin::upper_body();
     let path = Path::new("pose.json");
     let raw = pose_file::parse(path, bytes, &model, Quaternions::Raw);
@@ -42,7 +42,7 @@ fn pose(bytes: &[u8]) -> Outcome {
     raw.into()
 }
 
-fn bvh_motion(bytes: &[u8]) -> Outcome {
+pub(super) fn bvh_motion(bytes: &[u8]) -> Outcome {
     let path = Path::new("motion.bvh");
     let found = bvh::parse(path, bytes);
     if let Ok(motion) = &found {
@@ -57,7 +57,7 @@ fn bvh_motion(bytes: &[u8]) -> Outcome {
     found.into()
 }
 
-fn prior(bytes: &[u8]) -> Outcome {
+pub(super) fn prior(bytes: &[u8]) -> Outcome {
     let path = Path::new("prior.json");
     let found = prior_file::parse(path, bytes);
     if let Ok(prior) = &found {
@@ -73,7 +73,7 @@ fn prior(bytes: &[u8]) -> Outcome {
     found.into()
 }
 
-fn starts(bytes: &[u8]) -> Outcome {
+pub(super) fn starts(bytes: &[u8]) -> Outcome {
     let found = starts_file::parse(Path::new("starts.json"), bytes);
     if let Ok(starts) = &found {
         for start in starts {
@@ -83,18 +83,30 @@ fn starts(bytes: &[u8]) -> Outcome {
     found.into()
 }
 
-fn track(bytes: &[u8]) -> Outcome {
+/// A track as it is written.
+fn track_text(written: &WrittenTrack) -> String {
+    let cameras: Vec<&str> = written.cameras.iter().map(String::as_str).collect();
+    track_json::to_text(&TrackExport {
+        name: &written.name,
+        frame_rate: written.frame_rate,
+        model: &written.model,
+        cameras: &cameras,
+        track: &written.track,
+    })
+}
+
+pub(super) fn track(bytes: &[u8]) -> Outcome {
     let path = Path::new("track.json");
     let found = track_read::parse(path, bytes, None);
     if let Ok(written) = &found {
-        let again = track_read::parse(path, seeds::track_text(written).as_bytes(), None).unwrap();
+        let again = track_read::parse(path, track_text(written).as_bytes(), None).unwrap();
         assert_eq!(&again, written);
     }
     found.into()
 }
 
 /// What was read is written and read again as the same, and a tracker takes it or says why not.
-fn resume(bytes: &[u8]) -> Outcome {
+pub(super) fn resume(bytes: &[u8]) -> Outcome {
     let (path, model) = (Path::new("resume.json"), builtin::single_limb());
     let found = resume_file::parse(path, bytes, &model);
     if let Ok(resume) = &found {
@@ -116,7 +128,7 @@ fn resume(bytes: &[u8]) -> Outcome {
     found.into()
 }
 
-fn keypoint_file(bytes: &[u8]) -> Outcome {
+pub(super) fn keypoint_file(bytes: &[u8]) -> Outcome {
     let found = keypoints::parse(Path::new("frame.json"), bytes);
     if let Ok(people) = &found {
         // What becomes of them next.
@@ -125,14 +137,6 @@ fn keypoint_file(bytes: &[u8]) -> Outcome {
         let _ = (keypoints::tallest(people), keypoints::largest_extent(people));
     }
     found.into()
-}
-
-fn markers(bytes: &[u8]) -> Outcome {
-    trc::parse(Path::new("markers.trc"), bytes).into()
-}
-
-fn labels(bytes: &[u8]) -> Outcome {
-    motion::parse_labels(Path::new("labels.csv"), bytes).into()
 }
 
 /// A rig that was read is written in our own format and read as the same; what another format holds of it is read too.
@@ -149,7 +153,7 @@ fn check_rig(rig: &Rig) {
     }
 }
 
-fn cameras(bytes: &[u8]) -> Outcome {
+pub(super) fn cameras(bytes: &[u8]) -> Outcome {
     let found = calibration::parse(Path::new("cameras"), bytes, OPTIONS);
     if let Ok(rig) = &found {
         check_rig(rig);
@@ -158,8 +162,8 @@ fn cameras(bytes: &[u8]) -> Outcome {
 }
 
 /// As [`cameras`] where only one of two files changes.
-fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Outcome {
-    let files = MemoryFiles::new([(changed, bytes.to_vec()), (beside, other)]);
+pub(super) fn pair(changed: &str, bytes: &[u8], beside: &str, kept: &str) -> Outcome {
+    let files = MemoryFiles::new([(changed, bytes.to_vec()), (beside, seeds::file(kept))]);
     let found = calibration::read_from(&files, Path::new(changed), OPTIONS);
     if let Ok(rig) = &found {
         check_rig(rig);
@@ -168,109 +172,7 @@ fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Outcome {
 }
 
 /// Sizes that a file does not say are given.
-fn sized(bytes: &[u8]) -> Outcome {
+pub(super) fn sized(bytes: &[u8]) -> Outcome {
     calibration::parse(Path::new("cameras"), bytes, CalibrationOptions { size: Some([640, 480]), ..OPTIONS })
         .into()
-}
-
-const CAMERA_WORDS: &[&str] = &[
-    "cameras",
-    "size",
-    "fx",
-    "rotation",
-    "translation",
-    "distortion",
-    "name",
-    "data:",
-    "rows:",
-    "- ",
-    "  ",
-    "---",
-    "!!opencv-matrix",
-    "|",
-    "&a",
-    "*a",
-    "<<: *a",
-    "fisheye = true",
-    "\"format\": \"backlit-cameras 1\"",
-    "<a>",
-    "</a>",
-    "<![CDATA[",
-    "<!--",
-    "-->",
-    "<!DOCTYPE a [<!ENTITY b \"c\">]>",
-    "&b;",
-    "type_id=\"opencv-matrix\"",
-    "T_cn_cnm1",
-];
-
-fn text(name: &'static str, seeds: fn() -> Vec<Vec<u8>>, read: fn(&[u8]) -> Outcome) -> Target {
-    Target { name, syntax: Syntax::Text, seeds, words: CAMERA_WORDS, read, short: 1000 }
-}
-
-pub(super) fn targets() -> Vec<Target> {
-    const BODY: &[&str] = &[
-        "[[limb]]\n",
-        "parent = \"torso\"\n",
-        "rigid_with = \"torso\"\n",
-        "limits",
-        "spheres",
-        "root",
-        "at",
-        "offset",
-    ];
-    const BVH: &[&str] = &[
-        "JOINT a\n{",
-        "End Site\n{",
-        "}\n",
-        "CHANNELS 3 Xposition Yposition Zposition",
-        "MOTION",
-        "Frames: 2",
-    ];
-    const POSE: &[&str] = &["\"root\"", "\"rotations\"", "[1, 0, 0, 0]", "\"left hip\""];
-    vec![
-        Target { words: BODY, ..text("model", seeds::models, model) },
-        Target { words: POSE, ..text("pose", seeds::poses, pose) },
-        Target { words: POSE, ..text("starts", || seeds::kept("starts", false), starts) },
-        Target { words: BVH, ..text("bvh", seeds::motions, bvh_motion) },
-        Target {
-            words: &["\"parts\"", "\"components\"", "\"covariance\"", "\"right-thigh\"", "\"chest-up\""],
-            ..text("prior", seeds::priors, prior)
-        },
-        Target { words: POSE, short: 400, ..text("track", seeds::tracks, track) },
-        Target { words: &["\"waiting\"", "null", "\"belief\""], ..text("resume", seeds::resumes, resume) },
-        Target {
-            words: &["\"people\""],
-            ..text("keypoints", || seeds::kept("keypoints", false), keypoint_file)
-        },
-        Target { words: &["\t\t", "Units"], ..text("markers", || seeds::kept("markers", false), markers) },
-        Target { words: &["file", "class", ",,"], ..text("labels", || seeds::kept("labels", false), labels) },
-        text("cameras", seeds::own_cameras, cameras),
-        text("calibration_json", seeds::calibration_json, cameras),
-        text("calibration_yaml", seeds::calibration_yaml, cameras),
-        text("calibration_xml", seeds::calibration_xml, cameras),
-        text("calibration_toml", seeds::calibration_toml, cameras),
-        text("calibration_sized", || [seeds::calibration_yaml(), seeds::calibration_json()].concat(), sized),
-        text("easymocap", seeds::easymocap, |bytes| pair("intri.yml", bytes, "extri.yml", seeds::extri())),
-        text(
-            "colmap_cameras",
-            || seeds::kept("colmap_cameras", false),
-            |bytes| pair("cameras.txt", bytes, "images.txt", seeds::kept("colmap_images", false).remove(0)),
-        ),
-        text(
-            "colmap_images",
-            || seeds::kept("colmap_images", false),
-            |bytes| pair("images.txt", bytes, "cameras.txt", seeds::kept("colmap_cameras", false).remove(0)),
-        ),
-        Target {
-            syntax: Syntax::Binary,
-            words: &["cos\nsystem\n", "}(", "u."],
-            ..text("pickle", seeds::pickles, cameras)
-        },
-    ]
-}
-
-/// Shared by those who open takes.
-pub(super) fn memory(files: Vec<(&'static str, Vec<u8>)>) -> Arc<MemoryFiles> {
-    Arc::new(MemoryFiles::new(files))
 }
