@@ -70,8 +70,13 @@ impl Gallery {
         ui.horizontal(|ui| {
             ui.label("Flexion");
             let slider = ValueSlider::new(&mut self.flexion, -0.4..=2.6, "Flexion");
-            ui.add(slider.origin(0.0).limits(-0.2, 2.4, 0.05).held(true));
-            ui.add(ValueSlider::new(&mut 2.4, 0.0..=3.0, "Twist").limits(0.3, 2.4, 0.05).width(90.0));
+            let limits = Some((-0.2, 2.4, 0.05));
+            ui.add(ValueSlider { origin: 0.0, limits, is_held: true, ..slider });
+            ui.add(ValueSlider {
+                limits: Some((0.3, 2.4, 0.05)),
+                width: 90.0,
+                ..ValueSlider::new(&mut 2.4, 0.0..=3.0, "Twist")
+            });
         });
         ui.horizontal(|ui| {
             checkbox(ui, &mut self.used, "Used in the fit");

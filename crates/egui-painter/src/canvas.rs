@@ -166,7 +166,7 @@ impl Canvas {
             (true, false) => {
                 let texel = constant_texel(texture, a.uv);
                 for_each_span(at, clip, |y, span| {
-                    let mut colour = gradients.colour(span.start, y);
+                    let mut colour = gradients.walk(&gradients.colour, span.start, y);
                     for target in self.row(y, span) {
                         pixel::blend(target, pixel::modulate(texel, colour.next_pixel()));
                     }
@@ -175,8 +175,8 @@ impl Canvas {
             (false, _) => {
                 let nearest = texture.is_nearest(gradients.texels_per_pixel(texture.size()));
                 for_each_span(at, clip, |y, span| {
-                    let mut colour = gradients.colour(span.start, y);
-                    let mut uv = gradients.uv(span.start, y);
+                    let mut colour = gradients.walk(&gradients.colour, span.start, y);
+                    let mut uv = gradients.walk(&gradients.uv, span.start, y);
                     for target in self.row(y, span) {
                         let [u, v] = uv.next_values();
                         let texel = texture.sample(texture.tap_x(u, nearest), texture.tap_y(v, nearest));
@@ -313,6 +313,7 @@ impl Gradients {
         Self { origin: a, colour: std::array::from_fn(channel), uv: std::array::from_fn(coordinate) }
     }
 
+    /// From a pixel of a row to the right.
     fn walk<const N: usize>(&self, planes: &[Plane; N], x: i64, y: i64) -> Walk<N> {
         let unit = UNIT as f64;
         let dx = x as f64 + 0.5 - self.origin.x as f64 / unit;
@@ -322,14 +323,6 @@ impl Gradients {
             step: planes.map(|plane| plane.per_column as f32),
             column: 0.0,
         }
-    }
-
-    fn colour(&self, x: i64, y: i64) -> Walk<4> {
-        self.walk(&self.colour, x, y)
-    }
-
-    fn uv(&self, x: i64, y: i64) -> Walk<2> {
-        self.walk(&self.uv, x, y)
     }
 
     /// How far one pixel reaches in the texture. Without `hypot`, whose last bit is the platform's.

@@ -65,89 +65,23 @@ pub(crate) fn for_each_span(corners: [Snapped; 3], clip: Clip, mut span: impl Fn
     if first > last {
         return;
     }
-    let centre = first * UNIT + CENTRE;
-    let mut edges = [Edge::new(a, b, centre), Edge::new(b, c, centre), Edge::new(c, a, centre)];
     for row in first..=last {
+        let centre = row * UNIT + CENTRE;
         let (mut left, mut right) = (clip.left, clip.right);
-        for edge in &mut edges {
-            edge.narrow(&mut left, &mut right);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            // Inside is where E = (to.x − from.x)(y − from.y) − (to.y − from.y)(x − from.x) is positive, or zero on a top
+            // or left edge. It is `start` at the centre of the row's pixel 0, and `slope` · `UNIT` more with each pixel.
+            let (along, slope) = (to.x - from.x, from.y - to.y);
+            let start = along * (centre - from.y) + slope * (CENTRE - from.x);
+            match slope.signum() {
+                1 => left = left.max(ceil_div(-start, slope * UNIT)),
+                -1 => right = right.min(ceil_div(start, -slope * UNIT)),
+                _ if start < i64::from(along < 0) => right = left,
+                _ => {}
+            }
         }
         if left < right {
             span(row, left..right);
-        }
-    }
-}
-
-/// One edge, walked down row by row. Inside is where
-/// E = (b.x − a.x)(y − a.y) − (b.y − a.y)(x − a.x) is positive, or zero on a top or left edge.
-///
-/// On one row that bounds the pixel index by a quotient of integers, rounded up; remainder and quotient are
-/// carried from row to row.
-struct Edge {
-    side: EdgeSide,
-    quotient: i64,
-    remainder: i64,
-    divisor: i64,
-    quotient_step: i64,
-    remainder_step: i64,
-}
-
-enum EdgeSide {
-    /// The first pixel inside is the quotient.
-    Left,
-    /// The first pixel outside is the quotient.
-    Right,
-    /// A horizontal edge: the quotient is E less one where ties are outside, and inside means it is ≥ 0.
-    Level,
-}
-
-impl Edge {
-    fn new(a: Snapped, b: Snapped, centre_y: i64) -> Self {
-        let along = b.x - a.x;
-        let slope = a.y - b.y;
-        let row_step = along * UNIT;
-        if slope == 0 {
-            let tie = i64::from(along < 0);
-            let quotient = along * (centre_y - a.y) - tie;
-            return Self {
-                side: EdgeSide::Level,
-                quotient,
-                remainder: 0,
-                divisor: 1,
-                quotient_step: row_step,
-                remainder_step: 0,
-            };
-        }
-        // E at the centre of pixel 0 of the first row; E at pixel i is that + slope · UNIT · i.
-        let start = along * (centre_y - a.y) + slope * (CENTRE - a.x);
-        let divisor = slope.abs() * UNIT;
-        let (side, numerator, step) =
-            if slope > 0 { (EdgeSide::Left, -start, -row_step) } else { (EdgeSide::Right, start, row_step) };
-        let rounded_up = numerator + divisor - 1;
-        Self {
-            side,
-            quotient: rounded_up.div_euclid(divisor),
-            remainder: rounded_up.rem_euclid(divisor),
-            divisor,
-            quotient_step: step.div_euclid(divisor),
-            remainder_step: step.rem_euclid(divisor),
-        }
-    }
-
-    /// Cuts the span of this row, and moves on to the next.
-    #[inline]
-    fn narrow(&mut self, left: &mut i64, right: &mut i64) {
-        match self.side {
-            EdgeSide::Left => *left = (*left).max(self.quotient),
-            EdgeSide::Right => *right = (*right).min(self.quotient),
-            EdgeSide::Level if self.quotient < 0 => *right = *left,
-            EdgeSide::Level => {}
-        }
-        self.quotient += self.quotient_step;
-        self.remainder += self.remainder_step;
-        if self.remainder >= self.divisor {
-            self.remainder -= self.divisor;
-            self.quotient += 1;
         }
     }
 }

@@ -65,33 +65,30 @@ impl Headless {
     /// them receives `events`.
     ///
     /// egui settles sizes over two frames, so three show a new window as it stays.
-    pub fn frames(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> RgbaImage {
-        let unpainted = count.saturating_sub(1);
-        let (first, last) = if unpainted > 0 { (events, Vec::new()) } else { (Vec::new(), events) };
-        self.run(unpainted, first, &mut ui);
-        let output = self.frame(last, &mut ui);
-        let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        let background = self.ctx.global_style().visuals.panel_fill;
-        let size_px = (self.size * self.pixels_per_point).round();
-        let size_px = [size_px.x as u32, size_px.y as u32];
-        self.painter.paint(&primitives, output.pixels_per_point, size_px, background)
+    pub fn frames(&mut self, count: usize, events: Vec<Event>, ui: impl FnMut(&mut Ui)) -> RgbaImage {
+        let output = self.last_of(count, events, ui);
+        self.painter.paint_shapes(&self.ctx, output.shapes, output.pixels_per_point, self.size)
     }
 
     /// The same as [`frames`](Self::frames), as an SVG: see [`svg`](crate::svg).
-    pub fn svg(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> String {
-        let unpainted = count.saturating_sub(1);
-        let (first, last) = if unpainted > 0 { (events, Vec::new()) } else { (Vec::new(), events) };
-        self.run(unpainted, first, &mut ui);
-        let output = self.frame(last, &mut ui);
+    pub fn svg(&mut self, count: usize, events: Vec<Event>, ui: impl FnMut(&mut Ui)) -> String {
+        let output = self.last_of(count, events, ui);
         crate::svg(&output.shapes, self.size, self.ctx.global_style().visuals.panel_fill)
     }
 
     /// Runs `count` frames of `ui` and paints none of them. The first of them receives `events`.
-    pub fn run(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) {
-        let mut events = events;
-        for _ in 0..count {
+    pub fn run(&mut self, count: usize, events: Vec<Event>, ui: impl FnMut(&mut Ui)) {
+        if count > 0 {
+            self.last_of(count, events, ui);
+        }
+    }
+
+    /// The last of `count` frames (at least one), of which the first receives `events`.
+    fn last_of(&mut self, count: usize, mut events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> FullOutput {
+        for _ in 1..count {
             self.frame(std::mem::take(&mut events), &mut ui);
         }
+        self.frame(events, ui)
     }
 
     /// Gives the window another size, in points, from the next frame on.

@@ -99,8 +99,6 @@
 mod canvas;
 mod coverage;
 mod headless;
-#[cfg(feature = "kittest")]
-mod kittest;
 mod painter;
 mod pixel;
 mod svg;

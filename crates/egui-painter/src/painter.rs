@@ -1,7 +1,7 @@
 //! What paints.
 
-use egui::epaint::ClippedPrimitive;
-use egui::{Color32, TexturesDelta};
+use egui::epaint::{ClippedPrimitive, ClippedShape};
+use egui::{Color32, Context, TexturesDelta, Vec2};
 use image::RgbaImage;
 
 use crate::canvas::Canvas;
@@ -60,9 +60,36 @@ impl Painter {
         canvas.image()
     }
 
+    /// A window of `size` points as egui has shaped it, on the theme's panel colour.
+    pub(crate) fn paint_shapes(
+        &mut self,
+        ctx: &Context,
+        shapes: Vec<ClippedShape>,
+        pixels_per_point: f32,
+        size: Vec2,
+    ) -> RgbaImage {
+        let primitives = ctx.tessellate(shapes, pixels_per_point);
+        let size_px = (size * pixels_per_point).round();
+        let background = ctx.global_style().visuals.panel_fill;
+        self.paint(&primitives, pixels_per_point, [size_px.x as u32, size_px.y as u32], background)
+    }
+
     /// What could not be painted until now.
     #[must_use]
     pub fn skipped(&self) -> Skipped {
         self.skipped
+    }
+}
+
+/// Snapshots in tests.
+#[cfg(feature = "kittest")]
+impl egui_kittest::TestRenderer for Painter {
+    fn handle_delta(&mut self, delta: &mut TexturesDelta) {
+        self.update(delta);
+    }
+
+    fn render(&mut self, ctx: &Context, output: &egui::FullOutput) -> Result<RgbaImage, String> {
+        let size = ctx.viewport_rect().size();
+        Ok(self.paint_shapes(ctx, output.shapes.clone(), output.pixels_per_point, size))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use egui::epaint::text::{Galley, PlacedRow};
+use egui::epaint::text::PlacedRow;
 use egui::epaint::{ClippedShape, ColorMode, Mesh, TextShape, TextureId};
 use egui::{Color32, FontFamily, Pos2, Rect, Shape, Stroke, Vec2};
 
@@ -86,11 +86,7 @@ impl Drawing {
                 self.push(format_args!("<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"{look}/>"));
             }
             Shape::Path(path) => {
-                let colour = match path.stroke.color {
-                    ColorMode::Solid(colour) => colour,
-                    ColorMode::UV(_) => Color32::TRANSPARENT,
-                };
-                let look = format!("{}{}", fill(path.fill), stroke(Stroke::new(path.stroke.width, colour)));
+                let look = format!("{}{}", fill(path.fill), path_stroke(&path.stroke));
                 let points = points(&path.points);
                 let name = if path.closed { "polygon" } else { "polyline" };
                 self.push(format_args!("<{name} points=\"{points}\"{look}/>"));
@@ -101,7 +97,7 @@ impl Drawing {
                 let look = format!("{}{}", fill(shape.fill), stroke(shape.stroke));
                 self.push(format_args!("<rect{}{radius}{look}/>", rect(shape.rect)));
             }
-            Shape::Text(text) => self.words(text),
+            Shape::Text(text) => text.galley.rows.iter().for_each(|row| self.row(text, row)),
             Shape::Mesh(mesh) => self.mesh(mesh),
             Shape::QuadraticBezier(curve) => {
                 let look = format!("{}{}", fill(curve.fill), path_stroke(&curve.stroke));
@@ -116,15 +112,9 @@ impl Drawing {
         }
     }
 
-    fn words(&mut self, shape: &TextShape) {
-        for row in &shape.galley.rows {
-            self.row(shape, &shape.galley, row);
-        }
-    }
-
     /// A row, in pieces of one colour.
-    fn row(&mut self, shape: &TextShape, galley: &Galley, row: &PlacedRow) {
-        let Some(format) = galley.job.sections.first().map(|section| &section.format) else { return };
+    fn row(&mut self, shape: &TextShape, row: &PlacedRow) {
+        let Some(format) = shape.galley.job.sections.first().map(|section| &section.format) else { return };
         let family = match format.font_id.family {
             FontFamily::Monospace => MONOSPACE,
             FontFamily::Proportional | FontFamily::Name(_) => PROPORTIONAL,

@@ -38,6 +38,18 @@ fn white() -> ColorImage {
     ColorImage::filled([1, 1], Color32::WHITE)
 }
 
+/// Corners without a texture, in colours by x, and triangles between them.
+fn triangles(corners: &[(f32, f32)], colour: impl Fn(f32) -> Color32, triangles: &[[u32; 3]]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (x, y) in corners {
+        mesh.vertices.push(Vertex::untextured(pos2(*x, *y), colour(*x)));
+    }
+    for [a, b, c] in triangles {
+        mesh.add_triangle(*a, *b, *c);
+    }
+    mesh
+}
+
 /// The red channel in sixteenths, a hexadecimal digit a pixel.
 fn digits(image: &RgbaImage) -> Vec<String> {
     let digit = |x, y| format!("{:x}", image.get_pixel(x, y).0[0] / 16);
@@ -46,11 +58,7 @@ fn digits(image: &RgbaImage) -> Vec<String> {
 
 #[test]
 fn a_triangle_is_filled_up_to_its_clip() {
-    let mut mesh = Mesh::default();
-    for (x, y) in [(1.0, 1.0), (9.0, 1.0), (1.0, 9.0)] {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), RED));
-    }
-    mesh.add_triangle(0, 1, 2);
+    let mesh = triangles(&[(1.0, 1.0), (9.0, 1.0), (1.0, 9.0)], |_| RED, &[[0, 1, 2]]);
     let image = paint(10, Color32::BLACK, white(), TextureOptions::LINEAR, mesh);
     let expected = [
         "0000000000",
@@ -70,12 +78,8 @@ fn a_triangle_is_filled_up_to_its_clip() {
 #[test]
 fn translucent_triangles_that_share_an_edge_leave_no_seam() {
     let half_red = Color32::from_rgba_premultiplied(128, 0, 0, 128);
-    let mut mesh = Mesh::default();
-    for (x, y) in [(0.0, 0.0), (10.0, 0.3), (0.0, 10.0), (10.0, 10.0)] {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), half_red));
-    }
-    mesh.add_triangle(0, 1, 2);
-    mesh.add_triangle(3, 2, 1);
+    let corners = [(0.0, 0.0), (10.0, 0.3), (0.0, 10.0), (10.0, 10.0)];
+    let mesh = triangles(&corners, |_| half_red, &[[0, 1, 2], [3, 2, 1]]);
     let image = paint(7, Color32::WHITE, white(), TextureOptions::LINEAR, mesh);
     for pixel in image.pixels() {
         assert_eq!(pixel.0, [255, 127, 127, 255]);
@@ -84,13 +88,9 @@ fn translucent_triangles_that_share_an_edge_leave_no_seam() {
 
 #[test]
 fn colours_run_evenly_between_corners() {
-    let mut mesh = Mesh::default();
-    for (x, y) in [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0), (8.0, 8.0)] {
-        let grey = Color32::from_gray((x / 8.0 * 240.0) as u8);
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), grey));
-    }
-    mesh.add_triangle(0, 1, 2);
-    mesh.add_triangle(2, 1, 3);
+    let corners = [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0), (8.0, 8.0)];
+    let grey = |x: f32| Color32::from_gray((x / 8.0 * 240.0) as u8);
+    let mesh = triangles(&corners, grey, &[[0, 1, 2], [2, 1, 3]]);
     let image = paint(8, Color32::BLACK, white(), TextureOptions::LINEAR, mesh);
     for row in &digits(&image)[..7] {
         assert_eq!(row, "02468ace");
@@ -119,12 +119,8 @@ fn textures_are_mixed_or_picked_as_they_ask() {
 
 #[test]
 fn colours_are_modulated_and_blended_as_they_are() {
-    let mut mesh = Mesh::default();
     let half_white = Color32::from_rgba_premultiplied(128, 128, 128, 128);
-    for (x, y) in [(0.0, 0.0), (16.0, 0.0), (0.0, 16.0)] {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), half_white));
-    }
-    mesh.add_triangle(0, 1, 2);
+    let mesh = triangles(&[(0.0, 0.0), (16.0, 0.0), (0.0, 16.0)], |_| half_white, &[[0, 1, 2]]);
     // Half of white over black is 128 in gamma space; in linear light it would be 188.
     let over_black = paint(4, Color32::BLACK, white(), TextureOptions::LINEAR, mesh.clone());
     assert!(over_black.pixels().all(|pixel| pixel.0 == [128, 128, 128, 255]));
@@ -153,11 +149,8 @@ fn textures_repeat_mirror_or_end_as_they_ask() {
 
 #[test]
 fn what_cannot_be_painted_is_left_out_and_counted() {
-    let mut mesh = Mesh::default();
     let places = [(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (f32::NAN, 1.0), (1e30, f32::INFINITY), (2.0, 2.0)];
-    for (x, y) in places {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), RED));
-    }
+    let mut mesh = triangles(&places, |_| RED, &[]);
     mesh.vertices.push(Vertex { uv: pos2(f32::NAN, 0.0), ..mesh.vertices[0] });
     for [a, b, c] in [[0, 1, 3], [4, 1, 2], [0, 1, 99], [0, 6, 2]] {
         mesh.add_triangle(a, b, c);

@@ -34,7 +34,7 @@ pub use bodies::{
     automatic_factor, joint_ellipses,
 };
 pub use calibration::{CalibrationMarks, SightRay, point_at, project_segment, sight_ray};
-pub use compose::{Derivative, limb_chains, limb_colours};
+pub use compose::{Derivative, compose, compose_over_footage, limb_chains, limb_colours, shows_footage};
 pub use input::{PictureInput, Sample};
 pub use joints::{Drag, DragEvent, JointMark, draggable_joints, project_joints};
 pub use limbs::{
@@ -47,35 +47,3 @@ pub use mode::{
 };
 pub use outline::body_outline;
 pub use side_marks::SideMarks;
-
-use egui::ColorImage;
-
-/// The picture of a view mode. What `input` lacks for it is said by [`PictureInput::shown`].
-pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
-    let input = input.fitting();
-    match input.shown(mode) {
-        ViewMode::Footage => compose::footage(&input),
-        ViewMode::Data => compose::data(&input),
-        ViewMode::Prediction => compose::prediction(&input),
-        ViewMode::ReportOverlay => compose::report_overlay(&input),
-        ViewMode::Tinted => tinted::compose(&input),
-        ViewMode::Residual => compose::residual(&input),
-        ViewMode::OwnerLimb => compose::owner_limb(&input),
-        ViewMode::Gradient => compose::compose_gradient(&input),
-        ViewMode::JacobianColumn => compose::compose_jacobian(&input),
-    }
-}
-
-/// Whether a mode shows footage as it is or tinted, so that it can lie over a larger picture of the same.
-pub fn shows_footage(mode: ViewMode, input: &PictureInput<'_>) -> bool {
-    input.frame.is_some() && matches!(input.fitting().shown(mode), ViewMode::Footage | ViewMode::Tinted)
-}
-
-/// What such a mode lays over the footage, as premultiplied colours.
-pub fn compose_over_footage(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
-    let input = input.fitting();
-    match input.shown(mode) {
-        ViewMode::Tinted => tinted::compose_over_footage(&input),
-        _ => ColorImage::filled(input.size, egui::Color32::TRANSPARENT),
-    }
-}

@@ -109,7 +109,7 @@ impl Beginnings {
             let mut value = at.step as f64;
             let slider = ValueSlider::new(&mut value, 0.0..=last as f64, "Step of the way");
             let width = ui.available_width();
-            if ui.add(slider.width(width).held(true)).changed() {
+            if ui.add(ValueSlider { width, is_held: true, ..slider }).changed() {
                 chosen = value.round() as usize;
             }
         }

@@ -119,8 +119,8 @@ pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
         ui.add_enabled_ui(input.is_used, |ui| {
             let mut weight = input.weight;
             let label = format!("Weight of {}", input.name);
-            let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label).width(WEIGHT_SLIDER);
-            let slider = ui.add(slider);
+            let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label);
+            let slider = ui.add(ValueSlider { width: WEIGHT_SLIDER, ..slider });
             let drag = gesture(ui, "weight", &slider);
             if slider.changed() {
                 events.push(TileEvent::SetWeight(weight, drag));

@@ -279,7 +279,8 @@ fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEve
         ui.add_space(space::WIDGET);
         ui.label(RichText::new("Rate").color(palette.text2));
         let mut rate = f64::from(input.settings.blink_hz);
-        let slider = ValueSlider::new(&mut rate, ViewSettings::BLINK_HZ, "Blink rate").width(RATE_SLIDER);
+        let slider = ValueSlider::new(&mut rate, ViewSettings::BLINK_HZ, "Blink rate");
+        let slider = ValueSlider { width: RATE_SLIDER, ..slider };
         if ui.add(slider).on_hover_text("How often a blinking view changes").changed() {
             let settings = ViewSettings { blink_hz: rate as f32, ..input.settings };
             events.push(TileEvent::SetSettings(settings));

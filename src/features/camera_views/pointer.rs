@@ -188,7 +188,7 @@ impl Anchor {
         };
         // What moves with the pointer: the limb's end, or its outline on the side that was taken hold of.
         let sized_px = held_limb.and_then(|limb| match action {
-            Action::Length(_) => Some(limb.end_px),
+            Action::Length(_) => Some(limb.ends_px[1]),
             Action::Radius(_) => {
                 let sides = [-1.0, 1.0].map(|side| limb.side_px(side));
                 sides.into_iter().min_by(|a, b| a.distance(origin_px).total_cmp(&b.distance(origin_px)))
@@ -196,7 +196,7 @@ impl Anchor {
             _ => None,
         });
         let pivot = match action {
-            Action::Turn(owner) => limb(owner).or(held_limb).map(|limb| limb.start_px),
+            Action::Turn(owner) => limb(owner).or(held_limb).map(|limb| limb.ends_px[0]),
             _ => None,
         };
         let depth_m = mark.map(|mark| mark.depth_m).or(held_limb.map(|limb| limb.depth_at(origin_px)));
@@ -308,12 +308,9 @@ mod tests {
             let joints = vec![mark(JointId::End(forearm), 50.0), mark(JointId::Root, 90.0)];
             let mut limbs = vec![None; body.limbs().len()];
             limbs[forearm] = Some(ProjectedLimb {
-                start_px: DVec2::new(10.0, 50.0),
-                end_px: DVec2::new(50.0, 50.0),
-                start_radius_px: 4.0,
-                end_radius_px: 4.0,
-                start_depth_m: 3.0,
-                end_depth_m: 3.0,
+                ends_px: [DVec2::new(10.0, 50.0), DVec2::new(50.0, 50.0)],
+                radii_px: [4.0; 2],
+                depths_m: [3.0; 2],
                 has_flat_ends: false,
             });
             Self { body, joints, limbs, pointer: Pointer::default(), forearm }

@@ -145,9 +145,9 @@ impl Offsets {
         named_row(ui, "Frame", NAMES, |ui| {
             let last = count.saturating_sub(1) as f64;
             let mut frame = self.frame as f64;
-            ui.add(
-                ValueSlider::new(&mut frame, 0.0..=last.max(1.0), "Frame").width(ui.available_width() - 84.0),
-            );
+            let width = ui.available_width() - 84.0;
+            let slider = ValueSlider::new(&mut frame, 0.0..=last.max(1.0), "Frame");
+            ui.add(ValueSlider { width, ..slider });
             number_field(ui, "Frame number", &mut frame, 0, "", 0.2, 70.0);
             self.frame = frame.round().clamp(0.0, last) as usize;
         });

@@ -11,6 +11,7 @@ use backlit_tracking::observability::{ImageEllipse, JointUncertainty};
 use backlit_tracking::render::RendererKind;
 use glam::{DVec2, DVec3};
 
+use super::limbs::place_in_front;
 use super::{JointId, ProjectedLimb, draggable_joints, joined_outline, joint_name, project_limbs};
 use crate::style::format;
 
@@ -105,11 +106,8 @@ pub struct GhostMarks {
 impl GhostMarks {
     /// Projects them.
     pub fn new(ghosts: &Ghosts, camera: &Camera, renderer: RendererKind) -> Self {
-        let place = |point: DVec3| {
-            let px = camera.project(point).filter(|px| px.is_finite());
-            px.filter(|_| camera.depth(point) > super::limbs::NEAREST_M)
-        };
         let stick = |kinematics: &Kinematics, limb: usize| {
+            let place = |end: DVec3| place_in_front(camera, end);
             Some([place(kinematics.starts()[limb])?, place(kinematics.ends()[limb])?])
         };
         let sticks = |(ghost, opacity): (&Ghost, f32)| {
@@ -124,20 +122,9 @@ impl GhostMarks {
                 whole.iter().filter(|(limb, _)| is_drawn(*limb)).map(|(_, limb)| limb).collect();
             joined_outline(&limbs)
         };
-        let template = ghosts.template.and_then(|template| {
-            let [start_px, end_px] = template.ends.map(place);
-            let [start_depth_m, end_depth_m] = template.ends.map(|end| camera.depth(end));
-            let radius = |depth: f64| template.radius * camera.intrinsics().mean_focal_px() / depth;
-            Some(ProjectedLimb {
-                start_px: start_px?,
-                end_px: end_px?,
-                start_radius_px: radius(start_depth_m),
-                end_radius_px: radius(end_depth_m),
-                start_depth_m,
-                end_depth_m,
-                has_flat_ends: false,
-            })
-        });
+        let template = ghosts
+            .template
+            .and_then(|template| ProjectedLimb::new(camera, template.ends, template.radius, false));
         Self {
             sticks: ghosts.sticks().map(sticks).collect(),
             outline: outline(&|_| true),

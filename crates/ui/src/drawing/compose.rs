@@ -6,40 +6,58 @@ use backlit_tracking::render::prediction::NO_OWNER;
 use backlit_tracking::silhouette::Label;
 use egui::{Color32, ColorImage};
 
-use super::PictureInput;
-use super::tinted::mix;
+use super::tinted::{self, mix};
+use super::{PictureInput, ViewMode};
 use crate::style::format;
 use crate::style::theme::data_colours::{
     NO_GRADIENT, PICTURE_GROUND, REPORT_GROUND, SHADOW, UNKNOWN, limb_colour, mark, report_grey,
 };
 use crate::style::theme::{gradient_colour, residual_colour};
 
-pub(super) fn footage(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|x, y, _| input.footage(x, y).unwrap_or(PICTURE_GROUND))
+/// The picture of a view mode. What `input` lacks for it is said by [`PictureInput::shown`].
+pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
+    let input = &input.fitting();
+    match input.shown(mode) {
+        ViewMode::Footage => input.map(|x, y, _| input.footage(x, y).unwrap_or(PICTURE_GROUND)),
+        ViewMode::Data => input.map(|x, y, index| {
+            hatched(input, [x, y, index], PICTURE_GROUND, |level| Color32::from_gray(level.round() as u8))
+        }),
+        ViewMode::Prediction => {
+            input.map(|_, _, index| Color32::from_gray(input.lambda(index).round() as u8))
+        }
+        ViewMode::ReportOverlay => input.map(|x, y, index| {
+            let grey = |level| Color32::from_gray(report_grey(level, input.lambda(index)));
+            hatched(input, [x, y, index], Color32::from_gray(REPORT_GROUND), grey)
+        }),
+        ViewMode::Tinted => tinted::compose(input),
+        ViewMode::Residual => input.map(|x, y, index| {
+            let colour = |level| residual_colour(level - input.lambda(index));
+            hatched(input, [x, y, index], PICTURE_GROUND, colour)
+        }),
+        ViewMode::OwnerLimb => input.map(|_, _, index| {
+            let owner = input.prediction.map_or(NO_OWNER, |p| p.owner[index]);
+            let colour = input.limb_colours.get(usize::from(owner));
+            colour.map_or(PICTURE_GROUND, |colour| {
+                mix(PICTURE_GROUND, *colour, 1.0 - input.lambda(index).clamp(0.0, 255.0) / 255.0)
+            })
+        }),
+        ViewMode::Gradient => derivative(input, input.gradient, gradient_colour),
+        ViewMode::JacobianColumn => derivative(input, input.jacobian, |share| residual_colour(share * 255.0)),
+    }
 }
 
-pub(super) fn data(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|x, y, index| {
-        hatched(input, [x, y, index], PICTURE_GROUND, |level| Color32::from_gray(level.round() as u8))
-    })
+/// Whether a mode shows footage as it is or tinted, so that it can lie over a larger picture of the same.
+pub fn shows_footage(mode: ViewMode, input: &PictureInput<'_>) -> bool {
+    input.frame.is_some() && matches!(input.fitting().shown(mode), ViewMode::Footage | ViewMode::Tinted)
 }
 
-pub(super) fn prediction(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|_, _, index| Color32::from_gray(input.lambda(index).round() as u8))
-}
-
-pub(super) fn residual(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|x, y, index| {
-        let colour = |level| residual_colour(level - input.lambda(index));
-        hatched(input, [x, y, index], PICTURE_GROUND, colour)
-    })
-}
-
-pub(super) fn report_overlay(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|x, y, index| {
-        let grey = |level| Color32::from_gray(report_grey(level, input.lambda(index)));
-        hatched(input, [x, y, index], Color32::from_gray(REPORT_GROUND), grey)
-    })
+/// What such a mode lays over the footage, as premultiplied colours.
+pub fn compose_over_footage(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
+    let input = input.fitting();
+    match input.shown(mode) {
+        ViewMode::Tinted => tinted::compose_over_footage(&input),
+        _ => ColorImage::filled(input.size, Color32::TRANSPARENT),
+    }
 }
 
 /// A pixel's colour where the data is shown: hatched where it is shadow or says nothing. Under the hatch lies `shown` of its
@@ -53,20 +71,9 @@ fn hatched(
     let level = input.level(index).filter(|_| input.label(index) != Label::Unknown);
     match (level, input.is_shadow(index)) {
         (_, true) if is_shadow_line(y) => SHADOW,
-        (None, false) => unknown(x, y, ground),
+        (None, false) if is_unknown_line(x, y) => UNKNOWN,
         (level, _) => level.map_or(ground, shown),
     }
-}
-
-/// The colour of a don't-know pixel on `ground`: one diagonal of every five, falling to the right.
-fn unknown(x: usize, y: usize, ground: Color32) -> Color32 {
-    if is_unknown_line(x, y) { UNKNOWN } else { ground }
-}
-
-/// The colour of a pixel without gradient on `ground`: two diagonals of every six, rising to the right.
-fn no_gradient(x: usize, y: usize, ground: Color32) -> Color32 {
-    let [width, period] = mark::NO_GRADIENT_HATCH.map(|px| px as usize);
-    if (x + y) % period < width { NO_GRADIENT } else { ground }
 }
 
 /// Whether the hatch of shadows has a line in this row: one of every three.
@@ -75,21 +82,11 @@ pub(super) fn is_shadow_line(y: usize) -> bool {
     y % period < width
 }
 
-/// Whether the don't-know hatch has a line at this pixel.
+/// Whether the don't-know hatch has a line at this pixel: one diagonal of every five, falling to the right.
 pub(super) fn is_unknown_line(x: usize, y: usize) -> bool {
     let [width, period] = mark::UNKNOWN_HATCH.map(|px| px as usize);
     // x − y, kept above zero: y of any picture is far below the offset, a multiple of the period.
     (x + (usize::MAX >> 8) / period * period - y) % period < width
-}
-
-pub(super) fn owner_limb(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|_, _, index| {
-        let owner = input.prediction.map_or(NO_OWNER, |p| p.owner[index]);
-        match input.limb_colours.get(usize::from(owner)) {
-            Some(colour) => mix(PICTURE_GROUND, *colour, 1.0 - input.lambda(index).clamp(0.0, 255.0) / 255.0),
-            None => PICTURE_GROUND,
-        }
-    })
 }
 
 /// A colour for each limb of a model. Limbs that turn together share one; a chain is a run of rotations
@@ -168,27 +165,21 @@ impl Derivative {
     }
 }
 
-pub(super) fn compose_gradient(input: &PictureInput<'_>) -> ColorImage {
-    compose(input, input.gradient, gradient_colour)
-}
-
-pub(super) fn compose_jacobian(input: &PictureInput<'_>) -> ColorImage {
-    compose(input, input.jacobian, |share| residual_colour(share * 255.0))
-}
-
-fn compose(
+/// A derivative by its colour map. Pixels of the ramp without one have two diagonals of every six, rising to the right.
+fn derivative(
     input: &PictureInput<'_>,
     derivative: Option<&Derivative>,
     colour: impl Fn(f32) -> Color32,
 ) -> ColorImage {
     let Some(derivative) = derivative else { return ColorImage::filled(input.size, PICTURE_GROUND) };
+    let [width, period] = mark::NO_GRADIENT_HATCH.map(|px| px as usize);
     input.map(|x, y, index| {
         let share = derivative.values[index] / derivative.scale;
         let lambda = input.lambda(index);
         match (share.abs() > ZERO_SHARE, lambda > 0.0 && lambda < 255.0) {
             (true, _) => colour(share),
-            (false, true) => no_gradient(x, y, PICTURE_GROUND),
-            (false, false) => PICTURE_GROUND,
+            (false, true) if (x + y) % period < width => NO_GRADIENT,
+            (false, _) => PICTURE_GROUND,
         }
     })
 }
@@ -199,7 +190,6 @@ mod tests {
     use backlit_tracking::silhouette::{Mask, Measurement};
 
     use crate::drawing::input::tests::prediction;
-    use crate::drawing::{ViewMode, compose as compose_mode};
 
     use super::*;
 
@@ -207,29 +197,27 @@ mod tests {
     fn grey_levels_are_shown_as_they_are_and_shadow_and_unknown_are_hatched() {
         let shadows = Mask::from_ascii("-~.").unwrap();
         let input = PictureInput { mask: Some(&shadows), ..PictureInput::empty([3, 1]) };
-        let picture = compose_mode(ViewMode::Data, &input);
+        let picture = compose(ViewMode::Data, &input);
         assert_eq!(picture.pixels, [SHADOW, SHADOW, Color32::WHITE]);
         assert!(input.has_shadow() && !input.has_unknown());
         // Between the lines lies what the shadow weighs.
         let shadows = Mask::from_ascii("-~.\n-~.").unwrap();
         let input = PictureInput { mask: Some(&shadows), ..PictureInput::empty([3, 2]) };
-        let picture = compose_mode(ViewMode::Data, &input);
+        let picture = compose(ViewMode::Data, &input);
         assert_eq!(picture.pixels[3..], [Color32::WHITE, PICTURE_GROUND, Color32::WHITE]);
         let mask = Mask::from_ascii("?#.").unwrap();
         let input = PictureInput { mask: Some(&mask), ..PictureInput::empty([3, 1]) };
-        let picture = compose_mode(ViewMode::Data, &input);
+        let picture = compose(ViewMode::Data, &input);
         assert_eq!(picture.pixels, [UNKNOWN, Color32::BLACK, Color32::WHITE]);
         let data = Measurement::new(3, 1, vec![99.6, 40.0, 12.0], vec![1.0, 1.0, 0.0]).unwrap();
-        let picture = compose_mode(ViewMode::Data, &PictureInput { data: Some(&data), mask: None, ..input });
+        let picture = compose(ViewMode::Data, &PictureInput { data: Some(&data), mask: None, ..input });
         assert_eq!(picture.pixels, [Color32::from_gray(100), Color32::from_gray(40), PICTURE_GROUND]);
     }
 
     #[test]
     fn lines_fall_to_the_right_every_five_pixels() {
-        let ground = Color32::BLACK;
-        let row = |y: usize| -> String {
-            (0..8).map(|x| if unknown(x, y, ground) == UNKNOWN { '\\' } else { '.' }).collect()
-        };
+        let row =
+            |y: usize| -> String { (0..8).map(|x| if is_unknown_line(x, y) { '\\' } else { '.' }).collect() };
         assert_eq!([row(0), row(1), row(2)], ["\\....\\..", ".\\....\\.", "..\\....\\"]);
     }
 
@@ -272,9 +260,9 @@ mod tests {
             jacobian: Some(&derivative),
             ..PictureInput::empty([3, 1])
         };
-        let picture = compose_mode(ViewMode::JacobianColumn, &input).pixels;
+        let picture = compose(ViewMode::JacobianColumn, &input).pixels;
         assert_eq!(picture, [NO_GRADIENT, residual_colour(-255.0), PICTURE_GROUND]);
-        let picture = compose_mode(ViewMode::Gradient, &input).pixels;
+        let picture = compose(ViewMode::Gradient, &input).pixels;
         assert_eq!(picture[0], NO_GRADIENT);
     }
 }

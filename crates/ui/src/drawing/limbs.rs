@@ -6,61 +6,60 @@
 
 use std::f64::consts::TAU;
 
-use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
+use backlit_tracking::body::{Kinematics, Limb, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::outline::simplified;
 
 /// Limbs with an end nearer than this to the camera plane are not drawn (metres).
-pub(super) const NEAREST_M: f64 = 0.05;
+const NEAREST_M: f64 = 0.05;
 
 /// Points on a whole circle of an outline.
 const CIRCLE_POINTS: usize = 32;
 
-/// A limb as one camera sees it: two discs and what lies between them.
+/// A limb as one camera sees it: two discs and what lies between them. Its first joint comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectedLimb {
-    /// Its first joint.
-    pub start_px: DVec2,
-    /// Its second joint.
-    pub end_px: DVec2,
-    /// Radius at the first joint.
-    pub start_radius_px: f64,
-    /// Radius at the second joint.
-    pub end_radius_px: f64,
-    /// Depth of the first joint, metres.
-    pub start_depth_m: f64,
-    /// Depth of the second joint, metres.
-    pub end_depth_m: f64,
+    /// Its joints.
+    pub ends_px: [DVec2; 2],
+    /// Radii at the joints.
+    pub radii_px: [f64; 2],
+    /// Depths of the joints, metres.
+    pub depths_m: [f64; 2],
     /// Whether its outline ends straight at the joints, as a cylinder's does from the side.
     pub has_flat_ends: bool,
 }
 
 impl ProjectedLimb {
+    /// A capsule, or a cylinder, between two points of the world; `None` for one that reaches behind the camera.
+    pub(super) fn new(camera: &Camera, ends: [DVec3; 2], radius: f64, has_flat_ends: bool) -> Option<Self> {
+        let [start, end] = ends.map(|end| place_in_front(camera, end));
+        let depths_m = ends.map(|end| camera.depth(end));
+        let radii_px = depths_m.map(|depth| camera.intrinsics().mean_focal_px() * radius / depth);
+        Some(Self { ends_px: [start?, end?], radii_px, depths_m, has_flat_ends })
+    }
+
     /// Distance of a pixel from the capsule's border, in pixels; negative inside.
     pub fn distance_px(&self, px: DVec2) -> f64 {
         let share = self.nearest_share(px);
-        let radius = self.start_radius_px + share * (self.end_radius_px - self.start_radius_px);
-        px.distance(self.start_px.lerp(self.end_px, share)) - radius
+        let [start, end] = self.radii_px;
+        px.distance(self.ends_px[0].lerp(self.ends_px[1], share)) - (start + share * (end - start))
     }
 
     /// A point of the border beside the middle of the limb: to the right of its direction on the screen for 1, to the
     /// left for −1.
     pub fn side_px(&self, side: f64) -> DVec2 {
-        let across = (self.end_px - self.start_px).try_normalize().unwrap_or(DVec2::X).perp();
-        let radius = 0.5 * (self.start_radius_px + self.end_radius_px);
-        self.start_px.lerp(self.end_px, 0.5) + across * (side * radius)
+        let [start, end] = self.ends_px;
+        let across = (end - start).try_normalize().unwrap_or(DVec2::X).perp();
+        let radius = 0.5 * (self.radii_px[0] + self.radii_px[1]);
+        start.lerp(end, 0.5) + across * (side * radius)
     }
 
     /// The same limb with other radii.
     pub fn widened(&self, factor: f64) -> Self {
-        Self {
-            start_radius_px: self.start_radius_px * factor,
-            end_radius_px: self.end_radius_px * factor,
-            ..*self
-        }
+        Self { radii_px: self.radii_px.map(|radius| radius * factor), ..*self }
     }
 
     /// Whether the boxes around two limbs meet.
@@ -70,51 +69,47 @@ impl ProjectedLimb {
     }
 
     fn bounds(&self) -> (DVec2, DVec2) {
-        let (start, end) = (DVec2::splat(self.start_radius_px), DVec2::splat(self.end_radius_px));
-        let min = (self.start_px - start).min(self.end_px - end);
-        (min, (self.start_px + start).max(self.end_px + end))
+        let ([start, end], [start_radius, end_radius]) = (self.ends_px, self.radii_px.map(DVec2::splat));
+        ((start - start_radius).min(end - end_radius), (start + start_radius).max(end + end_radius))
     }
 
     /// Depth of the axis where it passes nearest to a pixel, metres.
     pub fn depth_at(&self, px: DVec2) -> f64 {
         // Along a line, 1/z is linear in the picture.
         let share = self.nearest_share(px);
-        1.0 / ((1.0 - share) / self.start_depth_m + share / self.end_depth_m)
+        1.0 / ((1.0 - share) / self.depths_m[0] + share / self.depths_m[1])
     }
 
     /// The limb's border as a convex polygon, clockwise on the screen: a capsule's, or a cylinder's seen from the side.
     pub fn outline(&self) -> Vec<DVec2> {
-        let along = self.end_px - self.start_px;
-        let (distance, difference) = (along.length(), self.start_radius_px - self.end_radius_px);
+        let discs @ [start, end] = [0, 1].map(|index| (self.ends_px[index], self.radii_px[index]));
+        let along = end.0 - start.0;
+        let (distance, difference) = (along.length(), start.1 - end.1);
         if distance <= difference.abs() {
-            let larger = if difference > 0.0 {
-                (self.start_px, self.start_radius_px)
-            } else {
-                (self.end_px, self.end_radius_px)
-            };
-            return arc(larger, 0.0, TAU).collect();
+            return arc(discs[usize::from(difference <= 0.0)], 0.0, TAU).collect();
         }
         // The common tangents touch both discs at this angle from the axis.
         let (heading, touch) = (along.to_angle(), (difference / distance).acos());
         if self.has_flat_ends {
-            let corner = |centre: DVec2, radius: f64, angle: f64| centre + radius * DVec2::from_angle(angle);
-            return vec![
-                corner(self.end_px, self.end_radius_px, heading - touch),
-                corner(self.end_px, self.end_radius_px, heading + touch),
-                corner(self.start_px, self.start_radius_px, heading + touch),
-                corner(self.start_px, self.start_radius_px, heading - touch),
-            ];
+            let corners = [(end, -touch), (end, touch), (start, touch), (start, -touch)];
+            let corner = |((centre, radius), turn)| centre + radius * DVec2::from_angle(heading + turn);
+            return corners.map(corner).to_vec();
         }
-        let end = arc((self.end_px, self.end_radius_px), heading - touch, heading + touch);
-        let start = arc((self.start_px, self.start_radius_px), heading + touch, heading + TAU - touch);
-        end.chain(start).collect()
+        let round_start = arc(start, heading + touch, heading + TAU - touch);
+        arc(end, heading - touch, heading + touch).chain(round_start).collect()
     }
 
     fn nearest_share(&self, px: DVec2) -> f64 {
-        let along = self.end_px - self.start_px;
-        let share = (px - self.start_px).dot(along) / along.length_squared();
+        let along = self.ends_px[1] - self.ends_px[0];
+        let share = (px - self.ends_px[0]).dot(along) / along.length_squared();
         if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
     }
+}
+
+/// Where a camera sees a point, unless that is nearer than [`NEAREST_M`] or behind it.
+pub(super) fn place_in_front(camera: &Camera, point: DVec3) -> Option<DVec2> {
+    let px = camera.project(point).filter(|px| px.is_finite());
+    px.filter(|_| camera.depth(point) > NEAREST_M)
 }
 
 /// The borders of limbs that turn together, without what lies inside another of them: polylines, the first and
@@ -169,30 +164,12 @@ pub fn project_limbs(
     camera: &Camera,
     renderer: RendererKind,
 ) -> Vec<Option<ProjectedLimb>> {
-    let focal = camera.intrinsics().mean_focal_px();
     let ends = kinematics.starts().iter().zip(kinematics.ends());
-    model
-        .limbs()
-        .iter()
-        .zip(ends)
-        .map(|(limb, (start, end))| {
-            let depths = [camera.depth(*start), camera.depth(*end)];
-            if !depths.iter().all(|depth| *depth > NEAREST_M) {
-                return None;
-            }
-            let [start_depth_m, end_depth_m] = depths;
-            let projected = ProjectedLimb {
-                start_px: camera.project(*start)?,
-                end_px: camera.project(*end)?,
-                start_radius_px: focal * limb.radius / start_depth_m,
-                end_radius_px: focal * limb.radius / end_depth_m,
-                start_depth_m,
-                end_depth_m,
-                has_flat_ends: renderer == RendererKind::Cylinder,
-            };
-            (projected.start_px.is_finite() && projected.end_px.is_finite()).then_some(projected)
-        })
-        .collect()
+    let is_flat = renderer == RendererKind::Cylinder;
+    let limb = |(limb, (start, end)): (&Limb, (&DVec3, &DVec3))| {
+        ProjectedLimb::new(camera, [*start, *end], limb.radius, is_flat)
+    };
+    model.limbs().iter().zip(ends).map(limb).collect()
 }
 
 /// A sphere as one camera sees it, taken as a disc.
@@ -254,17 +231,13 @@ pub fn project_spheres(spheres: &[PlacedSphere], camera: &Camera) -> Vec<Project
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::{LimbSphere, Pose, SphereLevel, builtin};
-    use glam::DVec3;
 
     use super::*;
 
     const LIMB: ProjectedLimb = ProjectedLimb {
-        start_px: DVec2::new(10.0, 20.0),
-        end_px: DVec2::new(50.0, 20.0),
-        start_radius_px: 8.0,
-        end_radius_px: 4.0,
-        start_depth_m: 2.0,
-        end_depth_m: 4.0,
+        ends_px: [DVec2::new(10.0, 20.0), DVec2::new(50.0, 20.0)],
+        radii_px: [8.0, 4.0],
+        depths_m: [2.0, 4.0],
         has_flat_ends: false,
     };
 
@@ -273,7 +246,7 @@ mod tests {
         assert!((LIMB.distance_px(DVec2::new(30.0, 20.0)) + 6.0).abs() < 1e-9);
         assert!((LIMB.distance_px(DVec2::new(57.0, 20.0)) - 3.0).abs() < 1e-9);
         assert!((LIMB.depth_at(DVec2::new(30.0, 0.0)) - 8.0 / 3.0).abs() < 1e-9);
-        let point = ProjectedLimb { end_px: LIMB.start_px, ..LIMB };
+        let point = ProjectedLimb { ends_px: [LIMB.ends_px[0]; 2], ..LIMB };
         assert!(point.distance_px(DVec2::new(10.0, 30.0)).is_finite());
     }
 
@@ -282,27 +255,21 @@ mod tests {
         let alone = joined_outline(&[&LIMB]);
         assert_eq!(alone.len(), 1);
         assert_eq!(alone[0].first(), alone[0].last());
-        let next = ProjectedLimb {
-            start_px: LIMB.end_px,
-            end_px: DVec2::new(90.0, 20.0),
-            start_radius_px: 4.0,
-            ..LIMB
-        };
+        let joint = LIMB.ends_px[1];
+        let next = ProjectedLimb { ends_px: [joint, DVec2::new(90.0, 20.0)], radii_px: [4.0; 2], ..LIMB };
         let lines = joined_outline(&[&LIMB, &next]);
         assert_eq!(lines.len(), 2);
-        let joint = LIMB.end_px;
         assert!(lines.iter().flatten().all(|px| px.distance(joint) > 3.7), "nothing crosses the joint");
     }
 
     #[test]
     fn the_outline_touches_both_discs_and_is_convex() {
-        let near = ProjectedLimb { end_px: DVec2::new(12.0, 21.0), ..LIMB };
+        let near = ProjectedLimb { ends_px: [LIMB.ends_px[0], DVec2::new(12.0, 21.0)], ..LIMB };
         for limb in [LIMB, near, ProjectedLimb { has_flat_ends: true, ..LIMB }] {
             let outline = limb.outline();
             for (index, point) in outline.iter().enumerate() {
-                let on_start = (point.distance(limb.start_px) - limb.start_radius_px).abs();
-                let on_end = (point.distance(limb.end_px) - limb.end_radius_px).abs();
-                assert!(on_start.min(on_end) < 1e-9);
+                let off = |end: usize| (point.distance(limb.ends_px[end]) - limb.radii_px[end]).abs();
+                assert!(off(0).min(off(1)) < 1e-9);
                 let ahead = outline[(index + 1) % outline.len()] - *point;
                 let next = outline[(index + 2) % outline.len()] - *point;
                 assert!(ahead.perp_dot(next) > -1e-9, "clockwise on the screen at {index}");

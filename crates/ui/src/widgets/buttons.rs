@@ -90,7 +90,7 @@ pub fn paint_camera_badge(painter: &Painter, rect: Rect, index: usize) {
     let colours = camera_colours(index);
     painter.rect_filled(rect, CornerRadius::same(size::FIELD_RADIUS), colours.fill);
     let font = FontId::proportional(DIGIT);
-    painter.text(rect.center(), Align2::CENTER_CENTER, index + 1, font, colours.digit);
+    painter.text(rect.center(), Align2::CENTER_CENTER, index + 1, font, colours.text);
 }
 
 /// A box with its label; a click on either changes `ticked`.

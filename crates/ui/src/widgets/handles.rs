@@ -159,9 +159,9 @@ impl SizeHandles {
     /// The length's keeps clear of `joints`.
     pub fn new(limb: usize, projected: &ProjectedLimb, view: &ViewTransform, joints: &[JointMark]) -> Self {
         let on_screen = |px: DVec2| view.screen_from_px(px);
-        let [start, end] = [projected.start_px, projected.end_px].map(on_screen);
+        let [start, end] = projected.ends_px.map(on_screen);
         let along = end - start;
-        let mut beyond = projected.end_radius_px as f32 * view.points_per_px + BEYOND;
+        let mut beyond = projected.radii_px[1] as f32 * view.points_per_px + BEYOND;
         let at = |beyond: f32| end + along.normalized() * beyond;
         let is_on_joint =
             |at: Pos2| joints.iter().any(|joint| on_screen(joint.px).distance(at) < CLEAR_OF_JOINTS);
@@ -232,12 +232,9 @@ mod tests {
 
     fn limb(y: f64, depth_m: f64) -> Option<ProjectedLimb> {
         Some(ProjectedLimb {
-            start_px: DVec2::new(20.0, y),
-            end_px: DVec2::new(80.0, y),
-            start_radius_px: 5.0,
-            end_radius_px: 5.0,
-            start_depth_m: depth_m,
-            end_depth_m: depth_m,
+            ends_px: [DVec2::new(20.0, y), DVec2::new(80.0, y)],
+            radii_px: [5.0; 2],
+            depths_m: [depth_m; 2],
             has_flat_ends: false,
         })
     }
@@ -258,26 +255,18 @@ mod tests {
     #[test]
     fn diamonds_lie_beyond_the_end_and_on_the_outline() {
         let limb = ProjectedLimb {
-            start_px: DVec2::new(20.0, 50.0),
-            end_px: DVec2::new(60.0, 50.0),
-            start_radius_px: 6.0,
-            end_radius_px: 4.0,
-            start_depth_m: 3.0,
-            end_depth_m: 3.0,
+            ends_px: [DVec2::new(20.0, 50.0), DVec2::new(60.0, 50.0)],
+            radii_px: [6.0, 4.0],
+            depths_m: [3.0; 2],
             has_flat_ends: false,
         };
-        let view = ViewTransform {
-            rect: Rect::from_min_size(Pos2::ZERO, vec2(200.0, 200.0)),
-            points_per_px: 2.0,
-            centre_px: pos2(50.0, 50.0),
-        };
-        let handles = SizeHandles::new(7, &limb, &view, &[]);
+        let handles = SizeHandles::new(7, &limb, &view(), &[]);
         let at = |x: f32, y: f32| handles.grip_at(pos2(x, y));
         assert_eq!(at(120.0 + 8.0 + 12.0, 100.0), Some(Grip::Length(7)));
         assert_eq!(at(80.0, 90.0), Some(Grip::Radius(7)));
         assert_eq!(at(80.0, 110.0), Some(Grip::Radius(7)));
         assert_eq!(at(100.0, 100.0), None);
-        let end_on = ProjectedLimb { end_px: DVec2::new(22.0, 50.0), ..limb };
-        assert!(SizeHandles::new(7, &end_on, &view, &[]).places().all(|(_, name)| name != "length"));
+        let end_on = ProjectedLimb { ends_px: [limb.ends_px[0], DVec2::new(22.0, 50.0)], ..limb };
+        assert!(SizeHandles::new(7, &end_on, &view(), &[]).places().all(|(_, name)| name != "length"));
     }
 }

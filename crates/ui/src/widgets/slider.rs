@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use egui::{
-    Color32, Context, CornerRadius, DragValue, EventFilter, Id, Key, Rect, Response, RichText, Sense, Stroke,
+    Context, CornerRadius, DragValue, EventFilter, Id, Key, Rect, Response, RichText, Sense, Stroke,
     TextStyle, Ui, Widget, WidgetInfo, pos2, vec2,
 };
 
@@ -27,52 +27,32 @@ const KEY_STEP: f64 = 0.01;
 #[must_use = "a slider is shown with `ui.add`"]
 #[derive(Debug)]
 pub struct ValueSlider<'a> {
-    value: &'a mut f64,
-    range: RangeInclusive<f64>,
-    label: &'a str,
-    origin: f64,
-    limits: Option<(f64, f64)>,
-    warn_within: f64,
-    is_held: bool,
-    width: f32,
+    /// What it sets.
+    pub value: &'a mut f64,
+    /// Its ends.
+    pub range: RangeInclusive<f64>,
+    /// Its name for screen readers and tests.
+    pub label: &'a str,
+    /// The trail runs from this value to the handle: at first the start of the range.
+    pub origin: f64,
+    /// Limits that are marked and between which the value is held, and how near to them the mark warns.
+    pub limits: Option<(f64, f64, f64)>,
+    /// The trail is in the accent: for what the user holds.
+    pub is_held: bool,
+    /// Points.
+    pub width: f32,
 }
 
 impl<'a> ValueSlider<'a> {
-    /// A slider over `range`; `label` is its name for screen readers and tests.
+    /// A slider over `range`, without limits.
     pub fn new(value: &'a mut f64, range: RangeInclusive<f64>, label: &'a str) -> Self {
         let origin = *range.start();
-        Self { value, range, label, origin, limits: None, warn_within: 0.0, is_held: false, width: 124.0 }
-    }
-
-    /// The trail runs from this value to the handle, instead of from the start of the range.
-    pub fn origin(mut self, origin: f64) -> Self {
-        self.origin = origin;
-        self
-    }
-
-    /// Marks the limits and holds the value between them. A mark warns when the value is within
-    /// `warn_within` of it.
-    pub fn limits(mut self, low: f64, high: f64, warn_within: f64) -> Self {
-        self.limits = Some((low.min(high), high.max(low)));
-        self.warn_within = warn_within;
-        self
-    }
-
-    /// Draws the trail in the accent: for what the user holds.
-    pub fn held(mut self, is_held: bool) -> Self {
-        self.is_held = is_held;
-        self
-    }
-
-    /// The width of the slider in points.
-    pub fn width(mut self, width: f32) -> Self {
-        self.width = width;
-        self
+        Self { value, range, label, origin, limits: None, is_held: false, width: 124.0 }
     }
 
     fn set(&mut self, value: f64) {
         if value.is_finite() {
-            let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+            let (low, high, _) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY, 0.0));
             *self.value = value.max(low).min(high).max(*self.range.start()).min(*self.range.end());
         }
     }
@@ -116,9 +96,9 @@ impl<'a> ValueSlider<'a> {
         let enabled = ui.is_enabled();
         let trail_colour = if self.is_held && enabled { palette.accent } else { palette.line2 };
         painter.rect_filled(trail, radius, trail_colour);
-        if let Some((low, high)) = self.limits {
+        if let Some((low, high, warn_within)) = self.limits {
             for limit in [low, high] {
-                let is_near = (*self.value - limit).abs() <= self.warn_within;
+                let is_near = (*self.value - limit).abs() <= warn_within;
                 let colour = if is_near { palette.warn } else { palette.text3 };
                 let x = self.position(rail, limit);
                 let middle = rail.center().y;
@@ -127,7 +107,13 @@ impl<'a> ValueSlider<'a> {
             }
         }
         let is_touched = response.hovered() || response.dragged();
-        let (fill, edge) = handle_colours(palette, enabled, is_touched);
+        let fill = match (enabled, is_touched) {
+            (false, _) => palette.line2,
+            (true, false) => palette.text2,
+            (true, true) => palette.text,
+        };
+        // A gap in the colour of the panel sets the handle off from its trail.
+        let edge = Stroke::new(1.0, palette.panel);
         painter.circle(pos2(handle, rail.center().y), HANDLE_RADIUS, fill, edge);
         focus_ring(ui, response);
     }
@@ -149,16 +135,6 @@ pub fn hold_arrows(ui: &Ui, slider: &Response) {
 pub fn focus_holds_arrows_only(ctx: &Context) -> bool {
     let holder = ctx.data(|data| data.get_temp::<HoldsArrows>(Id::NULL));
     holder.is_some_and(|HoldsArrows(id)| ctx.memory(|memory| memory.has_focus(id)))
-}
-
-fn handle_colours(palette: &theme::Palette, enabled: bool, is_touched: bool) -> (Color32, Stroke) {
-    let fill = match (enabled, is_touched) {
-        (false, _) => palette.line2,
-        (true, false) => palette.text2,
-        (true, true) => palette.text,
-    };
-    // A gap in the colour of the panel sets the handle off from its trail.
-    (fill, Stroke::new(1.0, palette.panel))
 }
 
 impl Widget for ValueSlider<'_> {
@@ -213,16 +189,14 @@ impl SliderRow<'_> {
             ui.set_height(size::SLIDER_ROW);
             ui.spacing_mut().item_spacing.x = space::WIDGET;
             row_name(ui, self.name, NAME);
-            let width = (ui.available_width() - FIELD - space::WIDGET).max(60.0);
-            let mut slider = ValueSlider::new(value, self.range.clone(), self.name)
-                .origin(self.origin)
-                .held(self.is_held)
-                .width(width);
-            if let Some((low, high, warn_within)) = self.limits {
+            let slider = ui.add(ValueSlider {
+                origin: self.origin,
+                is_held: self.is_held,
+                width: (ui.available_width() - FIELD - space::WIDGET).max(60.0),
                 // Where the pose already lies outside, it may only come back.
-                slider = slider.limits(low.min(before), high.max(before), warn_within);
-            }
-            let slider = ui.add(slider);
+                limits: self.limits.map(|(low, high, warn)| (low.min(before), high.max(before), warn)),
+                ..ValueSlider::new(value, self.range.clone(), self.name)
+            });
             let speed = (self.range.end() - self.range.start()) / DRAG_POINTS;
             let field = number_field(ui, self.name, value, self.decimals, self.unit, speed, FIELD);
             slider.union(field).on_hover_text(self.tooltip)
@@ -299,7 +273,8 @@ mod tests {
     #[test]
     fn the_value_stays_between_its_limits() {
         let mut value = 0.0;
-        let mut slider = ValueSlider::new(&mut value, -2.0..=2.0, "Flexion").limits(-0.5, 1.5, 0.1);
+        let mut slider = ValueSlider::new(&mut value, -2.0..=2.0, "Flexion");
+        slider.limits = Some((-0.5, 1.5, 0.1));
         slider.set(9.0);
         assert_eq!(*slider.value, 1.5);
         slider.set(-9.0);

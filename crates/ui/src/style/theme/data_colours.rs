@@ -140,59 +140,52 @@ pub fn run_style(index: usize) -> RunStyle {
     RunStyle { colour: rgb(colour), dash, width }
 }
 
-/// The colour of a camera's badge and frustum, and that of the digit on the badge.
+/// The colour of a badge or a stretch of time, and that of a digit or a word on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CameraColours {
-    /// Badge and frustum.
+pub struct FillColours {
+    /// Badge and frustum of a camera; stretches, curves and regions of a kind of motion.
     pub fill: Color32,
-    /// The digit on the badge.
-    pub digit: Color32,
-}
-
-const CAMERAS: [(Color32, Color32); 8] = [
-    (rgb(0x488BD3), CASING),
-    (rgb(0xC9742B), CASING),
-    (rgb(0x25754E), WHITE),
-    (rgb(0xCD376C), WHITE),
-    (rgb(0x6C5DDC), WHITE),
-    (rgb(0xAC4A13), WHITE),
-    (rgb(0xEE6588), CASING),
-    (rgb(0x9846A3), WHITE),
-];
-
-/// The colours of the camera of this index, counted from zero. The ninth and later reuse the list.
-pub fn camera_colours(index: usize) -> CameraColours {
-    let (fill, digit) = CAMERAS[index % CAMERAS.len()];
-    CameraColours { fill, digit }
-}
-
-/// The colour of a kind of motion, and that of a word on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MotionColours {
-    /// Its stretches, curves and regions.
-    pub fill: Color32,
-    /// A word on a stretch.
+    /// What is written on it.
     pub text: Color32,
 }
 
-const MOTIONS: [(Color32, Color32); 8] = [
-    (rgb(0xC8373E), WHITE),
-    (rgb(0xC05AA0), CASING),
-    (rgb(0x7A63D2), WHITE),
-    (rgb(0xC9701A), CASING),
-    (rgb(0x2F8F5B), CASING),
-    (rgb(0x8C7A2E), CASING),
-    (rgb(0x3E82D6), CASING),
-    (rgb(0x168C98), CASING),
+const fn on(fill: u32, text: Color32) -> FillColours {
+    FillColours { fill: rgb(fill), text }
+}
+
+const CAMERAS: [FillColours; 8] = [
+    on(0x488BD3, CASING),
+    on(0xC9742B, CASING),
+    on(0x25754E, WHITE),
+    on(0xCD376C, WHITE),
+    on(0x6C5DDC, WHITE),
+    on(0xAC4A13, WHITE),
+    on(0xEE6588, CASING),
+    on(0x9846A3, WHITE),
+];
+
+/// The colours of the camera of this index, counted from zero. The ninth and later reuse the list.
+pub fn camera_colours(index: usize) -> FillColours {
+    CAMERAS[index % CAMERAS.len()]
+}
+
+const MOTIONS: [FillColours; 8] = [
+    on(0xC8373E, WHITE),
+    on(0xC05AA0, CASING),
+    on(0x7A63D2, WHITE),
+    on(0xC9701A, CASING),
+    on(0x2F8F5B, CASING),
+    on(0x8C7A2E, CASING),
+    on(0x3E82D6, CASING),
+    on(0x168C98, CASING),
 ];
 /// What is no known motion.
-const NO_MOTION: (Color32, Color32) = (rgb(0x7C858F), CASING);
+const NO_MOTION: FillColours = on(0x7C858F, CASING);
 
 /// The colour of a kind of motion of this index, counted from zero; `None` is no known motion. The ninth and later reuse the
 /// list.
-pub fn motion_colours(index: Option<usize>) -> MotionColours {
-    let (fill, text) = index.map_or(NO_MOTION, |index| MOTIONS[index % MOTIONS.len()]);
-    MotionColours { fill, text }
+pub fn motion_colours(index: Option<usize>) -> FillColours {
+    index.map_or(NO_MOTION, |index| MOTIONS[index % MOTIONS.len()])
 }
 
 /// The owner-limb colour: hue by chain, lightness by depth in the chain.
