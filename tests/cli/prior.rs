@@ -32,7 +32,7 @@ fn a_prior_is_learnt_and_used() {
     let said = scene.ok("prior --train motions --out people.json --components 3 --source ours");
     assert!(said.contains("1 motion files, 4 s") && said.contains("right arm"), "{said}");
     let prior = prior_file::read(&scene.path("people.json")).unwrap();
-    assert_eq!((prior.parts().len(), prior.source()), (5, "ours"));
+    assert_eq!((prior.parts.len(), prior.source.as_str()), (5, "ours"));
     let json = scene.ok("prior --train motions --out people.json --components 3 --json");
     assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["files"], 1);
 

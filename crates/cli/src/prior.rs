@@ -53,22 +53,22 @@ pub(crate) fn run(arguments: &PriorArguments) -> anyhow::Result<()> {
     if arguments.json {
         let part = |part: &backlit_tracking::prior::PriorPart| {
             json!({
-                "name": part.name(),
-                "directions": part.directions(),
-                "components": part.poses().components().len(),
-                "step_exponent": part.step().exponent,
+                "name": part.name,
+                "directions": part.directions,
+                "components": part.poses.components.len(),
+                "step_exponent": part.step.exponent,
             })
         };
-        let parts: Vec<_> = prior.parts().iter().map(part).collect();
+        let parts: Vec<_> = prior.parts.iter().map(part).collect();
         return output::print_json(&json!({ "files": clips.len(), "seconds": seconds, "parts": parts }));
     }
     let mut table = Table::new(["part", "directions", "components", "steps grow as"]);
-    for part in prior.parts() {
+    for part in &prior.parts {
         table.row([
-            part.name().to_owned(),
-            part.directions().len().to_string(),
-            part.poses().components().len().to_string(),
-            format!("time^{:.1}", 0.5 * part.step().exponent),
+            part.name.to_owned(),
+            part.directions.len().to_string(),
+            part.poses.components.len().to_string(),
+            format!("time^{:.1}", 0.5 * part.step.exponent),
         ]);
     }
     let head = format!("{} motion files, {seconds:.0} s, each as it is and mirrored\n", clips.len());

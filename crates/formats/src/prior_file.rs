@@ -73,16 +73,16 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
 /// The content of a prior's file, six digits of each number.
 pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
     let part = |part: &PriorPart| PartSpec {
-        name: part.name().to_owned(),
-        directions: part.directions().to_vec(),
+        name: part.name.clone(),
+        directions: part.directions.clone(),
         step: StepStatistics {
-            seconds: short(part.step().seconds),
-            exponent: short(part.step().exponent),
-            covariance: short_all(&part.step().covariance),
+            seconds: short(part.step.seconds),
+            exponent: short(part.step.exponent),
+            covariance: short_all(&part.step.covariance),
         },
         components: part
-            .poses()
-            .components()
+            .poses
+            .components
             .iter()
             .map(|component| StudentComponent {
                 share: short(component.share),
@@ -91,12 +91,12 @@ pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
             })
             .collect(),
     };
-    let degrees = prior.parts().first().map_or(1.0, |part| part.poses().degrees());
+    let degrees = prior.parts.first().map_or(1.0, |part| part.poses.degrees);
     let spec = PriorSpec {
         format: FORMAT.to_owned(),
-        source: prior.source().to_owned(),
+        source: prior.source.clone(),
         degrees,
-        parts: prior.parts().iter().map(part).collect(),
+        parts: prior.parts.iter().map(part).collect(),
     };
     // A component a line: lists of numbers stay together.
     let text = serde_json::to_string(&spec)?;
@@ -201,9 +201,9 @@ pub(crate) mod tests {
     #[test]
     fn the_built_in_prior_knows_all_parts_and_whom_to_thank() {
         let prior = read_or_built_in(Path::new(PEOPLE)).unwrap();
-        let names: Vec<&str> = prior.parts().iter().map(PriorPart::name).collect();
+        let names: Vec<&str> = prior.parts.iter().map(|part| part.name.as_str()).collect();
         assert_eq!(names, ["trunk", "right arm", "left arm", "right leg", "left leg"]);
-        assert!(prior.source().contains("mocap.cs.cmu.edu"));
+        assert!(prior.source.contains("mocap.cs.cmu.edu"));
         assert!(read_or_built_in(Path::new("no such file")).is_err());
     }
 

@@ -63,10 +63,10 @@ pub(super) fn prior(bytes: &[u8]) -> Outcome {
     if let Ok(prior) = &found {
         // Six digits of a covariance may be none any more; what is read of them stays.
         if let Ok(again) = prior_file::parse(path, prior_file::to_text(prior).unwrap().as_bytes()) {
-            assert_eq!(again.parts().len(), prior.parts().len());
+            assert_eq!(again.parts.len(), prior.parts.len());
         }
-        for part in prior.parts() {
-            let far = part.poses().pull(&vec![1e3; part.poses().size()].into());
+        for part in &prior.parts {
+            let far = part.poses.pull(&vec![1e3; part.poses.size()].into());
             assert!(far.energy >= 0.0 && !far.energy.is_nan(), "{}", far.energy);
         }
     }

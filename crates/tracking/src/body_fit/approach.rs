@@ -1,5 +1,6 @@
 //! From the start of one frame to the poses of several: the body is scaled as a whole to the first frame, then tracked.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::fit::{BodyFitError, fit_body};
@@ -8,8 +9,7 @@ use super::options::BodyFitOptions;
 use super::scale;
 use crate::body::{Model, Pose, SizeChoice};
 use crate::cancel::CancelToken;
-use crate::fit::FitOptions;
-use crate::fit::FitView;
+use crate::fit::{FitOptions, FitView};
 use crate::metrics::ReferenceJoints;
 use crate::track::Tracker;
 
@@ -46,14 +46,12 @@ pub fn approach<E: From<BodyFitError>>(
     joints: impl Fn(usize) -> ReferenceJoints,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<(f64, Vec<BodyFrame>), E> {
-    let mut wanted = approach.frames.clone();
-    wanted.sort_unstable();
-    wanted.dedup();
+    let wanted: BTreeSet<usize> = approach.frames.iter().copied().collect();
     let (Some(&first), Some(&last)) = (wanted.first(), wanted.last()) else {
         return Err(BodyFitError::NoFrames.into());
     };
     let path: Vec<usize> = (first..=last)
-        .filter(|frame| (frame - first) % approach.step.max(1) == 0 || wanted.binary_search(frame).is_ok())
+        .filter(|frame| (frame - first) % approach.step.max(1) == 0 || wanted.contains(frame))
         .collect();
     let at_frame = |frame| move |error| E::from(BodyFitError::Frame { frame, error });
     let seen = views(first)?;
@@ -85,7 +83,7 @@ pub fn approach<E: From<BodyFitError>>(
         }
         let views = if frame == first { seen.clone() } else { views(frame)? };
         let estimate = tracker.track_frame(frame, views.clone(), cancel).map_err(at_frame(frame))?;
-        if !estimate.is_lost() && wanted.binary_search(&frame).is_ok() {
+        if !estimate.is_lost() && wanted.contains(&frame) {
             found.push(BodyFrame { frame, views, start: estimate.pose, joints: joints(frame) });
         }
         progress(done + 1, path.len());

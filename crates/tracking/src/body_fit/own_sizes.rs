@@ -135,7 +135,7 @@ impl OwnSizes {
 
     /// By how many pixels silhouettes are too wide all round; 0 where that, or the sizes, are doubted.
     pub fn widening_px(&self) -> f64 {
-        self.fit.widening.filter(|_| self.is_taken()).map_or(0.0, |widening| widening.believed_px())
+        self.fit.widening.filter(|found| found.is_believed && self.is_taken()).map_or(0.0, |found| found.px)
     }
 }
 

@@ -88,7 +88,10 @@ impl BodyFit {
     /// on such silhouettes.
     pub fn as_seen(&self) -> Model {
         match self.widening.filter(|widening| widening.is_believed) {
-            Some(Widening { px, metres_per_px, .. }) => widening::as_seen(&self.model, px, metres_per_px),
+            Some(Widening { px, metres_per_px, .. }) => {
+                widening::widened(&self.model, &vec![metres_per_px; self.model.limbs().len()], px)
+                    .into_owned()
+            }
             None => self.model.clone(),
         }
     }

@@ -125,13 +125,6 @@ pub struct CameraSurvey {
     pub bad: Option<LeftOut>,
 }
 
-impl CameraSurvey {
-    /// Whether it never can be used.
-    pub fn is_useless(&self) -> bool {
-        self.good == 0
-    }
-}
-
 /// What the silhouettes of a few frames say about a take.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
@@ -193,7 +186,7 @@ impl Survey {
     /// # Errors
     /// The worst that was found. Nothing is wrong where no frame was looked at.
     pub fn check(&self) -> Result<(), NobodyToTrack> {
-        if self.cameras.iter().any(|camera| !camera.is_useless()) {
+        if self.cameras.iter().any(|camera| camera.good > 0) {
             return Ok(());
         }
         match worst(self.cameras.iter().filter_map(|camera| camera.bad.as_ref())) {
@@ -209,7 +202,7 @@ impl Survey {
         self.cameras.iter().filter_map(move |camera| {
             let worst = camera.bad.as_ref()?;
             let bad = looked_at.saturating_sub(camera.good);
-            (camera.is_useless() || worst.because != Unusable::Nobody).then(|| match looked_at {
+            (camera.good == 0 || worst.because != Unusable::Nobody).then(|| match looked_at {
                 1 => worst.to_string(),
                 all => format!("{worst} (so, or nobody seen, in {bad} of {all} frames)"),
             })

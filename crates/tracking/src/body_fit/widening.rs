@@ -32,19 +32,6 @@ pub struct Widening {
     pub is_believed: bool,
 }
 
-impl Widening {
-    /// Pixels to take off, 0 where it is not believed.
-    pub fn believed_px(&self) -> f64 {
-        if self.is_believed { self.px } else { 0.0 }
-    }
-}
-
-/// The body as silhouettes show it that are too wide by this many pixels: all radii are larger by what those pixels are, metres.
-/// To be followed where masks stay as they are; a radius keeps a fifth of itself at least.
-pub fn as_seen(model: &Model, by_px: f64, metres_per_px: f64) -> Model {
-    widened(model, &vec![metres_per_px; model.limbs().len()], by_px).into_owned()
-}
-
 /// What a camera contributes once its mask is narrower by this many pixels all round (wider, below 0). Unknown pixels stay
 /// unknown, and a mask in which nothing would be left stays as it is. Grey levels do too.
 pub fn narrowed(view: &FitView, by_px: f64) -> FitView {

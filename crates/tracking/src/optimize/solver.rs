@@ -264,22 +264,20 @@ impl<P: Clone> Solver<P> {
         problem.evaluate(&point, &mut self.trial);
         let (trial_cost, is_finite) = (self.trial.cost, self.trial.is_finite());
         let actual_decrease = before - trial_cost;
-        let accepted = match self.options.method {
-            Method::GaussNewton if !is_finite => return Err(Termination::NotFinite),
-            Method::GaussNewton => true,
-            Method::LevenbergMarquardt => is_finite && actual_decrease > 0.0,
-        };
+        let is_marquardt = self.options.method == Method::LevenbergMarquardt;
+        if !is_finite && !is_marquardt {
+            return Err(Termination::NotFinite);
+        }
+        let accepted = !is_marquardt || (is_finite && actual_decrease > 0.0);
         if accepted {
             std::mem::swap(&mut self.equations, &mut self.trial);
             self.point = point;
             self.rms = problem.rms();
         }
-        if self.options.method == Method::LevenbergMarquardt {
-            if accepted {
-                self.damping.lower(actual_decrease / predicted_decrease);
-            } else {
-                self.damping.raise();
-            }
+        match (is_marquardt, accepted) {
+            (true, true) => self.damping.lower(actual_decrease / predicted_decrease),
+            (true, false) => self.damping.raise(),
+            _ => {}
         }
         self.done += 1;
         self.termination = self.judge(accepted, actual_decrease, before, damping);

@@ -30,8 +30,10 @@ pub struct StudentComponent {
 /// A mixture, ready to be asked. Made by [`StudentMixture::new`], which is also what checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudentMixture {
-    components: Vec<StudentComponent>,
-    degrees: f64,
+    /// The components, as they were given.
+    pub components: Vec<StudentComponent>,
+    /// ν.
+    pub degrees: f64,
     ready: Vec<Ready>,
 }
 
@@ -92,16 +94,6 @@ impl StudentMixture {
         let whole = log_sum_exp(ready.iter().map(|one| one.log_height));
         ready.iter_mut().for_each(|one| one.log_height -= whole);
         Some(Self { components, degrees, ready })
-    }
-
-    /// The components, as they were given.
-    pub fn components(&self) -> &[StudentComponent] {
-        &self.components
-    }
-
-    /// ν.
-    pub fn degrees(&self) -> f64 {
-        self.degrees
     }
 
     /// D.
@@ -270,7 +262,7 @@ mod tests {
 
     #[test]
     fn what_is_no_mixture_is_none() {
-        let good = two().components().to_vec();
+        let good = two().components;
         let with = |change: fn(&mut Vec<StudentComponent>)| {
             let mut components = good.clone();
             change(&mut components);

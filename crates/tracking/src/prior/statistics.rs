@@ -31,10 +31,14 @@ pub struct StepStatistics {
 /// A part of the body, whose directions are looked at together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PriorPart {
-    name: String,
-    directions: Vec<BodyDirection>,
-    poses: StudentMixture,
-    step: StepStatistics,
+    /// What it is called.
+    pub name: String,
+    /// The directions whose numbers stand one after the other, three each.
+    pub directions: Vec<BodyDirection>,
+    /// The distribution of its poses.
+    pub poses: StudentMixture,
+    /// The distribution of its steps.
+    pub step: StepStatistics,
     /// Of mean zero, for [`StepStatistics::seconds`].
     steps: StudentMixture,
 }
@@ -42,8 +46,10 @@ pub struct PriorPart {
 /// What motion files say of poses and of steps from pose to pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosePrior {
-    source: String,
-    parts: Vec<PriorPart>,
+    /// What it was learnt from, and whom to thank for it.
+    pub source: String,
+    /// Its parts.
+    pub parts: Vec<PriorPart>,
 }
 
 /// Why numbers are not a prior.
@@ -112,26 +118,6 @@ impl PriorPart {
         Ok(Self { name: name.to_owned(), directions, poses, step, steps })
     }
 
-    /// What it is called.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The directions whose numbers stand one after the other, three each.
-    pub fn directions(&self) -> &[BodyDirection] {
-        &self.directions
-    }
-
-    /// The distribution of its poses.
-    pub fn poses(&self) -> &StudentMixture {
-        &self.poses
-    }
-
-    /// The distribution of its steps.
-    pub fn step(&self) -> &StepStatistics {
-        &self.step
-    }
-
     /// How likely it is to be `off` from where its motion led, after `seconds`.
     pub(crate) fn step_pull(&self, off: &DVector<f64>, seconds: f64) -> super::mixture::Pull {
         // A covariance that is larger by a factor is a distance that is shorter by it.
@@ -154,15 +140,5 @@ impl PosePrior {
             return Err(PriorError::Parts { found: parts.len() });
         }
         Ok(Self { source: source.to_owned(), parts })
-    }
-
-    /// What it was learnt from, and whom to thank for it.
-    pub fn source(&self) -> &str {
-        &self.source
-    }
-
-    /// Its parts.
-    pub fn parts(&self) -> &[PriorPart] {
-        &self.parts
     }
 }

@@ -320,11 +320,11 @@ mod tests {
     fn what_was_seen_is_likely_and_what_was_not_is_not() {
         let options = TrainOptions { components: 3, ..TrainOptions::default() };
         let prior = train(&clips(400), &options, "synthetic").unwrap();
-        let names: Vec<&str> = prior.parts().iter().map(PriorPart::name).collect();
+        let names: Vec<&str> = prior.parts.iter().map(|part| part.name.as_str()).collect();
         assert_eq!(names, ["trunk", "right arm", "left arm", "right leg", "left leg"]);
         let energy = |part: usize, points: &BodyPoints| {
-            let part = &prior.parts()[part];
-            part.poses().pull(&DVector::from_vec(points.numbers(part.directions()).unwrap())).energy
+            let part = &prior.parts[part];
+            part.poses.pull(&DVector::from_vec(points.numbers(&part.directions).unwrap())).energy
         };
         let seen = clips(400)[0].frames[17];
         let mut behind = seen;
@@ -341,8 +341,8 @@ mod tests {
         let options = TrainOptions { components: 3, ..TrainOptions::default() };
         let (one, other) = (train(&clips(400), &options, "a"), train(&clips(400), &options, "a"));
         assert_eq!(one, other);
-        let arm = &one.unwrap().parts()[1].clone();
-        assert!(arm.step().exponent > 0.5, "{}", arm.step().exponent);
+        let arm = &one.unwrap().parts[1].clone();
+        assert!(arm.step.exponent > 0.5, "{}", arm.step.exponent);
         let off = DVector::from_element(6, 0.1);
         let energy = |seconds| arm.step_pull(&off, seconds).energy;
         assert!(energy(0.03) > energy(0.1) && energy(0.1) > energy(0.3));

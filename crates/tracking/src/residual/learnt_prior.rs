@@ -92,8 +92,8 @@ impl BoundPrior {
             };
             Some((direction.frame(), at))
         };
-        let parts = prior.statistics.parts().iter().enumerate().filter_map(|(index, part)| {
-            let directions: Option<Vec<_>> = part.directions().iter().map(direction).collect();
+        let parts = prior.statistics.parts.iter().enumerate().filter_map(|(index, part)| {
+            let directions: Option<Vec<_>> = part.directions.iter().map(direction).collect();
             Some(BoundPart { index, directions: directions?, reference: None })
         });
         let mut bound = Self { prior: prior.clone(), pelvis, chest, parts: parts.collect() };
@@ -117,7 +117,7 @@ impl BoundPrior {
         let mut limbs = Vec::new();
         for part in &self.parts {
             let x = self.numbers(kinematics, model, part);
-            let pull = self.prior.statistics.parts()[part.index].poses().pull(&x);
+            let pull = self.prior.statistics.parts[part.index].poses.pull(&x);
             let Some(curvature) = Cholesky::new(pull.curvature) else { continue };
             let numbers = x + curvature.solve(&pull.force);
             for (row, (frame, at)) in part.directions.iter().enumerate() {
@@ -145,10 +145,10 @@ impl BoundPrior {
         let mut memory = Vec::new();
         for part in &self.parts {
             let x = self.numbers(kinematics, model, part);
-            let statistics = &self.prior.statistics.parts()[part.index];
+            let statistics = &self.prior.statistics.parts[part.index];
             let (columns, jacobian) = self.jacobian(kinematics, model, parameters, part, &mut memory);
             if self.prior.pose_weight > 0.0 {
-                let pull = statistics.poses().pull(&x);
+                let pull = statistics.poses.pull(&x);
                 add_pull(equations, &columns, &jacobian, &pull, unit * self.prior.pose_weight);
             }
             if let (Some(reference), Some(seconds)) = (&part.reference, self.prior.step_seconds) {
@@ -300,7 +300,7 @@ mod tests {
         let (_, pelvis) = bound.frame(&kinematics, &model, BodyDirection::LeftCalf.frame());
         let mean = DVec3::new(0.1, -0.2, -0.9).normalize();
         assert!((pelvis.transpose() * likelier[4].1).abs_diff_eq(mean, 1e-9));
-        let arm = prior().statistics.parts()[1].poses().clone();
+        let arm = prior().statistics.parts[1].poses.clone();
         let (_, chest) = bound.frame(&kinematics, &model, BodyDirection::RightForearm.frame());
         let moved: Vec<f64> = likelier[1..3]
             .iter()
@@ -355,10 +355,10 @@ mod tests {
         let prior = prior();
         let bound = BoundPrior::new(&prior, &model, &pose).unwrap();
         for (index, found) in bound.all_numbers(&model, &kinematics) {
-            let part = &prior.statistics.parts()[index];
-            let expected = DVector::from_vec(points.numbers(part.directions()).unwrap());
+            let part = &prior.statistics.parts[index];
+            let expected = DVector::from_vec(points.numbers(&part.directions).unwrap());
             let worst = (&found - &expected).amax();
-            assert!(worst < 1e-9, "{}: {found} for {expected}", part.name());
+            assert!(worst < 1e-9, "{}: {found} for {expected}", part.name);
         }
     }
 
