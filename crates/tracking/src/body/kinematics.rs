@@ -237,39 +237,33 @@ impl Branches {
 mod tests {
     use super::*;
     use crate::body::{ModelSpec, builtin};
+    use crate::fixtures::{BOTH, stretched};
+    use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
 
     /// Every limb's second joint, by every column, against central differences, raw and tangent.
     #[test]
     fn joint_jacobians_match_differences() {
         for model in [builtin::upper_body(), builtin::full_body()] {
-            let mut raw_pose = Pose::rest(&model);
-            for column in 0..Parameters::Raw.columns(model.rotation_count()) {
-                let offset = 0.3 * (column as f64 * 2.3).sin(); // not of unit length: (4.15) scales
-                raw_pose = raw_pose.nudged(Parameters::Raw, column, offset);
-            }
-            let mut failures = Vec::new();
-            for parameters in [Parameters::Raw, Parameters::Tangent] {
-                let pose =
-                    if parameters == Parameters::Raw { raw_pose.clone() } else { raw_pose.normalized() };
+            let limbs = model.limbs();
+            for parameters in BOTH {
+                let pose = stretched(&model, parameters, [0.3, 0.3], 0.0);
                 let here = Kinematics::new(&model, &pose);
-                let columns = parameters.columns(model.rotation_count());
-                let h = 1e-6;
-                for column in 0..columns {
-                    let moved = |offset| Kinematics::new(&model, &pose.nudged(parameters, column, offset));
-                    let (plus, minus) = (moved(h), moved(-h));
-                    for limb in 0..model.limbs().len() {
-                        let numeric = (plus.ends()[limb] - minus.ends()[limb]) / (2.0 * h);
-                        let analytic = here.end_jacobian(limb, parameters).column(column).into_owned();
-                        let analytic = DVec3::new(analytic[0], analytic[1], analytic[2]);
-                        if (numeric - analytic).length() > 1e-7 {
-                            let name = &model.limbs()[limb].name;
-                            failures
-                                .push(format!("{parameters:?} {name} column {column}: {numeric} {analytic}"));
-                        }
-                    }
+                let mut jacobian =
+                    DMatrix::zeros(3 * limbs.len(), parameters.columns(model.rotation_count()));
+                for limb in 0..limbs.len() {
+                    jacobian.rows_mut(3 * limb, 3).copy_from(&here.end_jacobian(limb, parameters));
                 }
+                let ends = |column, offset| -> Vec<f64> {
+                    let moved = Kinematics::new(&model, &pose.nudged(parameters, column, offset));
+                    moved.ends().iter().flat_map(|end| end.to_array()).collect()
+                };
+                let name =
+                    |row: usize, column| format!("{parameters:?} {} column {column}", limbs[row / 3].name);
+                let options =
+                    DifferenceOptions { step: 1e-5, tolerance: 1e-7, ..DifferenceOptions::default() };
+                let check = check_jacobian(&jacobian, ends, name, &options);
+                assert!(check.passes() && check.skipped == 0, "{check}");
             }
-            assert!(failures.is_empty(), "{}", failures.join("\n"));
         }
     }
 

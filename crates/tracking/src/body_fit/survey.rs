@@ -161,23 +161,18 @@ pub fn survey<E>(
                 cameras.push(CameraSurvey { camera: name.to_owned(), good: 0, bad: None });
                 cameras.len() - 1
             });
-            cameras[index].add(frame, check_view(view));
+            let CameraSurvey { camera, good, bad } = &mut cameras[index];
+            let Err(because) = check_view(view) else {
+                *good += 1;
+                continue;
+            };
+            let is_worse = |known: &LeftOut| known.because == Unusable::Nobody && because != Unusable::Nobody;
+            if bad.as_ref().is_none_or(is_worse) {
+                *bad = Some(LeftOut { frame, camera: camera.clone(), because });
+            }
         }
     }
     Ok(Survey { frames: frames.to_vec(), cameras })
-}
-
-impl CameraSurvey {
-    fn add(&mut self, frame: usize, found: Result<(), Unusable>) {
-        let Err(because) = found else {
-            self.good += 1;
-            return;
-        };
-        let is_worse = |known: &LeftOut| known.because == Unusable::Nobody && because != Unusable::Nobody;
-        if self.bad.as_ref().is_none_or(is_worse) {
-            self.bad = Some(LeftOut { frame, camera: self.camera.clone(), because });
-        }
-    }
 }
 
 impl Survey {

@@ -22,16 +22,15 @@ pub(super) fn carved(
     options: &SphereBodyOptions,
 ) -> Result<Model, SphereBodyError> {
     let witnesses = Witnesses::new(model, frames);
-    let mut meshes = Vec::with_capacity(model.limbs().len());
-    for (index, limb) in model.limbs().iter().enumerate() {
+    let carve = |(index, limb): (usize, &Limb)| {
         let field = witnesses.field(index, options);
         let step = options.step.min(0.4 * limb.radius);
         let mesh = isosurface(field.bounds(), step, |place| field.value(place));
-        meshes.push(
-            mesh.map_err(|error| SphereBodyError::Limb { limb: limb.name.clone(), error })?.largest_part(),
-        );
-    }
-    let meshes: Vec<_> = meshes.into_iter().map(Some).collect();
+        let mesh = mesh.map_err(|error| SphereBodyError::Limb { limb: limb.name.clone(), error })?;
+        Ok(Some(mesh.largest_part()))
+    };
+    let meshes: Result<Vec<_>, SphereBodyError> = model.limbs().iter().enumerate().map(carve).collect();
+    let meshes = meshes?;
     Ok(model.with_trees(of_meshes(model, &meshes, options.spheres, options.levels)?)?)
 }
 

@@ -91,20 +91,19 @@ pub fn train(clips: &[Clip], options: &TrainOptions, source: &str) -> Result<Pos
         let components = mixture(&poses, options);
         let step = steps(clips, directions, options)
             .ok_or(TrainError::TooFew { found: 0, expected: 10 * directions.len() })?;
+        let mut add = |name: &str, directions, components, step| {
+            PriorPart::new(name, directions, components, step, options.degrees).map(|part| parts.push(part))
+        };
         if directions == TRUNK {
-            parts.push(PriorPart::new(name, directions.to_vec(), components, step, options.degrees)?);
+            add(name, directions.to_vec(), components, step)?;
             continue;
         }
         let left: Vec<BodyDirection> = directions.iter().map(|direction| on_the_left(*direction)).collect();
         let mirrored = components.iter().map(mirrored_component).collect();
         let covariance = mirrored_covariance(&step.covariance, 3 * directions.len());
         let left_step = StepStatistics { covariance, ..step.clone() };
-        let right = (format!("right {name}"), directions.to_vec(), components, step);
-        for (name, directions, components, step) in
-            [right, (format!("left {name}"), left, mirrored, left_step)]
-        {
-            parts.push(PriorPart::new(&name, directions, components, step, options.degrees)?);
-        }
+        add(&format!("right {name}"), directions.to_vec(), components, step)?;
+        add(&format!("left {name}"), left, mirrored, left_step)?;
     }
     Ok(PosePrior::new(source, parts)?)
 }

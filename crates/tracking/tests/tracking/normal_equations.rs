@@ -114,6 +114,17 @@ fn problem(
     Problem { sums, fast_sums, jacobian: DMatrix::from_rows(&rows), residual: DVector::from_vec(residual) }
 }
 
+/// Of every body and parametrisation, every second pixel, by name.
+fn problems() -> impl Iterator<Item = (String, Problem)> {
+    let of = |(name, model, up): (&str, Model, DVec3)| {
+        BOTH.map(|parameters| {
+            let problem = problem(&model, up, parameters, 2, RendererKind::Capsule);
+            (format!("{name}, {parameters:?}"), problem)
+        })
+    };
+    bodies().into_iter().flat_map(of)
+}
+
 /// Columns that nothing but rounding moves count as if their diagonal were this much of the largest.
 const LEAST_DIAGONAL: f64 = 1e-6;
 
@@ -193,28 +204,23 @@ fn sums_of_limbs_that_lean_on_others_are_the_dense_ones_too() {
 #[test]
 fn the_undamped_step_is_the_dense_least_squares_solution() {
     let mut failures = Vec::new();
-    for (name, model, up) in bodies() {
-        for parameters in BOTH {
-            let Problem { sums, jacobian, residual, .. } =
-                problem(&model, up, parameters, 2, RendererKind::Capsule);
-            let name = format!("{name}, {parameters:?}");
-            let step = sums.step(0.0);
-            // Eigenvalues of JᵀJ below 1e-6 of the largest are null: singular values below 1e-3.
-            let svd = jacobian.clone().svd(true, true);
-            let largest = svd.singular_values.amax();
-            let nulls = svd.singular_values.iter().filter(|value| **value < 1e-3 * largest).count();
-            let dense = svd.solve(&residual, 1e-3 * largest).unwrap();
-            let error = (&step - &dense).norm() / dense.norm();
-            let agrees = error < 1e-6;
-            if !agrees {
-                failures.push(format!("{name}: the step is {error:.1e} off, {nulls} null directions"));
-            }
-            let fallen = residual.norm_squared() - (&residual - &jacobian * &step).norm_squared();
-            let predicted = sums.predicted_decrease(&step);
-            let agrees = (predicted / fallen - 1.0).abs() < 1e-8;
-            if !agrees {
-                failures.push(format!("{name}: predicted decrease {predicted}, the linear model's {fallen}"));
-            }
+    for (name, Problem { sums, jacobian, residual, .. }) in problems() {
+        let step = sums.step(0.0);
+        // Eigenvalues of JᵀJ below 1e-6 of the largest are null: singular values below 1e-3.
+        let svd = jacobian.clone().svd(true, true);
+        let largest = svd.singular_values.amax();
+        let nulls = svd.singular_values.iter().filter(|value| **value < 1e-3 * largest).count();
+        let dense = svd.solve(&residual, 1e-3 * largest).unwrap();
+        let error = (&step - &dense).norm() / dense.norm();
+        let agrees = error < 1e-6;
+        if !agrees {
+            failures.push(format!("{name}: the step is {error:.1e} off, {nulls} null directions"));
+        }
+        let fallen = residual.norm_squared() - (&residual - &jacobian * &step).norm_squared();
+        let predicted = sums.predicted_decrease(&step);
+        let agrees = (predicted / fallen - 1.0).abs() < 1e-8;
+        if !agrees {
+            failures.push(format!("{name}: predicted decrease {predicted}, the linear model's {fallen}"));
         }
     }
     report(&failures);
@@ -223,25 +229,20 @@ fn the_undamped_step_is_the_dense_least_squares_solution() {
 #[test]
 fn the_damped_step_is_the_augmented_least_squares_solution() {
     let mut failures = Vec::new();
-    for (name, model, up) in bodies() {
-        for parameters in BOTH {
-            let Problem { sums, jacobian, residual, .. } =
-                problem(&model, up, parameters, 2, RendererKind::Capsule);
-            for damping in [1e-3, 0.1] {
-                let columns = jacobian.ncols();
-                let added = (damping * jacobian.tr_mul(&jacobian).diagonal().mean()).sqrt();
-                let (rows, extra) = (jacobian.nrows(), columns);
-                let mut augmented = jacobian.clone().resize_vertically(rows + extra, 0.0);
-                for column in 0..columns {
-                    augmented[(rows + column, column)] = added;
-                }
-                let data = residual.clone().resize_vertically(rows + extra, 0.0);
-                let dense = augmented.svd(true, true).solve(&data, 0.0).unwrap();
-                let error = (sums.step(damping) - &dense).norm() / dense.norm();
-                let agrees = error < 1e-8;
-                if !agrees {
-                    failures.push(format!("{name}, {parameters:?}, damping {damping}: {error:.1e} off"));
-                }
+    for (name, Problem { sums, jacobian, residual, .. }) in problems() {
+        for damping in [1e-3, 0.1] {
+            let (rows, columns) = jacobian.shape();
+            let added = (damping * jacobian.tr_mul(&jacobian).diagonal().mean()).sqrt();
+            let mut augmented = jacobian.clone().resize_vertically(rows + columns, 0.0);
+            for column in 0..columns {
+                augmented[(rows + column, column)] = added;
+            }
+            let data = residual.clone().resize_vertically(rows + columns, 0.0);
+            let dense = augmented.svd(true, true).solve(&data, 0.0).unwrap();
+            let error = (sums.step(damping) - &dense).norm() / dense.norm();
+            let agrees = error < 1e-8;
+            if !agrees {
+                failures.push(format!("{name}, damping {damping}: {error:.1e} off"));
             }
         }
     }
