@@ -94,16 +94,17 @@ pub fn choose(model: &Model, candidates: &[PosedFrame], fitted: usize, held_out:
     let count = good.len();
     good.retain(|&one| candidates[one].iou.is_none_or(|iou| iou >= median - POOR));
     choice.poor = count - good.len();
-    let joints = |one: usize| Kinematics::new(model, &candidates[one].pose);
-    let all: Vec<Kinematics> = good.iter().map(|&one| joints(one)).collect();
+    let joints = |&one: &usize| Kinematics::new(model, &candidates[one].pose);
+    let all: Vec<Kinematics> = good.iter().map(joints).collect();
     let run = larger_part(model, &all);
     choice.turned = good.len() - run.len();
-    let about_root = |index: &usize| -> Vec<DVec3> {
-        let root = candidates[good[*index]].pose.root;
-        all[*index].ends().iter().map(|end| *end - root).collect()
+    let about_root = |&index: &usize| -> Vec<DVec3> {
+        let root = candidates[good[index]].pose.root;
+        all[index].ends().iter().map(|end| *end - root).collect()
     };
     let places: Vec<Vec<DVec3>> = run.iter().map(about_root).collect();
-    let seen = |index: usize| candidates[good[run[index]]].iou.unwrap_or(0.0);
+    let run: Vec<usize> = run.into_iter().map(|index| good[index]).collect();
+    let seen = |index: usize| candidates[run[index]].iou.unwrap_or(0.0);
     // Of equals the first.
     let best = (0..run.len()).reduce(|best, one| if seen(one) > seen(best) { one } else { best });
     let Some(mut next) = best else { return choice };
@@ -113,7 +114,7 @@ pub fn choose(model: &Model, candidates: &[PosedFrame], fitted: usize, held_out:
         let is_held_out = order % 3 == 2 && choice.held_out.len() < held_out;
         let is_held_out = is_held_out || choice.fitted.len() == fitted;
         let chosen = if is_held_out { &mut choice.held_out } else { &mut choice.fitted };
-        chosen.push(good[run[next]]);
+        chosen.push(run[next]);
         for (nearest, place) in nearest.iter_mut().zip(&places) {
             *nearest = nearest.min(apart(place, &places[next]));
         }

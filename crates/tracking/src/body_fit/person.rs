@@ -131,14 +131,13 @@ pub fn find_person<E: From<PersonError>>(
     if cancel.is_cancelled() {
         return Err(PersonError::Cancelled.into());
     }
-    match found {
-        Ok(sizes) => {
-            let model = Arc::new(sizes.as_seen());
-            Ok(Person { model, start, search, sizes: Some(Ok(sizes)) })
-        }
-        Err(SizesOr::Sizes(error)) => Ok(Person { model, start, search, sizes: Some(Err(error)) }),
-        Err(SizesOr::Views(error)) => Err(error),
-    }
+    let sizes = match found {
+        Ok(sizes) => Ok(sizes),
+        Err(SizesOr::Sizes(error)) => Err(error),
+        Err(SizesOr::Views(error)) => return Err(error),
+    };
+    let model = sizes.as_ref().map_or(model, |sizes| Arc::new(sizes.as_seen()));
+    Ok(Person { model, start, search, sizes: Some(sizes) })
 }
 
 /// Why sizes were not found: for a reason of their own, or because a picture cannot be had.
