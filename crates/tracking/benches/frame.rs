@@ -69,8 +69,9 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
     let of_take =
         || take.start().cloned().or_else(|| start::from_joints(take.model(), &take.reference()?.joints(0)));
     let begin = begin.or_else(of_take);
-    let mut parts: [Part; 4] =
-        ["segmentation", "distances within 13 px", "fit, distances included", "whole frame"].map(Part::new);
+    // Milliseconds of each part, by frame.
+    let mut parts = ["segmentation", "distances within 13 px", "fit, distances included", "whole frame"]
+        .map(|name| (name, Vec::new()));
     let mut iterations = Vec::new();
     for round in 0..=ROUNDS {
         let options = FitOptions::preset(Preset::Robust);
@@ -100,7 +101,7 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
             // The first frame begins from far, and the first round warms up.
             if frame > 0 && round > 0 {
                 let times = [segmented, again.elapsed().as_secs_f64(), whole - segmented, whole];
-                parts.iter_mut().zip(times).for_each(|(part, seconds)| part.ms.push(1e3 * seconds));
+                parts.iter_mut().zip(times).for_each(|((_, ms), seconds)| ms.push(1e3 * seconds));
                 iterations.push(found.iterations as f64);
             }
         }
@@ -113,31 +114,10 @@ fn table(name: &str, footage: &Footage, begin: Option<Pose>) {
         take.frame_count()
     );
     println!("{:<28} {:>10} {:>10} {:>10} {:>10}", "", "median ms", "quarter", "3 quarters", "95 %");
-    parts.iter_mut().for_each(Part::print);
+    for (name, ms) in &mut parts {
+        ms.sort_by(f64::total_cmp);
+        let at = |share: f64| ms[((ms.len() - 1) as f64 * share) as usize];
+        println!("{name:<28} {:>10.2} {:>10.2} {:>10.2} {:>10.2}", at(0.5), at(0.25), at(0.75), at(0.95));
+    }
     println!("{:<28} {:>10.1}", "iterations, mean", iterations.iter().sum::<f64>() / iterations.len() as f64);
-}
-
-/// Times of one part of the work, by frame.
-struct Part {
-    name: &'static str,
-    ms: Vec<f64>,
-}
-
-impl Part {
-    fn new(name: &'static str) -> Self {
-        Self { name, ms: Vec::new() }
-    }
-
-    fn print(&mut self) {
-        self.ms.sort_by(f64::total_cmp);
-        let at = |share: f64| self.ms[((self.ms.len() - 1) as f64 * share) as usize];
-        println!(
-            "{:<28} {:>10.2} {:>10.2} {:>10.2} {:>10.2}",
-            self.name,
-            at(0.5),
-            at(0.25),
-            at(0.75),
-            at(0.95)
-        );
-    }
 }

@@ -3,7 +3,6 @@
 //! Clock rates and neighbours on the machine change from second to second, so the works of a table take turns: one sample
 //! of each per round. What travels from machine to machine is the ratio to the first work.
 
-use std::fmt;
 use std::time::{Duration, Instant};
 
 /// A sample repeats its work until about this long has passed, so that the clock's own cost does not count.
@@ -25,20 +24,6 @@ pub(crate) struct Table<'a> {
     works: Vec<(String, Box<dyn FnMut() + 'a>)>,
 }
 
-/// How long one work took, in microseconds.
-pub(crate) struct Timing {
-    /// The work's name.
-    pub(crate) name: String,
-    /// The median of all rounds.
-    pub(crate) median: f64,
-    /// The fastest round.
-    pub(crate) min: f64,
-    /// From the first to the third quartile, as a fraction of the median.
-    pub(crate) spread: f64,
-    /// The fastest round over that of the table's first work: neighbours disturb it least.
-    pub(crate) ratio: f64,
-}
-
 impl<'a> Table<'a> {
     /// An empty table.
     pub(crate) fn new(title: impl Into<String>) -> Self {
@@ -51,8 +36,10 @@ impl<'a> Table<'a> {
         self
     }
 
-    /// Runs all works in turn for about `budget`, prints the table and returns its rows.
-    pub(crate) fn run(mut self, budget: Duration) -> Vec<Timing> {
+    /// Runs all works in turn for about `budget` and prints the table: the median and the fastest of all rounds, in
+    /// microseconds, from the first to the third quartile as a fraction of the median, and the fastest round over that of
+    /// the first work: neighbours disturb it least.
+    pub(crate) fn run(mut self, budget: Duration) {
         let repeats: Vec<u32> = self.works.iter_mut().map(|(_, work)| repeats(work)).collect();
         let mut samples = vec![Vec::new(); self.works.len()];
         let start = Instant::now();
@@ -63,27 +50,14 @@ impl<'a> Table<'a> {
         }
         samples.iter_mut().for_each(|samples| samples.sort_by(f64::total_cmp));
         let unit = samples[0][0];
-        let timings: Vec<Timing> = self
-            .works
-            .iter()
-            .zip(&samples)
-            .map(|((name, _), sorted)| {
-                let at = |part: usize| sorted[part * (sorted.len() - 1) / 4];
-                let spread = (at(3) - at(1)) / at(2);
-                Timing { name: name.clone(), median: at(2), min: at(0), spread, ratio: at(0) / unit }
-            })
-            .collect();
         println!("\n{} ({} rounds)", self.title, samples[0].len());
         println!("{:<46} {:>11} {:>11} {:>7} {:>9}", "", "median µs", "min µs", "spread", "ratio");
-        timings.iter().for_each(|timing| println!("{timing}"));
-        timings
-    }
-}
-
-impl fmt::Display for Timing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, median, min, spread, ratio } = self;
-        write!(f, "{name:<46} {median:>11.1} {min:>11.1} {:>6.0}% {ratio:>9.2}", 100.0 * spread)
+        for ((name, _), sorted) in self.works.iter().zip(&samples) {
+            let at = |part: usize| sorted[part * (sorted.len() - 1) / 4];
+            let (median, min, ratio) = (at(2), at(0), at(0) / unit);
+            let spread = 100.0 * ((at(3) - at(1)) / median);
+            println!("{name:<46} {median:>11.1} {min:>11.1} {spread:>6.0}% {ratio:>9.2}");
+        }
     }
 }
 

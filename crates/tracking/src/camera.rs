@@ -10,13 +10,13 @@ mod adjust;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod camera;
 mod distortion;
-mod intrinsics;
 mod rectify;
 mod rig;
 
 pub use adjust::{AdjustOptions, Adjusted, Sighting, adjust};
-pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE};
+pub use camera::{
+    Camera, CameraError, CameraFromWorld, FARTHEST, Intrinsics, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE,
+};
 pub use distortion::Distortion;
-pub use intrinsics::Intrinsics;
 pub use rectify::Rectification;
 pub use rig::{Rig, RigError, up_of};

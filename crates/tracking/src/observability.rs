@@ -28,14 +28,6 @@
 //! S = Σ g gᵀ over the cells, errors are larger than those of white noise by κ = tr(H⁺S) / (rank σ²) in variance; less than
 //! one is taken for one. [`Noise::deviation`] is σ√κ. Covariance of a joint p with ∂p = K δ: σ²κ · K H⁺ Kᵀ, and what it moves along null
 //! directions is without any bound.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `information` | [`FrameInformation`]: each camera's JᵀJ, which limbs it sees, the singular values, and which are null |
-//! | `directions` | [`Observability`] of a set of cameras: [`Direction`]s, null ones in a basis that can be named |
-//! | `cause` | [`Cause`]: why a direction is weak: shares of its motion, by mechanism |
-//! | `uncertainty` | [`JointUncertainty`]: covariance of joints, and its ellipse in a picture |
-//! | `subsets` | [`camera_subsets`]: all sets of cameras compared |
 
 mod cause;
 mod directions;

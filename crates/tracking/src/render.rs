@@ -10,7 +10,7 @@
 //! | [`View`] | all solids of a pose prepared for one camera; what a pixel of it sees |
 //! | [`predict`], [`Prediction`] | Λ as a picture, with the limb that owns each pixel |
 //! | [`draw`], [`Drawing`] | Λ and derivatives as pictures for the screen, fast |
-//! | [`dense_jacobian`], [`jacobian_column`], [`jacobian_along`] | ∂Λ/∂X: all of it, a column, along a direction |
+//! | [`dense_jacobian`], [`jacobian_along`] | ∂Λ/∂X: all of it, along a direction |
 //! | [`prediction`] | λ alone: in f64, as a picture, as a coverage |
 //! | [`wrench`] | a pixel's gradient as force and moment on its limb |
 //!
@@ -30,11 +30,11 @@ pub mod wrench;
 
 pub(crate) use kernels::lanes::{Lanes, PixelGrid};
 pub(crate) use kernels::scalar::RowWinners;
-pub(crate) use primitive::{Footprint, Primitive};
+pub(crate) use primitive::Primitive;
 pub(crate) use wrench::JointBlock;
 
 pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_plainly, predict};
-pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along, jacobian_column};
+pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along};
 pub use prediction::Prediction;
 pub use ramp::{BACKGROUND, ParseRampError, Ramp};
 pub use renderer::{MAX_SPHERES, ParseRendererError, RendererKind};

@@ -20,14 +20,6 @@
 //! that are a little off. Where a line through both centres passes through the person there is no touch: then the height of
 //! the silhouette's top and its area take the place of φ, brought to one scale. Offsets of all cameras are those of the
 //! largest sum over the pairs; their fractions of a frame are the weighted least squares over the pairs' own peaks.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `outline` | what is kept of a silhouette: its convex hull as rays |
-//! | `signals` | the angles of a pair over time |
-//! | `evidence` | E(τ) of a pair, its peak |
-//! | `network` | all cameras from all pairs |
-//! | `answer` | what was found, and why something was not |
 
 mod answer;
 mod evidence;

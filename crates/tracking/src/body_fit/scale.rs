@@ -111,7 +111,7 @@ fn blob_of_model(body: &Model, kinematics: &Kinematics, camera: &Camera) -> Opti
     let view = View::new(body, kinematics, camera, RendererKind::Capsule, Ramp::Half);
     let mut row = RowWinners::default();
     let mut inside = Vec::new();
-    for y in (STRIDE / 2..view.height()).step_by(STRIDE) {
+    for y in (STRIDE / 2..view.size[1]).step_by(STRIDE) {
         row.find(&view, y, STRIDE, STRIDE / 2);
         let touched = row.touched().step_by(STRIDE);
         inside.extend(touched.filter(|&x| row.level(x) < 0.5).map(|x| (x, y)));

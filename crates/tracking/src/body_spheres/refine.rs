@@ -107,7 +107,7 @@ impl<'a> Silhouettes<'a> {
                 let residual = f64::from(term.data.values()[y * width + x]) - BACKGROUND * level;
                 cost += weight * residual * residual;
                 let Some(winner) = row.winner(x).filter(|_| weight > 0.0) else { continue };
-                let primitive = &view.primitives()[winner];
+                let primitive = &view.primitives[winner];
                 let limb = &model.limbs()[primitive.limb];
                 let limb_from_camera = (turn * kinematics.world_rotations()[limb.rotation]).transpose();
                 if let Some((k, by_radius)) = pull(&view, primitive, [x, y]) {
@@ -125,7 +125,7 @@ impl<'a> Silhouettes<'a> {
 fn pull(view: &View, primitive: &Primitive, [x, y]: [usize; 2]) -> Option<(DVec3, f64)> {
     let candidate = primitive.candidate(view.ray(x, y))?;
     let ramp = primitive.ramp.sample(candidate.squared);
-    let rate = primitive.radius_rate(RAMP, view.pinhole().mean_focal_px(), candidate.squared);
+    let rate = primitive.radius_rate(RAMP, view.pinhole.mean_focal_px(), candidate.squared);
     (ramp.by_squared > 0.0).then(|| (candidate.by_p0 * ramp.by_squared, primitive.radius * rate))
 }
 

@@ -209,7 +209,7 @@ impl Eye<'_> {
     fn meets(&self, place: DVec3, rotation: impl Fn(usize) -> bool) -> bool {
         let (px, ray) = (self.pixel(place), place.normalize());
         let [x, y] = px.round().max(DVec2::ZERO).to_array().map(|coordinate| coordinate as usize);
-        self.drawn.primitives().iter().any(|primitive| {
+        self.drawn.primitives.iter().any(|primitive| {
             primitive.bounds.contains(x, y)
                 && rotation(self.model.limbs()[primitive.limb].rotation)
                 && primitive.ramp.unclipped(primitive.squared(ray)) < OUTLINE

@@ -255,10 +255,10 @@ impl BodySight<'_> {
             return false;
         }
         let (x, y) = (px.x as usize, px.y as usize);
-        if x >= self.view.width() || y >= self.view.height() {
+        if x >= self.view.size[0] || y >= self.view.size[1] {
             return false;
         }
-        !self.view.primitives().iter().any(|primitive| {
+        !self.view.primitives.iter().any(|primitive| {
             let is_other = self.model.limbs()[primitive.limb].rotation != rotation;
             is_other && primitive.bounds.contains(x, y) && {
                 primitive.candidate(ray).is_some_and(|candidate| {

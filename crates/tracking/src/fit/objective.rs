@@ -10,7 +10,7 @@ use super::options::{FitOptions, Stage};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::wrench::WrenchBlock;
-use crate::render::{BACKGROUND, Footprint, View};
+use crate::render::{BACKGROUND, View};
 use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::learnt_prior::BoundPrior;
@@ -69,8 +69,7 @@ struct CameraTerm {
 impl CameraTerm {
     /// Sampled pixels in the boxes of all solids at the last evaluated pose: how much work it is, roughly.
     fn area_px(&self, stride: usize) -> usize {
-        let area = |bounds: &Footprint| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
-        self.view.primitives().iter().map(|primitive| area(&primitive.bounds)).sum::<usize>()
+        self.view.primitives.iter().map(|primitive| primitive.bounds.pixels()).sum::<usize>()
             / (stride * stride)
     }
 }

@@ -190,7 +190,7 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
         row.find(&drawn, y, 1, 0);
         for x in row.touched() {
             let Some(winner) = row.winner(x) else { continue };
-            let primitive = &drawn.primitives()[winner];
+            let primitive = &drawn.primitives[winner];
             limbs[primitive.limb].won += 1;
             let at = y * data.width() + x;
             let sample = primitive.sample(drawn.ray(x, y));

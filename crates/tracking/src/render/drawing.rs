@@ -101,7 +101,7 @@ fn fill_plainly(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
             strip.row(y).background(0..0);
             for x in winners.touched() {
                 let Some(winner) = winners.winner(x) else { continue };
-                strip.put(view, wanted, (x, y), Some((&view.primitives()[winner], winners.level(x))));
+                strip.put(view, wanted, (x, y), Some((&view.primitives[winner], winners.level(x))));
             }
         }
     });
@@ -110,7 +110,7 @@ fn fill_plainly(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
 impl Drawing {
     /// Pictures of the view's size, of zeros: memory that nobody has touched yet, so that threads share that too.
     fn empty(view: &View, wanted: DrawOptions<'_>) -> Self {
-        let (width, height) = (view.width(), view.height());
+        let [width, height] = view.size;
         let pixels = width * height;
         let prediction = Prediction { width, height, lambda: vec![0.0; pixels], owner: vec![0; pixels] };
         let numbers = |is_wanted: bool| vec![0.0; if is_wanted { pixels } else { 0 }];

@@ -19,7 +19,7 @@ pub fn dense_jacobian(
     parameters: Parameters,
 ) -> DMatrix<f64> {
     let columns = parameters.columns(kinematics.world_rotations().len());
-    let mut jacobian = DMatrix::zeros(view.width() * view.height(), columns);
+    let mut jacobian = DMatrix::zeros(view.size[0] * view.size[1], columns);
     let mut maps = Vec::with_capacity(kinematics.limb_count());
     for limb in 0..kinematics.limb_count() {
         let mut map = DMatrix::zeros(7, columns);
@@ -28,30 +28,12 @@ pub fn dense_jacobian(
     }
     for_each_gradient(view, |x, y, limb, wrench| {
         let h = wrench.rotated(camera.camera_from_world().rotation.transpose()).to_array();
-        let mut row = jacobian.row_mut(y * view.width() + x);
+        let mut row = jacobian.row_mut(y * view.size[0] + x);
         for (column, value) in row.iter_mut().enumerate() {
             *value = (0..7).map(|i| h[i] * maps[limb][(i, column)]).sum();
         }
     });
     jacobian
-}
-
-/// One column of [`dense_jacobian`] as a picture, without the others' memory: row-major, zero where there is no
-/// gradient.
-///
-/// # Panics
-/// If the state has no such column.
-pub fn jacobian_column(
-    view: &View,
-    kinematics: &Kinematics,
-    camera: &Camera,
-    parameters: Parameters,
-    column: usize,
-) -> Vec<f32> {
-    let mut direction = vec![0.0; parameters.columns(kinematics.world_rotations().len())];
-    direction[column] = 1.0;
-    let picture = jacobian_along(view, kinematics, camera, parameters, &direction);
-    picture.into_iter().map(|value| value as f32).collect()
 }
 
 /// J v as a picture: how every pixel changes along a direction v of the state, [`dense_jacobian`] times v without
@@ -67,9 +49,9 @@ pub fn jacobian_along(
     direction: &[f64],
 ) -> Vec<f64> {
     let motion = BodyMotion::along(kinematics, camera, parameters, direction);
-    let mut picture = vec![0.0; view.width() * view.height()];
+    let mut picture = vec![0.0; view.size[0] * view.size[1]];
     for_each_gradient(view, |x, y, limb, wrench| {
-        picture[y * view.width() + x] = motion.change(limb, wrench);
+        picture[y * view.size[0] + x] = motion.change(limb, wrench);
     });
     picture
 }
@@ -143,11 +125,11 @@ impl LimbMotion {
 /// Calls `visit(x, y, limb, wrench in camera axes)` for every pixel that has a gradient.
 pub(super) fn for_each_gradient(view: &View, mut visit: impl FnMut(usize, usize, usize, Wrench)) {
     let mut row = RowWinners::default();
-    for y in 0..view.height() {
+    for y in 0..view.size[1] {
         row.find(view, y, 1, 0);
         for x in row.touched() {
             let Some(winner) = row.winner(x) else { continue };
-            let primitive = &view.primitives()[winner];
+            let primitive = &view.primitives[winner];
             if let Some(wrench) = primitive.sample(view.ray(x, y)).wrench {
                 visit(x, y, primitive.limb, wrench);
             }
@@ -180,12 +162,12 @@ mod tests {
         for parameters in [Parameters::Raw, Parameters::Tangent] {
             let dense = dense_jacobian(&view, &kinematics, &camera, parameters);
             for column in 0..dense.ncols() {
-                let picture = jacobian_column(&view, &kinematics, &camera, parameters, column);
+                let mut unit = vec![0.0; dense.ncols()];
+                unit[column] = 1.0;
+                let picture = jacobian_along(&view, &kinematics, &camera, parameters, &unit);
                 let expected = dense.column(column);
-                assert!(
-                    expected.iter().map(|value| *value as f32).eq(picture),
-                    "{parameters:?} column {column}"
-                );
+                let same = expected.iter().zip(picture).all(|(a, b)| *a as f32 == b as f32);
+                assert!(same, "{parameters:?} column {column}");
             }
             assert!(dense.column(0).iter().any(|value| *value != 0.0));
             let direction = DVector::from_fn(dense.ncols(), |i, _| (i as f64 * 1.7).sin());

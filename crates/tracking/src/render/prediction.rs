@@ -3,6 +3,7 @@
 use super::View;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
+use super::primitive::SolidShape;
 use super::ramp::BACKGROUND;
 
 /// The owner of a pixel that no limb is near.
@@ -35,16 +36,16 @@ const DOUBT: f32 = 2e-3;
 /// The pixels of [`lambda`], but found by the fast kernel where that can: pixels about which f32 might be wrong are
 /// decided by the plain one.
 pub fn covered(view: &View) -> Vec<bool> {
-    let width = view.width();
+    let [width, height] = view.size;
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
-    let has_caps = view.primitives().iter().any(|primitive| primitive.solid.has_flat_caps());
+    let has_caps = view.primitives.iter().any(|primitive| primitive.solid.shape == SolidShape::Cylinder);
     if has_caps || !view.suits_lanes() {
         return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
     }
-    let mut covered = vec![false; width * view.height()];
+    let mut covered = vec![false; width * height];
     let is_dark = |x: usize, y: usize| {
         let ray = view.ray(x, y);
-        let mut near = view.primitives().iter().filter(|primitive| primitive.bounds.contains(x, y));
+        let mut near = view.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y));
         near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
     };
     Lanes::default().look(view, |y, from, levels| {
@@ -57,7 +58,7 @@ pub fn covered(view: &View) -> Vec<bool> {
 
 /// λ alone, in f64: for files that others compare.
 pub fn levels(view: &View) -> Vec<f64> {
-    let (width, height) = (view.width(), view.height());
+    let [width, height] = view.size;
     let mut levels = vec![BACKGROUND; width * height];
     let mut row = RowWinners::default();
     for y in 0..height {

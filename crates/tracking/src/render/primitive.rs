@@ -11,79 +11,51 @@ use crate::geometry::ray_distance::{Candidate, Cap, ray_axis, ray_cap, ray_point
 
 /// The solid of a primitive, in camera axes, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Solid {
+pub(crate) struct Solid {
+    /// The limb's two joints. About the first moments are taken, and the width of a ramp in pixels goes by the depth of both.
+    pub joints: [DVec3; 2],
+    /// What stands between or beside them.
+    pub shape: SolidShape,
+}
+
+/// What a solid is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum SolidShape {
     /// Axis and two hemispherical ends.
-    Capsule {
-        /// First joint.
-        p0: DVec3,
-        /// Second joint.
-        p1: DVec3,
-    },
+    Capsule,
     /// Axis and two flat caps.
-    Cylinder {
-        /// First joint.
-        p0: DVec3,
-        /// Second joint.
-        p1: DVec3,
-    },
-    /// Equal spheres, evenly spread from joint to joint; a single one sits in the middle.
-    Spheres {
-        /// First joint.
-        p0: DVec3,
-        /// Second joint.
-        p1: DVec3,
-        /// How many.
-        count: usize,
-    },
-    /// One sphere fixed in a limb, on its axis or off it.
-    Sphere {
-        /// The limb's first joint, about which moments are taken.
-        p0: DVec3,
-        /// The limb's second joint: the width of a ramp in pixels goes by the limb's depth.
-        p1: DVec3,
-        /// Centre.
-        centre: DVec3,
-    },
+    Cylinder,
+    /// So many equal spheres, evenly spread from joint to joint; a single one sits in the middle.
+    Spheres(usize),
+    /// One sphere fixed in the limb, on its axis or off it, by its centre.
+    Sphere(DVec3),
 }
 
 impl Solid {
     /// What stands for a whole limb between its joints; `None` where a sphere tree of its own does.
-    pub(crate) fn of_limb(renderer: RendererKind, limb: &Limb, p0: DVec3, p1: DVec3) -> Option<Self> {
-        match renderer {
-            RendererKind::Capsule => Some(Self::Capsule { p0, p1 }),
-            RendererKind::Cylinder => Some(Self::Cylinder { p0, p1 }),
+    pub(crate) fn of_limb(renderer: RendererKind, limb: &Limb, joints: [DVec3; 2]) -> Option<Self> {
+        let shape = match renderer {
+            RendererKind::Capsule => SolidShape::Capsule,
+            RendererKind::Cylinder => SolidShape::Cylinder,
             RendererKind::SphereTree { spheres } => {
-                RendererKind::equal_spheres(limb, spheres).map(|count| Self::Spheres { p0, p1, count })
+                SolidShape::Spheres(RendererKind::equal_spheres(limb, spheres)?)
             }
-        }
-    }
-
-    /// The limb's two joints.
-    pub(crate) fn joints(&self) -> [DVec3; 2] {
-        let (Self::Capsule { p0, p1 }
-        | Self::Cylinder { p0, p1 }
-        | Self::Spheres { p0, p1, .. }
-        | Self::Sphere { p0, p1, .. }) = *self;
-        [p0, p1]
+        };
+        Some(Self { joints, shape })
     }
 
     /// The ends of its own axis: of a sphere its centre twice, else the joints.
     pub(crate) fn axis(&self) -> [DVec3; 2] {
-        match *self {
-            Self::Sphere { centre, .. } => [centre; 2],
-            _ => self.joints(),
+        match self.shape {
+            SolidShape::Sphere(centre) => [centre; 2],
+            _ => self.joints,
         }
-    }
-
-    /// Whether λ jumps on a rim.
-    pub(crate) fn has_flat_caps(&self) -> bool {
-        matches!(self, Self::Cylinder { .. })
     }
 
     /// Whether the kernel in f32 lanes can take it where its axis keeps this distance from the camera's plane, metres.
     pub(crate) fn suits_lanes(&self, nearest: f64) -> bool {
         let [p0, p1] = self.axis();
-        !matches!(self, Self::Spheres { count: 1, .. }) && p0.z.min(p1.z) > nearest
+        self.shape != SolidShape::Spheres(1) && p0.z.min(p1.z) > nearest
     }
 }
 
@@ -104,17 +76,13 @@ pub(crate) struct Primitive {
     pub bounds: Footprint,
 }
 
-/// The rectangle of pixels that a solid may touch: columns x0 .. x1, rows y0 .. y1, ends excluded.
+/// A rectangle of pixels, ends excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Footprint {
-    /// First column.
-    pub x0: usize,
-    /// One past the last column.
-    pub x1: usize,
-    /// First row.
-    pub y0: usize,
-    /// One past the last row.
-    pub y1: usize,
+    /// First column, and one past the last.
+    pub columns: [usize; 2],
+    /// First row, and one past the last.
+    pub rows: [usize; 2],
 }
 
 /// What a ray sees of a primitive, with the gradient as a wrench on its limb.
@@ -132,32 +100,33 @@ impl Primitive {
     /// d² of the nearest candidate along the unit ray u; infinite for none.
     #[inline]
     pub(crate) fn squared(&self, u: DVec3) -> f64 {
-        match self.solid {
-            Solid::Capsule { p0, p1 } => capsule_squared(u, p0, p1),
-            Solid::Sphere { centre, .. } => point_squared(u, centre),
-            Solid::Spheres { p0, p1, count } => sphere_fractions(count)
+        let [p0, p1] = self.solid.joints;
+        match self.solid.shape {
+            SolidShape::Capsule => capsule_squared(u, p0, p1),
+            SolidShape::Sphere(centre) => point_squared(u, centre),
+            SolidShape::Spheres(count) => sphere_fractions(count)
                 .map(|fraction| point_squared(u, p0.lerp(p1, fraction)))
                 .fold(f64::INFINITY, f64::min),
-            Solid::Cylinder { .. } => self.candidate(u).map_or(f64::INFINITY, |candidate| candidate.squared),
+            SolidShape::Cylinder => self.candidate(u).map_or(f64::INFINITY, |candidate| candidate.squared),
         }
     }
 
     /// The nearest candidate along the unit ray u, with derivatives.
     pub(crate) fn candidate(&self, u: DVec3) -> Option<Candidate> {
-        let nearest = |candidates: [Option<Candidate>; 3]| {
-            candidates.into_iter().flatten().min_by(|a, b| a.squared.total_cmp(&b.squared))
-        };
-        match self.solid {
-            Solid::Capsule { p0, p1 } => {
+        let nearer = |a: &Candidate, b: &Candidate| a.squared.total_cmp(&b.squared);
+        let nearest = |candidates: [Option<Candidate>; 3]| candidates.into_iter().flatten().min_by(nearer);
+        let [p0, p1] = self.solid.joints;
+        match self.solid.shape {
+            SolidShape::Capsule => {
                 nearest([ray_axis(u, p0, p1), ray_point(u, p0, 0.0), ray_point(u, p1, 1.0)])
             }
-            Solid::Cylinder { p0, p1 } => {
+            SolidShape::Cylinder => {
                 nearest([ray_axis(u, p0, p1), ray_cap(u, p0, p1, Cap::Start), ray_cap(u, p0, p1, Cap::End)])
             }
-            Solid::Spheres { p0, p1, count } => sphere_fractions(count)
+            SolidShape::Spheres(count) => sphere_fractions(count)
                 .filter_map(|fraction| ray_point(u, p0.lerp(p1, fraction), fraction))
-                .min_by(|a, b| a.squared.total_cmp(&b.squared)),
-            Solid::Sphere { centre, .. } => ray_point(u, centre, 0.0),
+                .min_by(nearer),
+            SolidShape::Sphere(centre) => ray_point(u, centre, 0.0),
         }
     }
 
@@ -178,23 +147,18 @@ impl Primitive {
 
     fn wrench(&self, candidate: &Candidate, ramp: RampSample) -> Wrench {
         let half_depth = DVec3::new(0.0, 0.0, 0.5 * ramp.by_depth);
-        match self.solid {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
-                let at_p0 = candidate.by_p0 * ramp.by_squared + half_depth;
-                let at_p1 = candidate.by_p1 * ramp.by_squared + half_depth;
-                let mut wrench = Wrench::at(at_p1, p1 - p0);
-                wrench.force += at_p0;
-                wrench
-            }
-            Solid::Sphere { p0, p1, centre } => {
-                // The whole derivative of the distance is by the centre, wherever in the limb that is.
-                let mut wrench = Wrench::at(candidate.by_p0 * ramp.by_squared, centre - p0);
-                let mut depth = Wrench::at(half_depth, p1 - p0);
-                depth.force += half_depth;
-                wrench += depth;
-                wrench
-            }
+        let [p0, p1] = self.solid.joints;
+        if let SolidShape::Sphere(centre) = self.solid.shape {
+            // The whole derivative of the distance is by the centre, wherever in the limb that is.
+            let mut wrench = Wrench::at(candidate.by_p0 * ramp.by_squared, centre - p0);
+            let mut depth = Wrench::at(half_depth, p1 - p0);
+            depth.force += half_depth;
+            wrench += depth;
+            return wrench;
         }
+        let mut wrench = Wrench::at(candidate.by_p1 * ramp.by_squared + half_depth, p1 - p0);
+        wrench.force += candidate.by_p0 * ramp.by_squared + half_depth;
+        wrench
     }
 }
 
@@ -227,39 +191,43 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
 
 impl Footprint {
     /// The whole picture.
-    pub(crate) fn whole(width: usize, height: usize) -> Self {
-        Self { x0: 0, x1: width, y0: 0, y1: height }
+    pub(crate) fn whole([width, height]: [usize; 2]) -> Self {
+        Self { columns: [0, width], rows: [0, height] }
     }
 
     /// Whether a pixel is in it.
     pub(crate) fn contains(&self, x: usize, y: usize) -> bool {
-        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
+        (self.columns[0]..self.columns[1]).contains(&x) && self.is_on_row(y)
+    }
+
+    /// Whether any of it may be on a row.
+    pub(crate) fn is_on_row(&self, y: usize) -> bool {
+        (self.rows[0]..self.rows[1]).contains(&y)
     }
 
     /// Whether it holds no pixel.
     pub(crate) fn is_empty(&self) -> bool {
-        self.x0 >= self.x1 || self.y0 >= self.y1
+        self.pixels() == 0
+    }
+
+    /// How many pixels it holds.
+    pub(crate) fn pixels(&self) -> usize {
+        let side = |[from, to]: [usize; 2]| to.saturating_sub(from);
+        side(self.columns) * side(self.rows)
     }
 
     /// Pixels whose ray may come within `reach` of the segment p0 p1 (camera axes): never too few.
     ///
     /// The box of the two end spheres' outlines, which holds everything between them as long as both lie in
     /// front of the camera; the whole picture if one reaches the camera plane; nothing if both are behind.
-    pub(crate) fn around(
-        p0: DVec3,
-        p1: DVec3,
-        reach: f64,
-        pinhole: &Intrinsics,
-        width: usize,
-        height: usize,
-    ) -> Self {
+    pub(crate) fn around(p0: DVec3, p1: DVec3, reach: f64, pinhole: &Intrinsics, size: [usize; 2]) -> Self {
         if p0.z <= -reach && p1.z <= -reach {
             return Self::default();
         }
         // A margin keeps the tangents finite.
         let near = reach * 1.001 + 1e-9;
         if p0.z <= near || p1.z <= near {
-            return Self::whole(width, height);
+            return Self::whole(size);
         }
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for p in [p0, p1] {
@@ -275,11 +243,10 @@ impl Footprint {
             below + usize::from(value > below as f64)
         };
         let past = |value: f64, limit: usize| within(value + (1.0 + 1e-6), limit) as usize;
+        let [width, height] = size;
         Self {
-            x0: first(low.x, width),
-            x1: past(high.x, width),
-            y0: first(low.y, height),
-            y1: past(high.y, height),
+            columns: [first(low.x, width), past(high.x, width)],
+            rows: [first(low.y, height), past(high.y, height)],
         }
     }
 }
@@ -308,13 +275,12 @@ mod tests {
         ) {
             let (p0, p1) = (DVec3::from(p0), DVec3::from(p1));
             let pinhole = Intrinsics { fx: 20.0, fy: 22.0, cx: 15.0, cy: 11.5 };
-            let bounds = Footprint::around(p0, p1, reach, &pinhole, 32, 24);
+            let bounds = Footprint::around(p0, p1, reach, &pinhole, [32, 24]);
             for y in 0..24 {
                 for x in 0..32 {
                     let u = pinhole.ray(DVec2::new(x as f64, y as f64));
                     if capsule_squared(u, p0, p1) < reach * reach {
-                        let inside = (bounds.x0..bounds.x1).contains(&x) && (bounds.y0..bounds.y1).contains(&y);
-                        prop_assert!(inside, "pixel {x} {y} outside {bounds:?}");
+                        prop_assert!(bounds.contains(x, y), "pixel {x} {y} outside {bounds:?}");
                     }
                 }
             }
@@ -332,7 +298,7 @@ mod tests {
             let primitive = Primitive {
                 limb: 0,
                 piece: 0,
-                solid: Solid::Capsule { p0, p1 },
+                solid: Solid { joints: [p0, p1], shape: SolidShape::Capsule },
                 radius: 0.1,
                 ramp: super::super::Ramp::Half.for_solid(0.1, 1.0, 100.0),
                 bounds: Footprint::default(),

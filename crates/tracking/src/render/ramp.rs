@@ -19,8 +19,6 @@
 //! | `width` w | −(d²/r² + 1) / 4w |
 //! | `distance` wᵢ, wₒ | −1 / (wᵢ + wₒ) |
 //! | `distance`, wᵢ = c r as wide as it may be | −((1 − c) + c λ/255) / (c r + wₒ) |
-//!
-//! Widths in pixels become metres as in [`ramp`](super::ramp).
 
 use std::fmt;
 use std::str::FromStr;
@@ -103,9 +101,10 @@ impl fmt::Display for Ramp {
 /// A ramp for one solid: its radius and depth are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SolidRamp {
-    shape: RampForm,
+    /// Its formula.
+    pub form: RampForm,
     /// Metres beyond which λ is background.
-    reach: f64,
+    pub reach: f64,
 }
 
 /// A solid's ramp by its formula; `…_rate` is the derivative by the solid's depth.
@@ -189,13 +188,13 @@ impl Ramp {
             Self::Distance { inner_px, outer_px } => {
                 let (inner, inner_rate) = metres(inner_px, WIDEST_INNER * radius);
                 let (outer, outer_rate) = metres(outer_px, f64::INFINITY);
-                let shape = RampForm::Linear {
+                let form = RampForm::Linear {
                     start: radius - inner,
                     width: inner + outer,
                     start_rate: -inner_rate,
                     width_rate: inner_rate + outer_rate,
                 };
-                SolidRamp { shape, reach: radius + outer }
+                SolidRamp { form, reach: radius + outer }
             }
         }
     }
@@ -203,23 +202,13 @@ impl Ramp {
 
 impl SolidRamp {
     fn quadratic(alpha: f64, beta: f64, alpha_rate: f64, beta_rate: f64) -> Self {
-        let shape = RampForm::Quadratic { alpha, beta, alpha_rate, beta_rate };
-        Self { shape, reach: ((1.0 - beta) / alpha).sqrt() }
-    }
-
-    /// Its formula.
-    pub(crate) fn form(&self) -> RampForm {
-        self.shape
-    }
-
-    /// Metres beyond which λ is background.
-    pub(crate) fn reach(&self) -> f64 {
-        self.reach
+        let form = RampForm::Quadratic { alpha, beta, alpha_rate, beta_rate };
+        Self { form, reach: ((1.0 - beta) / alpha).sqrt() }
     }
 
     /// Metres within which λ is 0; `None` if it is nowhere.
     pub(crate) fn darkness(&self) -> Option<f64> {
-        let within = match self.shape {
+        let within = match self.form {
             RampForm::Quadratic { alpha, beta, .. } => (-beta / alpha).max(0.0).sqrt(),
             RampForm::Linear { start, .. } => start,
         };
@@ -229,7 +218,7 @@ impl SolidRamp {
     /// λ/255 before clipping: what is compared between solids. Infinite for no candidate.
     #[inline]
     pub(crate) fn unclipped(&self, squared: f64) -> f64 {
-        match self.shape {
+        match self.form {
             RampForm::Quadratic { alpha, beta, .. } => alpha * squared + beta,
             RampForm::Linear { start, width, .. } => (squared.sqrt() - start) / width,
         }
@@ -242,7 +231,7 @@ impl SolidRamp {
             let level = if unclipped > 0.0 { BACKGROUND } else { 0.0 };
             return RampSample { level, by_squared: 0.0, by_depth: 0.0 };
         }
-        let (by_squared, by_depth) = match self.shape {
+        let (by_squared, by_depth) = match self.form {
             RampForm::Quadratic { alpha, alpha_rate, beta_rate, .. } => {
                 (alpha, alpha_rate * squared + beta_rate)
             }
@@ -292,7 +281,7 @@ impl Ramp {
 impl Primitive {
     /// ∂λ/∂r of this solid, grey levels per metre, where a ray's squared distance is given (m²).
     pub(crate) fn radius_rate(&self, ramp: Ramp, focal_px: f64, squared: f64) -> f64 {
-        let [p0, p1] = self.solid.joints();
+        let [p0, p1] = self.solid.joints;
         ramp.radius_rate(self.radius, 0.5 * (p0.z + p1.z), focal_px, squared)
     }
 }
@@ -350,8 +339,7 @@ mod tests {
     fn background_begins_at_the_reach() {
         for ramp in RAMPS {
             let ramp = ramp.for_solid(0.05, 2.5, 300.0);
-            let reach = ramp.reach();
-            assert!((ramp.unclipped(reach * reach) - 1.0).abs() < 1e-9);
+            assert!((ramp.unclipped(ramp.reach * ramp.reach) - 1.0).abs() < 1e-9);
         }
     }
 

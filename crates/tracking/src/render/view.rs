@@ -7,12 +7,12 @@
 
 use glam::{DVec2, DVec3};
 
-use super::primitive::{Footprint, Primitive, Solid};
+use super::primitive::{Footprint, Primitive, Solid, SolidShape};
 use super::ramp::SolidRamp;
 use super::wrench::Wrench;
 use super::{Ramp, RendererKind};
 use crate::body::{Kinematics, Limb, LimbSphere, Model};
-use crate::camera::Camera;
+use crate::camera::{Camera, Intrinsics};
 
 /// A joint nearer to the camera plane than this many reaches is left to the reference kernel.
 const NEAREST_REACHES: f64 = 1.5;
@@ -20,16 +20,17 @@ const NEAREST_REACHES: f64 = 1.5;
 /// A pose as one camera's renderer sees it: solids in camera axes with ramps and pixel boxes.
 #[derive(Debug, Clone)]
 pub struct View {
-    width: usize,
-    height: usize,
-    primitives: Vec<Primitive>,
+    /// Pixels across and down.
+    pub size: [usize; 2],
+    /// The solids that may be seen, in the order of their limbs.
+    pub(crate) primitives: Vec<Primitive>,
     /// Solids that lie under one sphere of a tree, or by themselves: their places, and the rows that they may touch.
     groups: Vec<SolidGroup>,
     /// Scratch: which spheres of a level and of the level above are in the picture.
     seen: [Vec<bool>; 2],
     /// Unit rays of a distorted lens, row-major; empty for a pinhole.
     distorted_rays: Vec<DVec3>,
-    pinhole: crate::camera::Intrinsics,
+    pub(crate) pinhole: Intrinsics,
 }
 
 /// Solids that follow one another.
@@ -77,10 +78,8 @@ impl View {
         renderer: RendererKind,
         ramp: Ramp,
     ) -> Self {
-        let (width, height) = (camera.width(), camera.height());
         let mut view = Self {
-            width,
-            height,
+            size: [camera.width(), camera.height()],
             primitives: Vec::with_capacity(model.limbs().len()),
             groups: Vec::with_capacity(model.limbs().len()),
             seen: Default::default(),
@@ -108,10 +107,9 @@ impl View {
             let p0 = place.transform(kinematics.starts()[index]);
             let p1 = place.transform(kinematics.ends()[index]);
             let mid_depth = 0.5 * (p0.z + p1.z);
-            let solid = Solid::of_limb(renderer, limb, p0, p1);
-            if let Some(solid) = solid {
+            if let Some(solid) = Solid::of_limb(renderer, limb, [p0, p1]) {
                 let ramp = ramp.for_solid(limb.radius, mid_depth, focal);
-                let bounds = self.bounds(p0, p1, ramp.reach());
+                let bounds = self.bounds(p0, p1, ramp.reach);
                 self.push(
                     Primitive { limb: index, piece: 0, solid, radius: limb.radius, ramp, bounds },
                     None,
@@ -129,9 +127,9 @@ impl View {
                     continue;
                 }
                 let centre = place(sphere);
-                let solid = Solid::Sphere { p0, p1, centre };
+                let solid = Solid { joints: [p0, p1], shape: SolidShape::Sphere(centre) };
                 let ramp = ramp_of(sphere.radius);
-                let bounds = self.bounds(centre, centre, ramp.reach());
+                let bounds = self.bounds(centre, centre, ramp.reach);
                 let primitive = Primitive { limb: index, piece, solid, radius: sphere.radius, ramp, bounds };
                 self.push(primitive, sphere.parent);
             }
@@ -160,14 +158,14 @@ impl View {
         if primitive.bounds.is_empty() {
             return;
         }
-        let (place, Footprint { y0, y1, .. }) = (self.primitives.len(), primitive.bounds);
+        let (place, rows) = (self.primitives.len(), primitive.bounds.rows);
         let under = parent.map(|parent| (primitive.limb, parent));
         match self.groups.last_mut() {
             Some(group) if under.is_some() && group.under == under => {
                 group.past = place + 1;
-                group.rows = [group.rows[0].min(y0), group.rows[1].max(y1)];
+                group.rows = [group.rows[0].min(rows[0]), group.rows[1].max(rows[1])];
             }
-            _ => self.groups.push(SolidGroup { under, first: place, past: place + 1, rows: [y0, y1] }),
+            _ => self.groups.push(SolidGroup { under, first: place, past: place + 1, rows }),
         }
         self.primitives.push(primitive);
     }
@@ -186,23 +184,11 @@ impl View {
             found.clear();
             for (sphere, &reach) in above.spheres.iter().zip(&above.reaches) {
                 // No sphere below reaches farther, and no ramp of one rises farther beyond it than that of the largest.
-                let beyond = (ramp_of(reach).reach() - reach).max(0.0);
+                let beyond = (ramp_of(reach).reach - reach).max(0.0);
                 let centre = place(sphere);
                 let is_seen = sphere.parent.is_none_or(|parent| before[parent]);
-                let whole = !self.distorted_rays.is_empty();
-                found.push(
-                    is_seen
-                        && (whole
-                            || !Footprint::around(
-                                centre,
-                                centre,
-                                reach + beyond,
-                                &self.pinhole,
-                                self.width,
-                                self.height,
-                            )
-                            .is_empty()),
-                );
+                let around = || Footprint::around(centre, centre, reach + beyond, &self.pinhole, self.size);
+                found.push(is_seen && (!self.distorted_rays.is_empty() || !around().is_empty()));
             }
         }
     }
@@ -212,40 +198,20 @@ impl View {
         let groups = self.groups.iter().filter(move |group| (group.rows[0]..group.rows[1]).contains(&y));
         let all = groups.flat_map(|group| group.first..group.past);
         let solids = all.map(|place| (place, &self.primitives[place]));
-        solids.filter(move |(_, primitive)| (primitive.bounds.y0..primitive.bounds.y1).contains(&y))
+        solids.filter(move |(_, primitive)| primitive.bounds.is_on_row(y))
     }
 
     fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> Footprint {
-        if self.distorted_rays.is_empty() {
-            Footprint::around(p0, p1, reach, &self.pinhole, self.width, self.height)
+        if self.is_pinhole() {
+            Footprint::around(p0, p1, reach, &self.pinhole, self.size)
         } else {
-            Footprint::whole(self.width, self.height)
+            Footprint::whole(self.size)
         }
-    }
-
-    /// Pixels across.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Pixels down.
-    pub fn height(&self) -> usize {
-        self.height
     }
 
     /// Whether rays are a pinhole's: (x, y, 1) on the plane z = 1.
     pub(crate) fn is_pinhole(&self) -> bool {
         self.distorted_rays.is_empty()
-    }
-
-    /// The pinhole.
-    pub(crate) fn pinhole(&self) -> &crate::camera::Intrinsics {
-        &self.pinhole
-    }
-
-    /// The solids that may be seen, in the order of their limbs.
-    pub(crate) fn primitives(&self) -> &[Primitive] {
-        &self.primitives
     }
 
     /// The solid that wins a pixel, and λ/255 there before clipping; `None` for background. Ties go to the first.
@@ -263,7 +229,7 @@ impl View {
 
     /// What the ray of a pixel sees of the limb that wins it; `None` for background and outside the picture.
     pub fn seen_limb(&self, x: usize, y: usize) -> Option<SeenLimb> {
-        if x >= self.width || y >= self.height {
+        if x >= self.size[0] || y >= self.size[1] {
             return None;
         }
         let (primitive, _) = self.winner(x, y)?;
@@ -295,11 +261,9 @@ impl View {
     /// Whether the kernel in f32 lanes can take the view: all well in front of the camera, no lens. Other views are
     /// left to the reference kernel.
     pub fn suits_lanes(&self) -> bool {
-        self.is_pinhole()
-            && self
-                .primitives
-                .iter()
-                .all(|primitive| primitive.solid.suits_lanes(NEAREST_REACHES * primitive.ramp.reach()))
+        let suits =
+            |primitive: &Primitive| primitive.solid.suits_lanes(NEAREST_REACHES * primitive.ramp.reach);
+        self.is_pinhole() && self.primitives.iter().all(suits)
     }
 
     /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.
@@ -308,7 +272,7 @@ impl View {
         if self.distorted_rays.is_empty() {
             self.pinhole.ray(DVec2::new(x as f64, y as f64))
         } else {
-            self.distorted_rays[y * self.width + x]
+            self.distorted_rays[y * self.size[0] + x]
         }
     }
 }
@@ -317,14 +281,9 @@ fn distorted_rays(camera: &Camera) -> Vec<DVec3> {
     if camera.distortion().is_none() {
         return Vec::new();
     }
-    let mut rays = Vec::with_capacity(camera.width() * camera.height());
-    for y in 0..camera.height() {
-        for x in 0..camera.width() {
-            let pixel = DVec2::new(x as f64, y as f64);
-            rays.push(camera.ray_in_camera(pixel).unwrap_or(DVec3::NAN));
-        }
-    }
-    rays
+    let pixels = (0..camera.height()).flat_map(|y| (0..camera.width()).map(move |x| [x, y]));
+    let ray = |[x, y]: [usize; 2]| camera.ray_in_camera(DVec2::new(x as f64, y as f64)).unwrap_or(DVec3::NAN);
+    pixels.map(ray).collect()
 }
 
 #[cfg(test)]

@@ -86,9 +86,9 @@ impl SizeData {
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0
-                    && let Some(h) = size_vector(view, &view.primitives()[winner], camera, ramp, [x, y])
+                    && let Some(h) = size_vector(view, &view.primitives[winner], camera, ramp, [x, y])
                 {
-                    blocks[view.primitives()[winner].limb].add(&h, weight, residual);
+                    blocks[view.primitives[winner].limb].add(&h, weight, residual);
                 }
             }
         }
@@ -107,7 +107,7 @@ pub(crate) fn size_vector(
     let sample = primitive.sample(view.ray(x, y));
     let world_from_camera = camera.camera_from_world().rotation.transpose();
     let Wrench { force, moment, stretch } = sample.wrench?.rotated(world_from_camera);
-    let rate = primitive.radius_rate(ramp, view.pinhole().mean_focal_px(), sample.squared);
+    let rate = primitive.radius_rate(ramp, view.pinhole.mean_focal_px(), sample.squared);
     let by_radius = primitive.radius * rate;
     Some(SizeVector::from([force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius]))
 }
@@ -300,7 +300,7 @@ mod tests {
             for y in 0..48 {
                 row.find(&view, y, 1, 0);
                 for x in row.touched() {
-                    let Some(primitive) = row.winner(x).map(|winner| &view.primitives()[winner]) else {
+                    let Some(primitive) = row.winner(x).map(|winner| &view.primitives[winner]) else {
                         continue;
                     };
                     let Some(h) = size_vector(&view, primitive, &camera, ramp, [x, y]) else { continue };

@@ -53,7 +53,7 @@ impl SampledData {
     /// Weights stay as they are until this is called again: the outer loop of iteratively reweighted least
     /// squares.
     pub fn doubted(&self, view: &View, loss: Loss) -> Self {
-        let (width, levels) = (view.width(), prediction::levels(view));
+        let (width, levels) = (view.size[0], prediction::levels(view));
         Self::of(self.grid.reweighted(|x, y, value, weight| {
             let residual = f64::from(value) - levels[y * width + x];
             weight * loss.weight(residual * residual) as f32
@@ -85,7 +85,7 @@ impl SampledData {
     /// `blocks` has one entry per limb and comes cleared.
     pub fn accumulate(&self, view: &View, memory: &mut KernelMemory, blocks: &mut [WrenchBlock]) -> f64 {
         if view.suits_lanes() {
-            (self.empty_cost + memory.lanes.accumulate(view, &self.grid, blocks)).max(0.0)
+            (self.empty_cost + memory.lanes.accumulate(view, &self.grid, Some(blocks))).max(0.0)
         } else {
             self.accumulate_scalar(view, memory, blocks)
         }
@@ -94,7 +94,7 @@ impl SampledData {
     /// The cost alone, by the same kernel: to the bit what [`accumulate`](Self::accumulate) returns.
     pub fn cost(&self, view: &View, memory: &mut KernelMemory) -> f64 {
         if view.suits_lanes() {
-            (self.empty_cost + memory.lanes.cost(view, &self.grid)).max(0.0)
+            (self.empty_cost + memory.lanes.accumulate(view, &self.grid, None)).max(0.0)
         } else {
             self.pull_scalar(view, &mut memory.row, |_, _, _, _| {})
         }
@@ -138,7 +138,7 @@ impl SampledData {
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 row_cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0 {
-                    pull(&view.primitives()[winner], view.ray(x, y), weight, residual);
+                    pull(&view.primitives[winner], view.ray(x, y), weight, residual);
                 }
             }
             cost += row_cost;

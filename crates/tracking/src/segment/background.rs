@@ -79,7 +79,6 @@ impl Background {
     /// Mean and (sample) standard deviation over frames of the empty scene.
     ///
     /// # Errors
-    ///
     /// If there are fewer than two frames or more than 65 536, or if they differ in size.
     pub fn from_frames<'a>(frames: impl IntoIterator<Item = &'a RgbImage>) -> Result<Self, BackgroundError> {
         let mut frames = frames.into_iter();
@@ -134,7 +133,6 @@ impl Background {
     /// every mask.
     ///
     /// # Errors
-    ///
     /// If there is not one value a pixel.
     pub fn with_known(self, known: &[bool]) -> Result<Self, BackgroundError> {
         if known.len() != self.width * self.height {

@@ -124,66 +124,24 @@ mod tests {
 
     #[test]
     fn small_components_go_and_diagonal_neighbours_stay_together() {
-        let mut image = BitImage::from_ascii(
-            "
-            #....##
-            .#...##
-            ..#....
-            ......#
-        ",
-        );
-        drop_small(&mut image, 3, 0.0);
-        let expected = BitImage::from_ascii(
-            "
-            #....##
-            .#...##
-            ..#....
-            .......
-        ",
-        );
-        assert_eq!(image, expected);
-        drop_small(&mut image, 0, 0.9);
-        let expected = BitImage::from_ascii(
-            "
-            .....##
-            .....##
-            .......
-            .......
-        ",
-        );
-        assert_eq!(image, expected);
+        let mut image = BitImage::from_ascii("#....## .#...## ..#.... ......#");
+        for (min_px, min_fraction, expected) in
+            [(3, 0.0, "#....## .#...## ..#.... ......."), (0, 0.9, ".....## .....## ....... .......")]
+        {
+            drop_small(&mut image, min_px, min_fraction);
+            assert_eq!(image, BitImage::from_ascii(expected), "{min_px} px, {min_fraction}");
+        }
     }
 
     #[test]
     fn small_inner_holes_are_filled() {
-        let mut image = BitImage::from_ascii(
-            "
-            .######..
-            ##.#..#.#
-            #.##..#.#
-            #######.#
-        ",
-        );
-        fill_holes(&mut image, 2);
-        let expected = BitImage::from_ascii(
-            "
-            .######..
-            ####..#.#
-            ####..#.#
-            #######.#
-        ",
-        );
-        assert_eq!(image, expected);
-        fill_holes(&mut image, 4);
-        let expected = BitImage::from_ascii(
-            "
-            .######..
-            #######.#
-            #######.#
-            #######.#
-        ",
-        );
-        assert_eq!(image, expected);
+        let mut image = BitImage::from_ascii(".######.. ##.#..#.# #.##..#.# #######.#");
+        for (max_px, expected) in
+            [(2, ".######.. ####..#.# ####..#.# #######.#"), (4, ".######.. #######.# #######.# #######.#")]
+        {
+            fill_holes(&mut image, max_px);
+            assert_eq!(image, BitImage::from_ascii(expected), "{max_px} px");
+        }
     }
 
     /// Component of every pixel of a value, by flooding.

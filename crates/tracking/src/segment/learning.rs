@@ -132,7 +132,8 @@ fn grown(
 ) -> Vec<Option<[u8; 3]>> {
     let size = pictures[0].dimensions();
     let still = each_pixel(size, |index, levels| {
-        lasting(index, pictures, levels, options).filter_share(STILL_BESIDE, pictures.len())
+        let found = lasting(index, pictures, levels, options);
+        found.lasts(STILL_BESIDE, pictures.len()).then_some(found.level)
     });
     let neighbours = |pixel: usize| neighbours(pixel, size.0 as usize, size.1 as usize);
     let mut pending: Vec<usize> = (0..levels.len()).filter(|&pixel| levels[pixel].is_some()).collect();
@@ -169,7 +170,6 @@ fn median(levels: &mut [u8]) -> u8 {
 }
 
 /// What a pixel shows most of the time.
-#[derive(Clone, Copy)]
 struct Lasting {
     level: [u8; 3],
     /// In how many frames it is seen.
@@ -177,9 +177,9 @@ struct Lasting {
 }
 
 impl Lasting {
-    /// Its level, if it is seen in this share of this many frames.
-    fn filter_share(self, share: f64, count: usize) -> Option<[u8; 3]> {
-        (self.frames as f64 >= share * count as f64).then_some(self.level)
+    /// Whether it is seen in this share of this many frames.
+    fn lasts(&self, share: f64, count: usize) -> bool {
+        self.frames as f64 >= share * count as f64
     }
 }
 
@@ -212,16 +212,13 @@ fn from_pictures(pictures: &[&RgbImage], options: &LearningOptions) -> LearntPla
     let (width, height) = (size.0 as usize, size.1 as usize);
     let same = |a: &[u8], b: &[u8]| a.iter().zip(b).all(|(&a, &b)| a.abs_diff(b) <= options.same_level);
     let found = each_pixel(size, |index, levels| lasting(index, pictures, levels, options));
-    let count = pictures.len() as f64;
-    let lasts = |share: f64| move |pixel: &Lasting| pixel.frames as f64 >= share * count;
-    let is_still = lasts(STILL);
     let mut unknown = BitImage::empty(width, height);
     let (mut moving, mut enclosed) = (unknown.clone(), unknown.clone());
     for (y, row) in found.chunks_exact(width).enumerate() {
         let bits =
             |is: &dyn Fn(&Lasting) -> bool| row.iter().map(|pixel| u8::from(is(pixel))).collect::<Vec<_>>();
-        moving.set_row(y, &bits(&|pixel| !is_still(pixel)));
-        unknown.set_row(y, &bits(&|pixel| !lasts(options.lasting_share)(pixel)));
+        moving.set_row(y, &bits(&|pixel| !pixel.lasts(STILL, pictures.len())));
+        unknown.set_row(y, &bits(&|pixel| !pixel.lasts(options.lasting_share, pictures.len())));
     }
     // Specks of noise enclose nothing; a body's outline may be broken where it leaves its own colour.
     let reach = (height / 60).max(1);

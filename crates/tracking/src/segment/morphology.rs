@@ -102,49 +102,14 @@ mod tests {
     }
 
     #[test]
-    fn opening_removes_specks_and_thin_lines() {
-        let before = BitImage::from_ascii(
-            "
-            #......
-            ..###..
-            ..#####
-            ..###..
-            .......
-        ",
-        );
-        let after = BitImage::from_ascii(
-            "
-            .......
-            ..###..
-            ..###..
-            ..###..
-            .......
-        ",
-        );
-        assert_eq!(open_and_close(&before, 1, 0), after);
-    }
-
-    #[test]
-    fn closing_fills_gaps_and_leaves_the_border_alone() {
-        let before = BitImage::from_ascii(
-            "
-            ###.###
-            ###.###
-            ###.#.#
-            .......
-            .......
-        ",
-        );
-        let after = BitImage::from_ascii(
-            "
-            #######
-            #######
-            #######
-            .......
-            .......
-        ",
-        );
-        assert_eq!(open_and_close(&before, 0, 1), after);
+    fn opening_removes_specks_and_closing_fills_gaps_but_the_border_stays() {
+        for (opening, closing, before, after) in [
+            (1, 0, "#...... ..###.. ..##### ..###.. .......", "....... ..###.. ..###.. ..###.. ......."),
+            (0, 1, "###.### ###.### ###.#.# ....... .......", "####### ####### ####### ....... ......."),
+        ] {
+            let found = open_and_close(&BitImage::from_ascii(before), opening, closing);
+            assert_eq!(found, BitImage::from_ascii(after), "{opening}, {closing}");
+        }
     }
 
     fn erode(bits: &[u8], width: usize, radius: usize) -> Vec<u8> {

@@ -12,7 +12,7 @@ use crate::silhouette::Region;
 /// the report's 3.891, and three of those three times as many false pixels.
 pub const BETA: f32 = 4.149_4;
 /// Longer than the side of any picture: growing a mask by more means nothing.
-const MAX_DISTANCE_PX: usize = 16_384;
+const MAX_DISTANCE_PX: f32 = 16_384.0;
 
 /// How a frame is segmented. The defaults suit indoor footage of a few hundred pixels' height with JPEG noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,41 +67,31 @@ impl SegmentOptions {
     /// Checks the numbers.
     ///
     /// # Errors
-    ///
     /// The first option that is negative, not finite, or a distance longer than any picture.
     pub fn check(&self) -> Result<(), SegmentError> {
         let shadow = self.shadow.unwrap_or_default();
         let dont_know = self.dont_know.unwrap_or_default();
-        let numbers = [
-            ("z_threshold", self.z_threshold),
-            ("noise_floor", self.noise_floor),
-            ("min_group_fraction", self.min_group_fraction),
-            ("shadow.darkest", shadow.darkest),
-            ("shadow.brightest", shadow.brightest),
-            ("shadow.colour_tolerance", shadow.colour_tolerance),
-            ("shadow.gradient_tolerance", shadow.gradient_tolerance),
-            ("dont_know.dark_level", dont_know.dark_level),
-            ("dont_know.sure_z", dont_know.sure_z),
+        type Allowed = (fn(f32) -> bool, &'static str);
+        let number: Allowed = (|value| value.is_finite() && value >= 0.0, "a finite number, 0 or above");
+        let distance: Allowed = (|px| px <= MAX_DISTANCE_PX, "pixels, no more than a picture has on a side");
+        let options = [
+            ("z_threshold", self.z_threshold, number),
+            ("noise_floor", self.noise_floor, number),
+            ("min_group_fraction", self.min_group_fraction, number),
+            ("shadow.darkest", shadow.darkest, number),
+            ("shadow.brightest", shadow.brightest, number),
+            ("shadow.colour_tolerance", shadow.colour_tolerance, number),
+            ("shadow.gradient_tolerance", shadow.gradient_tolerance, number),
+            ("dont_know.dark_level", dont_know.dark_level, number),
+            ("dont_know.sure_z", dont_know.sure_z, number),
+            ("opening_px", self.opening_px as f32, distance),
+            ("closing_px", self.closing_px as f32, distance),
+            ("group_px", self.group_px as f32, distance),
+            ("dont_know.grow_px", dont_know.grow_px as f32, distance),
         ];
-        let distances = [
-            ("opening_px", self.opening_px),
-            ("closing_px", self.closing_px),
-            ("group_px", self.group_px),
-            ("dont_know.grow_px", dont_know.grow_px),
-        ];
-        let bad_number = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0));
-        let bad_distance = distances.into_iter().find(|(_, px)| *px > MAX_DISTANCE_PX);
-        if let Some((option, value)) = bad_number {
-            return Err(SegmentError::InvalidOption {
-                option,
-                value,
-                expected: "a finite number, 0 or above",
-            });
-        }
-        match bad_distance {
-            Some((option, px)) => {
-                let expected = "pixels, no more than a picture has on a side";
-                Err(SegmentError::InvalidOption { option, value: px as f32, expected })
+        match options.into_iter().find(|(_, value, (is_allowed, _))| !is_allowed(*value)) {
+            Some((option, value, (_, expected))) => {
+                Err(SegmentError::InvalidOption { option, value, expected })
             }
             None => Ok(()),
         }

@@ -47,7 +47,6 @@ pub enum SegmentError {
 /// Finds the subject in a frame. For many frames of one camera [`Segmenter`] does the same.
 ///
 /// # Errors
-///
 /// If the frame and the background differ in size, if an option is not a usable number, or if the frame has no pixels or
 /// more than [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS).
 pub fn segment(
@@ -74,7 +73,6 @@ impl Segmenter {
     /// Makes a background ready.
     ///
     /// # Errors
-    ///
     /// If an option is not a usable number.
     pub fn new(background: Arc<Background>, options: SegmentOptions) -> Result<Self, SegmentError> {
         options.check()?;
@@ -86,7 +84,6 @@ impl Segmenter {
     /// Finds the subject in a frame.
     ///
     /// # Errors
-    ///
     /// If the frame and the background differ in size, or if the frame has no pixels or more than
     /// [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS).
     pub fn segment(&self, frame: &RgbImage) -> Result<Mask, SegmentError> {

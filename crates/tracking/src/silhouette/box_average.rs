@@ -110,70 +110,42 @@ fn sum_windows(counts: &[u8], length: usize, sums: &mut [u8]) {
 /// [`box_average`] for a box of any size.
 fn wide_box_average(
     mask: &Mask,
-    radius_px: usize,
+    radius: usize,
     [level, unknown_level]: [f32; 2],
     values: &mut Vec<f32>,
     weights: &mut Vec<f32>,
 ) {
     let (width, height) = (mask.width(), mask.height());
-    let mut sums = ColumnSums::new(width);
-    let mut prefix = Vec::with_capacity(width + 1);
-    let row = |y: usize| &mask.labels()[y * width..(y + 1) * width];
-    (0..radius_px.min(height)).for_each(|y| sums.add(row(y)));
+    let row = |y: usize| &mask.labels()[y * width..][..width];
+    let counts = |label: Label| [label != Label::Unknown, label == Label::Background].map(usize::from);
+    // Known and background pixels of each column within the rows of the box; then of all columns left of each.
+    let mut columns = vec![[0; 2]; width];
+    let mut before = vec![[0; 2]; width + 1];
+    let mut entered = 0;
     for y in 0..height {
-        if let Some(entering) = y.checked_add(radius_px).filter(|&entering| entering < height) {
-            sums.add(row(entering));
+        while entered < y.saturating_add(radius + 1).min(height) {
+            for (column, &label) in columns.iter_mut().zip(row(entered)) {
+                *column = [0, 1].map(|kind| column[kind] + counts(label)[kind]);
+            }
+            entered += 1;
         }
-        if let Some(leaving) = y.checked_sub(radius_px + 1) {
-            sums.remove(row(leaving));
+        if let Some(leaving) = y.checked_sub(radius + 1) {
+            for (column, &label) in columns.iter_mut().zip(row(leaving)) {
+                *column = [0, 1].map(|kind| column[kind] - counts(label)[kind]);
+            }
         }
-        sums.prefix_into(&mut prefix);
+        for (x, column) in columns.iter().enumerate() {
+            before[x + 1] = [0, 1].map(|kind| before[x][kind] + column[kind]);
+        }
         for x in 0..width {
-            let [low, high] = [x.saturating_sub(radius_px), x.saturating_add(radius_px + 1).min(width)];
-            let (known, background) = (prefix[high].0 - prefix[low].0, prefix[high].1 - prefix[low].1);
+            let [low, high] = [x.saturating_sub(radius), x.saturating_add(radius + 1).min(width)];
+            let [known, background] = [0, 1].map(|kind| before[high][kind] - before[low][kind]);
             values.push(match known {
                 0 => unknown_level,
                 _ => level * background as f32 / known as f32,
             });
-            let pixels = within(radius_px, width, x) * within(radius_px, height, y);
+            let pixels = within(radius, width, x) * within(radius, height, y);
             weights.push(weight(&row(y)[x]) * known as f32 / pixels as f32);
-        }
-    }
-}
-
-/// How many known and how many background pixels each column has in the rows added so far.
-struct ColumnSums {
-    known: Vec<u32>,
-    background: Vec<u32>,
-}
-
-impl ColumnSums {
-    fn new(width: usize) -> Self {
-        Self { known: vec![0; width], background: vec![0; width] }
-    }
-
-    fn add(&mut self, row: &[Label]) {
-        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
-            *known += u32::from(label != Label::Unknown);
-            *background += u32::from(label == Label::Background);
-        }
-    }
-
-    fn remove(&mut self, row: &[Label]) {
-        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
-            *known -= u32::from(label != Label::Unknown);
-            *background -= u32::from(label == Label::Background);
-        }
-    }
-
-    /// The sums of all columns left of each; one entry more than there are columns.
-    fn prefix_into(&self, prefix: &mut Vec<(u32, u32)>) {
-        prefix.clear();
-        let mut sum = (0, 0);
-        prefix.push(sum);
-        for (known, background) in self.known.iter().zip(&self.background) {
-            sum = (sum.0 + known, sum.1 + background);
-            prefix.push(sum);
         }
     }
 }

@@ -135,7 +135,6 @@ impl Mask {
     /// A mask from its labels, row by row.
     ///
     /// # Errors
-    ///
     /// If the size is empty or too large, or if it does not fit the number of labels.
     pub fn new(width: usize, height: usize, labels: Vec<Label>) -> Result<Self, MaskError> {
         let pixels = checked_pixels(width, height)?;
@@ -148,7 +147,6 @@ impl Mask {
     /// A mask of one label.
     ///
     /// # Errors
-    ///
     /// If the size is empty or too large.
     pub fn filled(width: usize, height: usize, label: Label) -> Result<Self, MaskError> {
         let pixels = checked_pixels(width, height)?;
@@ -159,7 +157,6 @@ impl Mask {
     /// that counts as unknown). Space around a row and empty rows are ignored.
     ///
     /// # Errors
-    ///
     /// If a row has another character or another length than the first, or if there is no row at all.
     pub fn from_ascii(text: &str) -> Result<Self, MaskError> {
         let (mut labels, mut shadows) = (Vec::new(), Vec::new());
@@ -192,7 +189,6 @@ impl Mask {
     /// Exactly 32 and 96 are marked as shadow besides.
     ///
     /// # Errors
-    ///
     /// If the image is empty or too large.
     pub fn from_gray(image: &GrayImage) -> Result<Self, MaskError> {
         let labels = image
@@ -232,7 +228,6 @@ impl Mask {
     /// never shadow, so there the mark means nothing.
     ///
     /// # Panics
-    ///
     /// If there is no such pixel.
     pub fn mark_shadow(&mut self, index: usize) {
         if self.shadows.is_empty() {

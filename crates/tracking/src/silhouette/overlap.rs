@@ -1,7 +1,5 @@
 //! How well a prediction covers a mask: pixel counts and intersection over union.
 
-use std::ops::AddAssign;
-
 use super::mask::{Label, Mask};
 
 /// A pixel is predicted to show the subject below this grey level: half of the ramp from 0 to 255.
@@ -35,30 +33,24 @@ impl Overlap {
     /// Compares a mask with predicted grey levels λ (row by row, 0 subject to 255 background).
     ///
     /// # Errors
-    ///
     /// If the prediction has another number of pixels than the mask.
     pub fn between(mask: &Mask, prediction: &[f32]) -> Result<Self, OverlapError> {
-        let expected = mask.labels().len();
-        if prediction.len() != expected {
-            return Err(OverlapError::WrongLength { expected, found: prediction.len() });
-        }
-        Ok(Self::count(mask, prediction, |&lambda| lambda < SUBJECT_BELOW))
+        Self::count(mask, prediction, |&lambda| lambda < SUBJECT_BELOW)
     }
 
     /// Compares a mask with the pixels that a model covers, row by row.
     ///
     /// # Errors
-    ///
     /// If there is not one entry for each pixel of the mask.
     pub fn of_covered(mask: &Mask, covered: &[bool]) -> Result<Self, OverlapError> {
-        let expected = mask.labels().len();
-        if covered.len() != expected {
-            return Err(OverlapError::WrongLength { expected, found: covered.len() });
-        }
-        Ok(Self::count(mask, covered, |&is_covered| is_covered))
+        Self::count(mask, covered, |&is_covered| is_covered)
     }
 
-    fn count<T>(mask: &Mask, predicted: &[T], is_subject: impl Fn(&T) -> bool) -> Self {
+    fn count<T>(mask: &Mask, predicted: &[T], is_subject: impl Fn(&T) -> bool) -> Result<Self, OverlapError> {
+        let expected = mask.labels().len();
+        if predicted.len() != expected {
+            return Err(OverlapError::WrongLength { expected, found: predicted.len() });
+        }
         let mut counts = Self::default();
         // Runs that a byte can count: many of them are counted at once.
         const RUN: usize = u8::MAX as usize;
@@ -74,7 +66,7 @@ impl Overlap {
             counts.missing += usize::from(missing);
             counts.spurious += usize::from(spurious);
         }
-        counts
+        Ok(counts)
     }
 
     /// Intersection over union, in [0, 1]; none if neither side shows the subject anywhere.
@@ -91,12 +83,6 @@ impl Overlap {
             missing: self.missing + other.missing,
             spurious: self.spurious + other.spurious,
         }
-    }
-}
-
-impl AddAssign for Overlap {
-    fn add_assign(&mut self, other: Self) {
-        *self = self.merge(other);
     }
 }
 

@@ -156,41 +156,23 @@ fn lanes_are_the_scalar_kernel() {
     assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }
 
-/// A picture of many bands, in which no solid is in all of them.
+/// A picture of many bands, in which no solid is in all of them; and cameras among and in front of the limbs: whoever takes
+/// the view, the sums are those of the reference.
 #[test]
-fn bands_are_the_scalar_kernel() {
+fn bands_and_near_and_crossing_limbs_are_the_scalar_kernel_too() {
     let mut failures = Vec::new();
     let model = builtin::upper_body();
-    for (seed, ramp) in RAMPS.into_iter().enumerate() {
-        let camera = camera(300, 500, 0.7 * seed as f64, 3.0);
-        let pose = start::perturb(&model, &Pose::rest(&model), 0.2, 0.05, seed as u64);
-        let data = SampledData::new(&data(&model, &camera, ramp, seed as u64), 1);
-        let solid = (RendererKind::Capsule, ramp);
-        compare(&ramp.to_string(), &model, &pose, &camera, solid, &data, &mut failures);
-    }
-    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
-}
-
-/// Cameras among and in front of the limbs: whoever takes the view, the sums are those of the reference.
-#[test]
-fn near_and_crossing_limbs_are_the_scalar_kernel_too() {
-    let mut failures = Vec::new();
-    let model = builtin::upper_body();
-    for (index, distance) in [0.05, 0.2, 0.4, 0.6, 0.8, 1.2].into_iter().enumerate() {
-        for ramp in RAMPS {
-            let camera = camera(80, 60, 1.3 * index as f64, distance);
-            let pose = start::perturb(&model, &Pose::rest(&model), 0.3, 0.1, index as u64);
-            let data = SampledData::new(&data(&model, &camera, ramp, index as u64), 1);
-            compare(
-                &format!("{distance} m {ramp}"),
-                &model,
-                &pose,
-                &camera,
-                (RendererKind::Capsule, ramp),
-                &data,
-                &mut failures,
-            );
-        }
+    let bands = (0..).zip(RAMPS).map(|(seed, ramp)| ([300, 500], 0.7, 3.0, (0.2, 0.05), seed, ramp));
+    let near = (0..)
+        .zip([0.05, 0.2, 0.4, 0.6, 0.8, 1.2])
+        .flat_map(|(seed, distance)| RAMPS.map(|ramp| ([80, 60], 1.3, distance, (0.3, 0.1), seed, ramp)));
+    for ([width, height], turn, distance, (angle, shift), seed, ramp) in bands.chain(near) {
+        let camera = camera(width, height, turn * seed as f64, distance);
+        let pose = start::perturb(&model, &Pose::rest(&model), angle, shift, seed);
+        let data = SampledData::new(&data(&model, &camera, ramp, seed), 1);
+        let (name, solid) =
+            (format!("{width}×{height}, {distance} m, {ramp}"), (RendererKind::Capsule, ramp));
+        compare(&name, &model, &pose, &camera, solid, &data, &mut failures);
     }
     assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }

@@ -138,7 +138,7 @@ impl<'a> PictureInput<'a> {
             prediction: self.prediction.filter(|p| {
                 [p.width, p.height] == self.size && p.owner.len() == pixels && p.lambda.len() == pixels
             }),
-            view: self.view.filter(|view| [view.width(), view.height()] == self.size),
+            view: self.view.filter(|view| view.size == self.size),
             ..*self
         }
     }

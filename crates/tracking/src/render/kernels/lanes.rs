@@ -25,20 +25,6 @@
 //! cut by straight lines and by the outlines of balls; of them those that no solid darkens altogether are listed part by
 //! part, without a branch; winners part by part; cost; pull part by part, of the tiles that have any. Work grows with the
 //! area of the ramps.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `grid` | one camera's data, packed in tiles |
-//! | `solid` | constants of a solid |
-//! | `outline` | the tiles that a part may touch, and those that it darkens |
-//! | `ground` | all solids of a view, their tiles, and those that they darken altogether |
-//! | `band` | what is known of some tile rows, the list of their tiles, and what winners cost |
-//! | `masks` | what is done in some lanes and not in others |
-//! | `winners` | the darkest part of every pixel |
-//! | `pull` | forces of the pixels that a part has won, summed |
-//! | `whole` | the same of solids that have no parts |
-//! | `sums` | a solid's sums as a block |
-//! | `drawing` | whole pictures for the screen |
 
 mod band;
 mod drawing;
@@ -103,34 +89,31 @@ impl Scratch {
 }
 
 impl Lanes {
-    /// Adds every limb's pull and returns Σ w ((D − Λ)² − (D − 255)²): what limbs change of the cost.
-    ///
-    /// `blocks` has one entry per limb of the model. [`View::suits_lanes`] must hold.
-    pub(crate) fn accumulate(&mut self, view: &View, grid: &PixelGrid, blocks: &mut [WrenchBlock]) -> f64 {
+    /// Adds every limb's pull to `blocks`, one entry per limb of the model, if these are given, and returns
+    /// Σ w ((D − Λ)² − (D − 255)²): what limbs change of the cost. [`View::suits_lanes`] must hold.
+    pub(crate) fn accumulate(
+        &mut self,
+        view: &View,
+        grid: &PixelGrid,
+        blocks: Option<&mut [WrenchBlock]>,
+    ) -> f64 {
         self.prepare(view, grid);
-        let cost = self.pass(grid, true);
-        for (solid, sums) in self.ground.solids.iter().zip(&self.sums) {
-            solid.add_to(sums, &mut blocks[solid.limb]);
+        let pulls = blocks.is_some();
+        let cost = Scratch::with(grid, |scratch| {
+            run_in_lanes(grid.tile.lanes(), Pass { lanes: self, scratch, grid, pulls })
+        });
+        if let Some(blocks) = blocks {
+            for (solid, sums) in self.ground.solids.iter().zip(&self.sums) {
+                solid.add_to(sums, &mut blocks[solid.limb]);
+            }
         }
         cost
-    }
-
-    /// The same change of the cost without anyone's pull.
-    pub(crate) fn cost(&mut self, view: &View, grid: &PixelGrid) -> f64 {
-        self.prepare(view, grid);
-        self.pass(grid, false)
-    }
-
-    fn pass(&mut self, grid: &PixelGrid, pulls: bool) -> f64 {
-        Scratch::with(grid, |scratch| {
-            run_in_lanes(grid.tile.lanes(), Pass { lanes: self, scratch, grid, pulls })
-        })
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
     /// and of λ/255 from there on, before clipping. [`View::suits_lanes`] must hold.
     pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
-        let grid = PixelGrid::without_data([view.width(), view.height()]);
+        let grid = PixelGrid::without_data(view.size);
         self.prepare(view, &grid);
         Scratch::with(&grid, |scratch| {
             run_in_lanes(grid.tile.lanes(), Visit { lanes: self, scratch, grid: &grid, see });

@@ -24,14 +24,14 @@ impl RowWinners {
     ///
     /// Ties go to the first solid. A solid that is not within reach of the pixel does not win it.
     pub(crate) fn find(&mut self, view: &View, y: usize, stride: usize, offset: usize) {
-        let width = view.width();
+        let width = view.size[0];
         self.levels.clear();
         self.levels.resize(width, 1.0);
         self.winners.clear();
         self.winners.resize(width, NOBODY);
         let on_row = || view.on_row(y);
-        let low = on_row().map(|(_, p)| p.bounds.x0).min().unwrap_or(width);
-        let high = on_row().map(|(_, p)| p.bounds.x1).max().unwrap_or(0);
+        let low = on_row().map(|(_, p)| p.bounds.columns[0]).min().unwrap_or(width);
+        let high = on_row().map(|(_, p)| p.bounds.columns[1]).max().unwrap_or(0);
         // First sampled pixel at or after a column.
         let sampled = |x: usize| offset + x.saturating_sub(offset).div_ceil(stride) * stride;
         let start = sampled(low);
@@ -39,8 +39,8 @@ impl RowWinners {
         self.rays.clear();
         self.rays.extend((start..high).step_by(stride).map(|x| view.ray(x, y)));
         for (index, primitive) in on_row() {
-            let first = sampled(primitive.bounds.x0);
-            for x in (first..primitive.bounds.x1).step_by(stride) {
+            let [first, past] = primitive.bounds.columns;
+            for x in (sampled(first)..past).step_by(stride) {
                 let level = primitive.ramp.unclipped(primitive.squared(self.rays[(x - start) / stride]));
                 if level < self.levels[x] {
                     self.levels[x] = level;

@@ -9,8 +9,6 @@ use crate::camera::{Camera, Distortion};
 use crate::fixtures;
 use crate::render::{Ramp, RendererKind, View, prediction};
 
-const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
-
 const RAMPS: [Ramp; 4] =
     [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 3.0 }, Ramp::Distance { inner_px: 1.5, outer_px: 12.0 }];
 
@@ -38,28 +36,23 @@ fn camera(distortion: Distortion, size: [u64; 2], distance: f64, azimuth: f64) -
 /// Complains of every pixel that is not background and lies in no box of the solid that makes it so.
 fn compare(name: &str, boxed: &View, whole: &View, failures: &mut Vec<String>) -> usize {
     let mut dark = 0;
-    for solid in whole.primitives() {
+    for solid in &whole.primitives {
         let same = boxed
-            .primitives()
+            .primitives
             .iter()
             .find(|other| (other.limb, other.solid, other.radius) == (solid.limb, solid.solid, solid.radius));
-        for y in 0..whole.height() {
-            for x in 0..whole.width() {
+        let [width, height] = whole.size;
+        for y in 0..height {
+            for x in 0..width {
                 let level = solid.sample(whole.ray(x, y)).level;
                 if level >= 255.0 {
                     continue;
                 }
                 dark += 1;
-                let inside = same.is_some_and(|same| {
-                    (same.bounds.x0..same.bounds.x1).contains(&x)
-                        && (same.bounds.y0..same.bounds.y1).contains(&y)
-                });
-                if !inside {
-                    let bounds = same.map(|same| same.bounds);
-                    failures.push(format!(
-                        "{name}: limb {}, pixel ({x}, {y}) is {level} outside {bounds:?}",
-                        solid.limb
-                    ));
+                if !same.is_some_and(|same| same.bounds.contains(x, y)) {
+                    let (limb, bounds) = (solid.limb, same.map(|same| same.bounds));
+                    failures
+                        .push(format!("{name}: limb {limb}, pixel ({x}, {y}) is {level} outside {bounds:?}"));
                 }
             }
         }
@@ -91,8 +84,8 @@ fn boxes_hold_every_pixel_that_a_solid_darkens() {
     // From within the body, through it, to far away; the principal point off the middle.
     for (seed, distance) in [0.0, 0.1, 0.3, 0.5, 0.8, 1.5, 4.0, 30.0].into_iter().enumerate() {
         for size in [[31, 23], [1, 37], [40, 1], [1, 1]] {
-            let cameras =
-                [Distortion::None, NO_BEND].map(|lens| camera(lens, size, distance, 0.9 * seed as f64));
+            let cameras = [Distortion::None, fixtures::NO_BEND]
+                .map(|lens| camera(lens, size, distance, 0.9 * seed as f64));
             let pose = bent(&model, seed);
             for renderer in RENDERERS {
                 for ramp in RAMPS {

@@ -33,11 +33,11 @@ const LEAST_BANDS: usize = 4;
 
 /// Fills the pictures of a drawing that come in background. [`View::suits_lanes`] must hold.
 pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
-    let grid = PixelGrid::without_data([view.width(), view.height()]);
+    let grid = PixelGrid::without_data(view.size);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
     run_in_lanes(grid.tile.lanes(), CutSpans { ground: &mut ground, grid: &grid });
-    let primitives = view.primitives();
+    let primitives = &view.primitives;
     let limbs = ground.solids.iter().map(|solid| solid.limb as u16).collect();
     let rates = wanted.motion.map(|motion| {
         let solids = ground.solids.iter();
@@ -91,7 +91,7 @@ struct SolidRate {
 impl SolidRate {
     fn new(solid: &LaneSolid, shape: &Solid, motion: &BodyMotion) -> Self {
         let limb = motion.in_camera(solid.limb);
-        let ([p0, p1], [from, to]) = (shape.joints(), shape.axis());
+        let ([p0, p1], [from, to]) = (shape.joints, shape.axis());
         let (start, axis, limb_axis) = (from - p0, to - from, p1 - p0);
         let factor = solid.ramp.factor;
         let numbers = |rate: DVec3| (rate * factor).as_vec3().to_array();

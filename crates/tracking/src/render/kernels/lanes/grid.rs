@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::solid::GridBox;
 use crate::processor::f32_lanes;
+use crate::render::primitive::Footprint;
 
 /// Columns of a tile, where there are as many lanes.
 const TILE_COLUMNS: usize = 4;
@@ -245,9 +245,9 @@ impl PixelGrid {
 
     /// The rows and columns of a tile: tile row, tile.
     #[inline(always)]
-    pub(super) fn covers(&self, [tile_row, tile]: [usize; 2]) -> GridBox {
+    pub(super) fn covers(&self, [tile_row, tile]: [usize; 2]) -> Footprint {
         let span = |index: usize, side: usize| [index * side, (index + 1) * side];
-        GridBox { columns: span(tile, self.tile.columns), rows: span(tile_row, self.tile.rows) }
+        Footprint { columns: span(tile, self.tile.columns), rows: span(tile_row, self.tile.rows) }
     }
 
     /// Pixel coordinate of a sampled column or row.
@@ -256,8 +256,16 @@ impl PixelGrid {
         self.offset + index * self.stride
     }
 
+    /// The samples in a box of pixels, by column and row of the grid.
+    pub(super) fn sampled(&self, pixels: &Footprint) -> Footprint {
+        Footprint {
+            columns: pixels.columns.map(|column| self.index_from(column, self.columns)),
+            rows: pixels.rows.map(|row| self.index_from(row, self.rows)),
+        }
+    }
+
     /// First sampled column or row at or after a pixel, at most `limit`.
-    pub(crate) fn index_from(&self, pixel: usize, limit: usize) -> usize {
+    fn index_from(&self, pixel: usize, limit: usize) -> usize {
         let past = pixel.saturating_sub(self.offset);
         // A division takes as long as a dozen other steps.
         if self.stride == 1 { past.min(limit) } else { past.div_ceil(self.stride).min(limit) }

@@ -57,7 +57,7 @@ pub(super) struct Ground {
 impl Ground {
     /// Takes a view's solids. Spans are still to be cut.
     pub(super) fn prepare(&mut self, view: &View, grid: &PixelGrid) {
-        let pinhole = view.pinhole();
+        let pinhole = &view.pinhole;
         let lattice = Lattice::new(pinhole, grid);
         let tile = grid.tile;
         let (columns, rows) = (grid.entries(), grid.tile_rows() * tile.lanes());
@@ -79,7 +79,7 @@ impl Ground {
         }
         self.solids.clear();
         let mut spans = 0;
-        for (index, primitive) in view.primitives().iter().enumerate() {
+        for (index, primitive) in view.primitives.iter().enumerate() {
             let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid, &lattice) else { continue };
             solid.primitive = index;
             solid.spans = spans;
@@ -109,21 +109,17 @@ impl Ground {
             let mut next = || parts.next().map_or_else(SpansMut::default, |(from, to)| SpansMut { from, to });
             match &solid.outline {
                 Outline::Ball(ball) => ball.touched(simd, lattice, first, next()),
-                Outline::Whole(bounds) => bounds.touched(simd, lattice, first, next()),
+                Outline::Whole(bounds) => bounds.tiles(simd, lattice, first, next()),
                 Outline::Parts { axis, core, balls: [start, end] } => {
-                    axis.touched(simd, lattice, first, next());
+                    axis.tiles(simd, lattice, first, next());
                     start.touched(simd, lattice, first, next());
                     end.touched(simd, lattice, first, next());
                     if let (true, Some(core)) = (DARK, core) {
                         let [from, to] = &mut *cores;
                         from.resize(count.max(from.len()), 0);
                         to.resize(count.max(to.len()), 0);
-                        core.filled(
-                            simd,
-                            lattice,
-                            first,
-                            SpansMut { from: &mut from[..count], to: &mut to[..count] },
-                        );
+                        let spans = SpansMut { from: &mut from[..count], to: &mut to[..count] };
+                        core.tiles(simd, lattice, first, spans);
                         for (dark, core) in dark[first..last].iter_mut().zip(from.iter().zip(to)) {
                             dark.add([*core.0, *core.1]);
                         }

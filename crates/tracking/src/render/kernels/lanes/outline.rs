@@ -98,53 +98,46 @@ impl Half {
 
 /// Columns in several halves of the picture, row by row.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds([Half; HALVES]);
+pub(super) struct Bounds {
+    halves: [Half; HALVES],
+    rule: RowRule,
+}
 
 impl Bounds {
     /// Where all of some halves n·e ≤ 0 are.
-    pub(super) fn new<const N: usize>(normals: [DVec3; N], rows: RowRule, lattice: &Lattice) -> Self {
+    pub(super) fn new<const N: usize>(normals: [DVec3; N], rule: RowRule, lattice: &Lattice) -> Self {
         let mut halves = [Half::ALL; HALVES];
         for (half, normal) in halves.iter_mut().zip(normals) {
-            *half = Half::new(normal, rows, lattice);
+            *half = Half::new(normal, rule, lattice);
         }
-        Self(halves)
+        Self { halves, rule }
     }
 
     /// The same from a first column to a last; there must be a half to spare.
     pub(super) fn and_columns(mut self, [first, last]: [f64; 2]) -> Self {
         let line = |column: f64| RowLine { slope: 0.0, start: column as f32 };
-        self.0[HALVES - 1] = Half { low: line(first - SLACK), high: line(last + SLACK) };
+        self.halves[HALVES - 1] = Half { low: line(first - SLACK), high: line(last + SLACK) };
         self
     }
 
     #[inline(always)]
     fn columns<S: Simd>(&self, simd: S, tile_rows: S::f32s) -> [S::f32s; 2] {
-        let [mut low, mut high] = [self.0[0].low.at(simd, tile_rows), self.0[0].high.at(simd, tile_rows)];
-        for half in &self.0[1..] {
+        let [first, others @ ..] = &self.halves;
+        let [mut low, mut high] = [first.low.at(simd, tile_rows), first.high.at(simd, tile_rows)];
+        for half in others {
             low = simd.max_f32s(half.low.at(simd, tile_rows), low);
             high = simd.min_f32s(half.high.at(simd, tile_rows), high);
         }
         [low, high]
     }
 
-    /// Tiles of some tile rows, from `first` on, that any pixel between the lines is in.
+    /// Tiles of some tile rows, from `first` on, of which any pixel or all of them lie between the lines.
     #[inline(always)]
-    pub(super) fn touched<S: Simd>(&self, simd: S, lattice: &Lattice, first: usize, spans: SpansMut<'_>) {
+    pub(super) fn tiles<S: Simd>(&self, simd: S, lattice: &Lattice, first: usize, spans: SpansMut<'_>) {
         let (from, to) = (S::as_mut_simd_u32s(spans.from).0, S::as_mut_simd_u32s(spans.to).0);
         let mut tile_rows = first_rows(simd, first);
         for (from, to) in from.iter_mut().zip(to) {
-            [*from, *to] = lattice.tiles_touched(simd, self.columns(simd, tile_rows));
-            tile_rows = simd.add_f32s(tile_rows, simd.splat_f32s(S::F32_LANES as f32));
-        }
-    }
-
-    /// Tiles of some tile rows all of whose pixels lie between the lines.
-    #[inline(always)]
-    pub(super) fn filled<S: Simd>(&self, simd: S, lattice: &Lattice, first: usize, spans: SpansMut<'_>) {
-        let (from, to) = (S::as_mut_simd_u32s(spans.from).0, S::as_mut_simd_u32s(spans.to).0);
-        let mut tile_rows = first_rows(simd, first);
-        for (from, to) in from.iter_mut().zip(to) {
-            [*from, *to] = lattice.tiles_filled(simd, self.columns(simd, tile_rows));
+            [*from, *to] = lattice.tiles(simd, self.columns(simd, tile_rows), self.rule);
             tile_rows = simd.add_f32s(tile_rows, simd.splat_f32s(S::F32_LANES as f32));
         }
     }
@@ -166,15 +159,9 @@ fn first_rows<S: Simd>(simd: S, first: usize) -> S::f32s {
 }
 
 impl Lattice {
-    #[inline(always)]
-    fn clipped<S: Simd>(&self, simd: S, [low, high]: [S::f32s; 2]) -> [S::f32s; 2] {
-        let last = simd.splat_f32s(self.last_column);
-        [simd.max_f32s(low, simd.splat_f32s(0.0)), simd.min_f32s(high, last)]
-    }
-
     /// Whole numbers nearest to (`column` + `shift`) over a tile's columns, less a half.
     #[inline(always)]
-    fn tiles<S: Simd>(&self, simd: S, column: S::f32s, shift: f32, less: f32) -> S::u32s {
+    fn nearest<S: Simd>(&self, simd: S, column: S::f32s, (shift, less): (f32, f32)) -> S::u32s {
         let scale = 1.0 / self.tile.columns as f32;
         let (scale, shift) = (simd.splat_f32s(scale), simd.splat_f32s(shift * scale - less));
         // What is far outside is of no use, but must stay a small number.
@@ -183,23 +170,17 @@ impl Lattice {
         simd.and_u32s(simd.transmute_u32s_f32s(shifted), simd.splat_u32s(WHOLE_BITS))
     }
 
-    /// First tile and one past the last that columns `low` to `high` are in; none where low is above high.
+    /// First tile and one past the last of which any column is from `low` to `high`, or all are; none where low is above high.
     #[inline(always)]
-    fn tiles_touched<S: Simd>(&self, simd: S, columns: [S::f32s; 2]) -> [S::u32s; 2] {
-        let [low, high] = self.clipped(simd, columns);
-        // The tile of the first column not before `low`, and the next after that of the last not after `high`.
-        let from = self.tiles(simd, low, 1.0 - SLACK as f32, 0.499);
-        let to = self.tiles(simd, high, self.tile.columns as f32, 0.499);
-        let is_any = simd.less_than_or_equal_f32s(low, high);
-        [from, simd.select_u32s(is_any, to, simd.splat_u32s(0))]
-    }
-
-    /// First tile and one past the last all of whose columns are from `low` to `high`.
-    #[inline(always)]
-    fn tiles_filled<S: Simd>(&self, simd: S, columns: [S::f32s; 2]) -> [S::u32s; 2] {
-        let [low, high] = self.clipped(simd, columns);
-        let from = self.tiles(simd, low, 0.0, -0.5);
-        let to = self.tiles(simd, high, 1.0, 0.4999);
+    fn tiles<S: Simd>(&self, simd: S, [low, high]: [S::f32s; 2], rule: RowRule) -> [S::u32s; 2] {
+        let low = simd.max_f32s(low, simd.splat_f32s(0.0));
+        let high = simd.min_f32s(high, simd.splat_f32s(self.last_column));
+        let [first, last] = match rule {
+            // The tile of the first column not before `low`, and the next after that of the last not after `high`.
+            RowRule::Any => [(1.0 - SLACK as f32, 0.499), (self.tile.columns as f32, 0.499)],
+            RowRule::All => [(0.0, -0.5), (1.0, 0.4999)],
+        };
+        let (from, to) = (self.nearest(simd, low, first), self.nearest(simd, high, last));
         let is_any = simd.less_than_or_equal_f32s(low, high);
         [from, simd.select_u32s(is_any, to, simd.splat_u32s(0))]
     }
@@ -268,7 +249,7 @@ impl BallOutline {
             }
             low = simd.max_f32s(low, self.cut.low.at(simd, tile_rows));
             high = simd.min_f32s(high, self.cut.high.at(simd, tile_rows));
-            [*from, *to] = lattice.tiles_touched(simd, [low, high]);
+            [*from, *to] = lattice.tiles(simd, [low, high], RowRule::Any);
             tile_rows = simd.add_f32s(tile_rows, splat(S::F32_LANES as f32));
         }
     }

@@ -21,7 +21,7 @@ use super::ground::{Ground, SolidPart};
 use super::masks::on_ramp;
 use super::solid::{AxisSight, LaneSolid, Shape};
 use super::sums::{AXIS_SUMS, BALL_SUMS, SolidSums};
-use super::whole::{ENTRY, Force, flush};
+use super::whole::{ENTRY, Force, flush, inverse_distance, toward_ray};
 use super::winners::AxisLanes;
 use crate::render::ramp::BACKGROUND;
 
@@ -242,23 +242,14 @@ fn sum_axis<S: Simd>(
 pub(super) fn ball_force<S: Simd>(
     simd: S,
     (solid, end): (&LaneSolid, usize),
-    [x, y]: [S::f32s; 2],
+    rays: [S::f32s; 2],
     level: S::f32s,
 ) -> [S::f32s; 3] {
-    let splat = |value: f32| simd.splat_f32s(value);
     let joint = solid.joint(end);
-    let [px, py, pz] = [joint.x * joint.z, joint.y * joint.z, joint.z].map(splat);
-    let depth = simd.mul_add_e_f32s(x, px, simd.mul_add_e_f32s(y, py, pz));
-    let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, splat(1.0)));
-    let s = simd.div_f32s(depth, norm);
-    let f = [
-        simd.mul_add_e_f32s(s, x, simd.neg_f32s(px)),
-        simd.mul_add_e_f32s(s, y, simd.neg_f32s(py)),
-        simd.sub_f32s(s, pz),
-    ];
+    let point = [joint.x * joint.z, joint.y * joint.z, joint.z].map(|part| simd.splat_f32s(part));
+    let f = toward_ray(simd, point, rays);
     if solid.ramp.is_linear {
-        let [start, width] = solid.ramp.distance.map(splat);
-        let inverse = simd.div_f32s(splat(1.0), simd.mul_add_e_f32s(level, width, start));
+        let inverse = inverse_distance(simd, solid, level);
         f.map(|f| simd.mul_f32s(f, inverse))
     } else {
         f

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::grid::PixelGrid;
 use super::outline::{BallOutline, Bounds, Lattice, RowRule};
 use crate::camera::Intrinsics;
-use crate::render::primitive::{Footprint, Primitive, Solid};
+use crate::render::primitive::{Footprint, Primitive, SolidShape};
 use crate::render::ramp::{RampForm, SolidRamp};
 
 /// The reach is taken this much larger than it is, relatively, where outlines are cut.
@@ -104,14 +104,7 @@ pub(super) enum Shape {
     /// Equal spheres at multiples of 1/gaps along the axis.
     Spheres { gaps: f32 },
     /// The axis without its ends, and two flat caps; each cap may be hit only in its columns and rows.
-    Cylinder { caps: [GridBox; 2] },
-}
-
-/// A rectangle of the grid, ends excluded.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct GridBox {
-    pub columns: [usize; 2],
-    pub rows: [usize; 2],
+    Cylinder { caps: [Footprint; 2] },
 }
 
 /// A joint p = z ê with ê = (x, y, 1).
@@ -148,18 +141,20 @@ impl LaneSolid {
         lattice: &Lattice,
     ) -> Option<Self> {
         let [p0, p1] = primitive.solid.axis();
-        let bounds = GridBox::new(&primitive.bounds, grid);
+        let bounds = grid.sampled(&primitive.bounds);
         if bounds.is_empty() {
             return None;
         }
-        let reach = primitive.ramp.reach();
+        let reach = primitive.ramp.reach;
         let a = p1 - p0;
         let axis = a / p0.z;
-        let shape = match primitive.solid {
-            Solid::Capsule { .. } | Solid::Sphere { .. } => Shape::Capsule,
-            Solid::Spheres { count, .. } => Shape::Spheres { gaps: (count - 1) as f32 },
-            Solid::Cylinder { .. } => {
-                Shape::Cylinder { caps: [p0, p1].map(|p| GridBox::around(p, reach, pinhole, grid)) }
+        let shape = match primitive.solid.shape {
+            SolidShape::Capsule | SolidShape::Sphere(_) => Shape::Capsule,
+            SolidShape::Spheres(count) => Shape::Spheres { gaps: (count - 1) as f32 },
+            SolidShape::Cylinder => {
+                let size = [grid.columns, grid.rows].map(|count| grid.pixel(count.saturating_sub(1)) + 1);
+                let cap = |p| grid.sampled(&Footprint::around(p, p, reach, pinhole, size));
+                Shape::Cylinder { caps: [p0, p1].map(cap) }
             }
         };
         let sight = AxisSight::new(p0, a, &primitive.ramp);
@@ -170,7 +165,14 @@ impl LaneSolid {
             (Shape::Capsule, Some((frame, _))) if bounds.pixels() >= FEWEST_FOR_PARTS => {
                 frame.parts(&primitive.ramp, [p0, p1], lattice)
             }
-            _ => Outline::Whole(bounds.within(sight.map(|(frame, _)| frame.edges(reach)), lattice)),
+            _ => {
+                let halves = sight.map_or_else(
+                    || Bounds::new([], RowRule::Any, lattice),
+                    |(frame, _)| Bounds::new(frame.edges(reach), RowRule::Any, lattice),
+                );
+                let [first, past] = bounds.columns.map(|column| column as f64);
+                Outline::Whole(halves.and_columns([first, past - 1.0]))
+            }
         };
         Some(Self {
             limb: primitive.limb,
@@ -181,15 +183,17 @@ impl LaneSolid {
             a: a.as_vec3(),
             axis: axis.as_vec3(),
             cross: (p0 / p0.z).cross(axis).as_vec3(),
-            ramp: LaneRamp::new(primitive.ramp.form(), p0.z),
+            ramp: LaneRamp::new(primitive.ramp.form, p0.z),
             tile_rows: grid.tile.rows_touched(bounds.rows),
             sight: sight.map(|(_, sight)| sight),
             outline,
             spans: 0,
             cap_reach: (WIDE * reach / p0.z).powi(2) as f32,
             error: error(&primitive.ramp, p0, p1),
-            anchor: match primitive.solid {
-                Solid::Sphere { p0, p1, centre } => Some(Anchor { arm: centre - p0, limb_axis: p1 - p0 }),
+            anchor: match (primitive.solid.shape, primitive.solid.joints) {
+                (SolidShape::Sphere(centre), [p0, p1]) => {
+                    Some(Anchor { arm: centre - p0, limb_axis: p1 - p0 })
+                }
                 _ => None,
             },
         })
@@ -224,13 +228,13 @@ impl AxisSight {
         let foot = p0.dot(direction);
         let across = p0 - direction * foot;
         let distance = across.length();
-        if !(length > 0.0 && distance > FEWEST_REACHES * ramp.reach()) {
+        if !(length > 0.0 && distance > FEWEST_REACHES * ramp.reach) {
             return None;
         }
         let w = across / distance;
         let v = direction.cross(w);
         let along = (direction * distance - w * foot) / length;
-        let (slope, _, is_linear) = ramp.form().line();
+        let (slope, _, is_linear) = ramp.form.line();
         let unit = if is_linear { distance } else { distance * distance };
         let frame = AxisFrame { direction, w, v, distance, length, foot };
         Some((
@@ -261,12 +265,12 @@ impl AxisFrame {
     /// joint at s where E B > s A². Within reach A² is at most B² tan² φ, which leaves straight lines that are
     /// certainly on either side of that.
     fn parts(&self, ramp: &SolidRamp, joints: [DVec3; 2], lattice: &Lattice) -> Outline {
-        let reach = ramp.reach() * (1.0 + REACH_MARGIN);
+        let reach = ramp.reach * (1.0 + REACH_MARGIN);
         let sin = reach / self.distance;
         let bend = sin * sin / (1.0 - sin * sin);
         let (start, end) = (self.foot, self.foot + self.length);
         let beyond = |s: f64, bend: f64| self.direction * self.distance - self.w * (s + bend);
-        let [low, high] = self.edges(ramp.reach());
+        let [low, high] = self.edges(ramp.reach);
         let axis = Bounds::new(
             [low, high, -beyond(start, start.min(0.0) * bend), beyond(end, end.max(0.0) * bend)],
             RowRule::Any,
@@ -286,10 +290,10 @@ impl AxisFrame {
 /// How wrong f32 may be about λ/255 on the ramp of a solid: the ray's place and the joint's are rounded.
 fn error(ramp: &SolidRamp, p0: DVec3, p1: DVec3) -> f32 {
     let rounding = 0.5 * f64::from(f32::EPSILON);
-    let aside = |p: DVec3| p.x.abs().max(p.y.abs()).max(0.5 * p.z) + ramp.reach();
+    let aside = |p: DVec3| p.x.abs().max(p.y.abs()).max(0.5 * p.z) + ramp.reach;
     let distance = ROUNDINGS * rounding * aside(p0).max(aside(p1));
-    let (steepness, offset) = match ramp.form() {
-        RampForm::Quadratic { alpha, beta, .. } => (2.0 * alpha * ramp.reach(), beta),
+    let (steepness, offset) = match ramp.form {
+        RampForm::Quadratic { alpha, beta, .. } => (2.0 * alpha * ramp.reach, beta),
         RampForm::Linear { start, width, .. } => (1.0 / width, start / width),
     };
     (steepness * distance + ROUNDINGS * rounding * offset.abs().max(1.0)) as f32
@@ -299,42 +303,6 @@ impl LaneJoint {
     fn new(p: DVec3, axis: DVec3) -> Self {
         let unit = p / p.z;
         Self { x: unit.x as f32, y: unit.y as f32, z: p.z as f32, axis_along: axis.dot(unit) as f32 }
-    }
-}
-
-impl GridBox {
-    /// Sampled pixels in it.
-    fn pixels(&self) -> usize {
-        let side = |[from, to]: [usize; 2]| to.saturating_sub(from);
-        side(self.columns) * side(self.rows)
-    }
-
-    fn new(bounds: &Footprint, grid: &PixelGrid) -> Self {
-        Self {
-            columns: [grid.index_from(bounds.x0, grid.columns), grid.index_from(bounds.x1, grid.columns)],
-            rows: [grid.index_from(bounds.y0, grid.rows), grid.index_from(bounds.y1, grid.rows)],
-        }
-    }
-
-    fn around(centre: DVec3, reach: f64, pinhole: &Intrinsics, grid: &PixelGrid) -> Self {
-        let pixels = |count: usize| grid.pixel(count.saturating_sub(1)) + 1;
-        let bounds =
-            Footprint::around(centre, centre, reach, pinhole, pixels(grid.columns), pixels(grid.rows));
-        Self::new(&bounds, grid)
-    }
-
-    fn is_empty(&self) -> bool {
-        self.rows[0] >= self.rows[1] || self.columns[0] >= self.columns[1]
-    }
-
-    /// Its columns, and of them those in two halves of the picture.
-    fn within(&self, halves: Option<[DVec3; 2]>, lattice: &Lattice) -> Bounds {
-        let [low, high] = self.columns.map(|column| column as f64);
-        let bounds = match halves {
-            Some(halves) => Bounds::new(halves, RowRule::Any, lattice),
-            None => Bounds::new([], RowRule::Any, lattice),
-        };
-        bounds.and_columns([low, high - 1.0])
     }
 }
 

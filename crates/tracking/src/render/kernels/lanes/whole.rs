@@ -60,9 +60,7 @@ impl<S: Simd> Force<S> {
             Shape::Cylinder { .. } => flat(simd, solid, rays, fraction),
         };
         if solid.ramp.is_linear {
-            let [start, width] = solid.ramp.distance.map(|part| simd.splat_f32s(part));
-            let distance = simd.mul_add_e_f32s(level, width, start);
-            let inverse = simd.div_f32s(simd.splat_f32s(1.0), distance);
+            let inverse = inverse_distance(simd, solid, level);
             force.f = force.f.map(|f| simd.mul_f32s(f, inverse));
             force.cap = force.cap.map(|g| simd.mul_f32s(g, inverse));
         }
@@ -70,23 +68,34 @@ impl<S: Simd> Force<S> {
     }
 }
 
+/// 1/d at a level of a linear ramp.
+#[inline(always)]
+pub(super) fn inverse_distance<S: Simd>(simd: S, solid: &LaneSolid, level: S::f32s) -> S::f32s {
+    let [start, width] = solid.ramp.distance.map(|part| simd.splat_f32s(part));
+    simd.div_f32s(simd.splat_f32s(1.0), simd.mul_add_e_f32s(level, width, start))
+}
+
 /// The axis, a round end or a sphere at fraction t.
 #[inline(always)]
-fn round<S: Simd>(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2], t: S::f32s) -> Force<S> {
+fn round<S: Simd>(simd: S, solid: &LaneSolid, rays: [S::f32s; 2], t: S::f32s) -> Force<S> {
     let splat = |value: f32| simd.splat_f32s(value);
-    let start = solid.start_point();
+    let start = Vec3::new(solid.start.x, solid.start.y, 1.0) * solid.start.z;
     let along = |a: f32, p: f32| simd.mul_add_e_f32s(t, splat(a), splat(p));
     let q = [along(solid.a.x, start.x), along(solid.a.y, start.y), along(solid.a.z, start.z)];
-    // δ = (e·q/|e|²) e − q, from the closest point to the ray
+    Force { f: toward_ray(simd, q, rays), cap: [splat(0.0); 3], fraction: t }
+}
+
+/// δ = (e·q/|e|²) e − q, from a point to the ray.
+#[inline(always)]
+pub(super) fn toward_ray<S: Simd>(simd: S, q: [S::f32s; 3], [x, y]: [S::f32s; 2]) -> [S::f32s; 3] {
     let depth = simd.mul_add_e_f32s(x, q[0], simd.mul_add_e_f32s(y, q[1], q[2]));
-    let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, splat(1.0)));
+    let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, simd.splat_f32s(1.0)));
     let s = simd.div_f32s(depth, norm);
-    let f = [
+    [
         simd.mul_add_e_f32s(s, x, simd.neg_f32s(q[0])),
         simd.mul_add_e_f32s(s, y, simd.neg_f32s(q[1])),
         simd.sub_f32s(s, q[2]),
-    ];
-    Force { f, cap: [splat(0.0); 3], fraction: t }
+    ]
 }
 
 /// The axis between its joints, or one of the flat caps.
@@ -115,12 +124,6 @@ fn flat<S: Simd>(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2], mark: S::f32s
         }
     }
     force
-}
-
-impl LaneSolid {
-    fn start_point(&self) -> Vec3 {
-        Vec3::new(self.start.x, self.start.y, 1.0) * self.start.z
-    }
 }
 
 /// Σ w f fᵀ and Σ w t f fᵀ.

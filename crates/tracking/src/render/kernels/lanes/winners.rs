@@ -8,7 +8,8 @@ use super::band::{Band, Cells, Places};
 use super::grid::PixelGrid;
 use super::ground::{Ground, SolidPart};
 use super::masks::put_f32s;
-use super::solid::{AxisSight, GridBox, LaneJoint, LaneSolid, Shape};
+use super::solid::{AxisSight, LaneJoint, LaneSolid, Shape};
+use crate::render::primitive::Footprint;
 
 /// f32 of this size have no digits after the point: adding and taking it away rounds to a whole number.
 const ROUNDER: f32 = 12_582_912.0;
@@ -50,55 +51,12 @@ impl Ground {
         let fractions = S::as_mut_simd_f32s(fractions).0;
         for work in works {
             let solid = &self.solids[work.solid];
-            let tiles = &tiles[work.tiles.clone()];
-            let (owner, is_linear) = (work.owner, solid.ramp.is_linear);
-            match (work.part, &solid.sight) {
-                (SolidPart::Axis, Some(sight)) if is_linear => {
-                    challenge_axis::<S, DOUBTS, true>(
-                        simd,
-                        (solid, sight),
-                        owner,
-                        tiles,
-                        &places,
-                        &mut cells,
-                    );
-                }
-                (SolidPart::Axis, Some(sight)) => {
-                    challenge_axis::<S, DOUBTS, false>(
-                        simd,
-                        (solid, sight),
-                        owner,
-                        tiles,
-                        &places,
-                        &mut cells,
-                    );
-                }
-                (SolidPart::Ball(end), _) if is_linear => {
-                    challenge_ball::<S, DOUBTS, true>(simd, (solid, end), owner, tiles, &places, &mut cells);
-                }
-                (SolidPart::Ball(end), _) => {
-                    challenge_ball::<S, DOUBTS, false>(simd, (solid, end), owner, tiles, &places, &mut cells);
-                }
-                (SolidPart::Whole, Some(sight)) if solid.shape == Shape::Capsule => {
-                    let part = (solid, sight);
-                    if is_linear {
-                        challenge_capsule::<S, DOUBTS, true>(
-                            simd, part, owner, tiles, &places, &mut cells, fractions,
-                        );
-                    } else {
-                        challenge_capsule::<S, DOUBTS, false>(
-                            simd, part, owner, tiles, &places, &mut cells, fractions,
-                        );
-                    }
-                }
-                _ => {
-                    for &tile in tiles {
-                        let (at, rays) = places.at(tile);
-                        let tile = [(tile >> 16) as usize + rows.start, (tile & 0xffff) as usize];
-                        let here = (at, rays, grid.covers(tile));
-                        challenge_whole(simd, solid, owner, here, &mut cells, fractions);
-                    }
-                }
+            let (owner, tiles) = (simd.splat_u32s(work.owner), &tiles[work.tiles.clone()]);
+            let challenge = Challenge { simd, solid, part: work.part, owner, tiles, places: &places };
+            if solid.ramp.is_linear {
+                challenge.all::<DOUBTS, true>(&mut cells, fractions, (rows.start, grid));
+            } else {
+                challenge.all::<DOUBTS, false>(&mut cells, fractions, (rows.start, grid));
             }
         }
     }
@@ -153,133 +111,155 @@ impl<S: Simd> AxisLanes<S> {
     }
 }
 
-#[inline(always)]
-fn challenge_axis<S: Simd, const DOUBTS: bool, const LINEAR: bool>(
+/// A part of a solid that competes for the pixels of some tiles.
+struct Challenge<'a, S: Simd> {
     simd: S,
-    (solid, sight): (&LaneSolid, &AxisSight),
-    owner: u32,
-    tiles: &[u32],
-    places: &Places<'_, S>,
-    cells: &mut Cells<'_, S, DOUBTS>,
-) {
-    let owner = simd.splat_u32s(owner);
-    let axis = AxisLanes::new(simd, solid, sight);
-    let (slope, offset) = (simd.splat_f32s(sight.slope), simd.splat_f32s(solid.ramp.offset));
-    let (zero, beyond) = (simd.splat_f32s(0.0), simd.splat_f32s(f32::INFINITY));
-    for &tile in tiles {
-        let (at, rays) = places.at(tile);
-        let rays = axis.see(simd, rays);
-        let between = simd.and_m32s(
-            simd.less_than_or_equal_f32s(zero, rays.along),
-            simd.less_than_or_equal_f32s(rays.along, rays.length),
-        );
-        let ratio = simd.div_f32s(rays.square, rays.length);
-        let measure = if LINEAR { simd.sqrt_f32s(ratio) } else { ratio };
-        let level = simd.mul_add_e_f32s(slope, measure, offset);
-        cells.offer(simd, at, simd.select_f32s(between, level, beyond), owner);
-    }
+    solid: &'a LaneSolid,
+    part: SolidPart,
+    owner: S::u32s,
+    tiles: &'a [u32],
+    places: &'a Places<'a, S>,
 }
 
-/// A ball about a joint p = z ê: with δ = e − ê, d² = z² |δ × ê|²/|e|².
-#[inline(always)]
-fn challenge_ball<S: Simd, const DOUBTS: bool, const LINEAR: bool>(
-    simd: S,
-    (solid, end): (&LaneSolid, usize),
-    owner: u32,
-    tiles: &[u32],
-    places: &Places<'_, S>,
-    cells: &mut Cells<'_, S, DOUBTS>,
-) {
-    let owner = simd.splat_u32s(owner);
-    let (joint, ramp) = (solid.joint(end), &solid.ramp);
-    let depths = joint.z / solid.start.z;
-    let slope = simd.splat_f32s(ramp.slope * if LINEAR { depths } else { depths * depths });
-    let offset = simd.splat_f32s(ramp.offset);
-    let (joint_x, joint_y) = (simd.splat_f32s(joint.x), simd.splat_f32s(joint.y));
-    let one = simd.splat_f32s(1.0);
-    for &tile in tiles {
-        let (at, [x, y]) = places.at(tile);
-        let (dx, dy) = (simd.sub_f32s(x, joint_x), simd.sub_f32s(y, joint_y));
-        let turn = simd.negate_mul_add_e_f32s(dy, joint_x, simd.mul_f32s(dx, joint_y));
-        let square = simd.mul_add_e_f32s(turn, turn, simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy)));
-        let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, one));
-        let ratio = simd.div_f32s(square, norm);
-        let measure = if LINEAR { simd.sqrt_f32s(ratio) } else { ratio };
-        cells.offer(simd, at, simd.mul_add_e_f32s(slope, measure, offset), owner);
-    }
-}
-
-/// A capsule that is looked at as a whole: with t* of the infinite axis's point nearest to the ray, and t that clamped to
-/// 0 … 1, d² = D² A²/(A² + B²) + (t − t*)² |a|² (A² + B²)/|e|².
-#[inline(always)]
-fn challenge_capsule<S: Simd, const DOUBTS: bool, const LINEAR: bool>(
-    simd: S,
-    (solid, sight): (&LaneSolid, &AxisSight),
-    owner: u32,
-    tiles: &[u32],
-    places: &Places<'_, S>,
-    cells: &mut Cells<'_, S, DOUBTS>,
-    fractions: &mut [S::f32s],
-) {
-    let owner = simd.splat_u32s(owner);
-    let axis = AxisLanes::new(simd, solid, sight);
-    let (slope, offset) = (simd.splat_f32s(sight.slope), simd.splat_f32s(solid.ramp.offset));
-    let beyond = simd.splat_f32s(sight.beyond);
-    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-    for &tile in tiles {
-        let (at, [x, y]) = places.at(tile);
-        let rays = axis.see(simd, [x, y]);
-        // A ray along the axis has no t of its own: any will do.
-        let inverse = simd.div_f32s(one, simd.max_f32s(rays.length, simd.splat_f32s(f32::MIN_POSITIVE)));
-        let unclamped = simd.mul_f32s(rays.along, inverse);
-        let fraction = simd.min_f32s(simd.max_f32s(unclamped, zero), one);
-        let past = simd.sub_f32s(unclamped, fraction);
-        let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, one));
-        let end = simd.div_f32s(simd.mul_f32s(beyond, simd.mul_f32s(past, rays.length)), norm);
-        let ratio = simd.mul_add_e_f32s(past, end, simd.mul_f32s(rays.square, inverse));
-        let measure = if LINEAR { simd.sqrt_f32s(ratio) } else { ratio };
-        let darker = cells.offer(simd, at, simd.mul_add_e_f32s(slope, measure, offset), owner);
-        put_f32s(simd, &mut fractions[at], darker, fraction);
-    }
-}
-
-/// A solid that is looked at as a whole, in one tile that covers a box.
-#[inline(always)]
-fn challenge_whole<S: Simd, const DOUBTS: bool>(
-    simd: S,
-    solid: &LaneSolid,
-    owner: u32,
-    (at, [x, y], tile): (usize, [S::f32s; 2], GridBox),
-    cells: &mut Cells<'_, S, DOUBTS>,
-    fractions: &mut [S::f32s],
-) {
-    let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, simd.splat_f32s(1.0)));
-    let inverse_norm = simd.div_f32s(simd.splat_f32s(1.0), norm);
-    let line = AxisPixels::new(simd, solid, [x, y]);
-    let nearest = match solid.shape {
-        Shape::Capsule => line.capsule(simd),
-        Shape::Spheres { gaps } => line.spheres(simd, gaps),
-        Shape::Cylinder { caps } => {
-            let axis = line.cylinder_axis(simd, inverse_norm);
-            with_caps(simd, axis, solid, caps.map(|cap| cap.meets(&tile)), [x, y])
+impl<S: Simd> Challenge<'_, S> {
+    /// For all of its tiles, in a band of a grid that begins at a tile row.
+    #[inline(always)]
+    fn all<const DOUBTS: bool, const LINEAR: bool>(
+        &self,
+        cells: &mut Cells<'_, S, DOUBTS>,
+        fractions: &mut [S::f32s],
+        (first_row, grid): (usize, &PixelGrid),
+    ) {
+        match (self.part, &self.solid.sight) {
+            (SolidPart::Axis, Some(sight)) => self.axis::<DOUBTS, LINEAR>(sight, cells),
+            (SolidPart::Ball(end), _) => self.ball::<DOUBTS, LINEAR>(end, cells),
+            (SolidPart::Whole, Some(sight)) if self.solid.shape == Shape::Capsule => {
+                self.capsule::<DOUBTS, LINEAR>(sight, cells, fractions);
+            }
+            _ => {
+                for &tile in self.tiles {
+                    let (at, rays) = self.places.at(tile);
+                    let tile = [(tile >> 16) as usize + first_row, (tile & 0xffff) as usize];
+                    let here = (at, rays, grid.covers(tile));
+                    self.whole::<DOUBTS, LINEAR>(here, cells, fractions);
+                }
+            }
         }
-    };
-    let squared = match solid.shape {
-        Shape::Cylinder { .. } => nearest.squared,
-        _ => simd.mul_f32s(nearest.squared, inverse_norm),
-    };
-    let measure = if solid.ramp.is_linear { simd.sqrt_f32s(squared) } else { squared };
-    let ramp = (simd.splat_f32s(solid.ramp.slope), simd.splat_f32s(solid.ramp.offset));
-    let level = simd.mul_add_e_f32s(ramp.0, measure, ramp.1);
-    let darker = cells.offer(simd, at, level, simd.splat_u32s(owner));
-    if DOUBTS && let Some(doubtful) = nearest.doubtful {
-        let hopeless = simd.splat_f32s(f32::NEG_INFINITY);
-        put_f32s(simd, &mut cells.runners_up[at], doubtful, hopeless);
     }
-    put_f32s(simd, &mut fractions[at], darker, nearest.fraction);
+
+    /// λ/255 at a squared distance, before clipping.
+    #[inline(always)]
+    fn level<const LINEAR: bool>(&self, slope: S::f32s, squared: S::f32s) -> S::f32s {
+        let measure = if LINEAR { self.simd.sqrt_f32s(squared) } else { squared };
+        self.simd.mul_add_e_f32s(slope, measure, self.simd.splat_f32s(self.solid.ramp.offset))
+    }
+
+    #[inline(always)]
+    fn axis<const DOUBTS: bool, const LINEAR: bool>(
+        &self,
+        sight: &AxisSight,
+        cells: &mut Cells<'_, S, DOUBTS>,
+    ) {
+        let simd = self.simd;
+        let axis = AxisLanes::new(simd, self.solid, sight);
+        let slope = simd.splat_f32s(sight.slope);
+        let (zero, beyond) = (simd.splat_f32s(0.0), simd.splat_f32s(f32::INFINITY));
+        for &tile in self.tiles {
+            let (at, rays) = self.places.at(tile);
+            let rays = axis.see(simd, rays);
+            let between = simd.and_m32s(
+                simd.less_than_or_equal_f32s(zero, rays.along),
+                simd.less_than_or_equal_f32s(rays.along, rays.length),
+            );
+            let level = self.level::<LINEAR>(slope, simd.div_f32s(rays.square, rays.length));
+            cells.offer(simd, at, simd.select_f32s(between, level, beyond), self.owner);
+        }
+    }
+
+    /// A ball about a joint p = z ê: with δ = e − ê, d² = z² |δ × ê|²/|e|².
+    #[inline(always)]
+    fn ball<const DOUBTS: bool, const LINEAR: bool>(&self, end: usize, cells: &mut Cells<'_, S, DOUBTS>) {
+        let simd = self.simd;
+        let joint = self.solid.joint(end);
+        let depths = joint.z / self.solid.start.z;
+        let slope = self.solid.ramp.slope * if LINEAR { depths } else { depths * depths };
+        let [slope, joint_x, joint_y, one] =
+            [slope, joint.x, joint.y, 1.0].map(|value| simd.splat_f32s(value));
+        for &tile in self.tiles {
+            let (at, [x, y]) = self.places.at(tile);
+            let (dx, dy) = (simd.sub_f32s(x, joint_x), simd.sub_f32s(y, joint_y));
+            let turn = simd.negate_mul_add_e_f32s(dy, joint_x, simd.mul_f32s(dx, joint_y));
+            let square = simd.mul_add_e_f32s(turn, turn, simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy)));
+            let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, one));
+            let level = self.level::<LINEAR>(slope, simd.div_f32s(square, norm));
+            cells.offer(simd, at, level, self.owner);
+        }
+    }
+
+    /// A capsule that is looked at as a whole: with t* of the infinite axis's point nearest to the ray, and t that clamped
+    /// to 0 … 1, d² = D² A²/(A² + B²) + (t − t*)² |a|² (A² + B²)/|e|².
+    #[inline(always)]
+    fn capsule<const DOUBTS: bool, const LINEAR: bool>(
+        &self,
+        sight: &AxisSight,
+        cells: &mut Cells<'_, S, DOUBTS>,
+        fractions: &mut [S::f32s],
+    ) {
+        let simd = self.simd;
+        let axis = AxisLanes::new(simd, self.solid, sight);
+        let [slope, beyond, zero, one] =
+            [sight.slope, sight.beyond, 0.0, 1.0].map(|value| simd.splat_f32s(value));
+        for &tile in self.tiles {
+            let (at, [x, y]) = self.places.at(tile);
+            let rays = axis.see(simd, [x, y]);
+            // A ray along the axis has no t of its own: any will do.
+            let inverse = simd.div_f32s(one, simd.max_f32s(rays.length, simd.splat_f32s(f32::MIN_POSITIVE)));
+            let unclamped = simd.mul_f32s(rays.along, inverse);
+            let fraction = simd.min_f32s(simd.max_f32s(unclamped, zero), one);
+            let past = simd.sub_f32s(unclamped, fraction);
+            let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, one));
+            let end = simd.div_f32s(simd.mul_f32s(beyond, simd.mul_f32s(past, rays.length)), norm);
+            let ratio = simd.mul_add_e_f32s(past, end, simd.mul_f32s(rays.square, inverse));
+            let darker = cells.offer(simd, at, self.level::<LINEAR>(slope, ratio), self.owner);
+            put_f32s(simd, &mut fractions[at], darker, fraction);
+        }
+    }
+
+    /// A solid that is looked at as a whole, in one tile that covers a box.
+    #[inline(always)]
+    fn whole<const DOUBTS: bool, const LINEAR: bool>(
+        &self,
+        (at, [x, y], tile): (usize, [S::f32s; 2], Footprint),
+        cells: &mut Cells<'_, S, DOUBTS>,
+        fractions: &mut [S::f32s],
+    ) {
+        let Self { simd, solid, owner, .. } = *self;
+        let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, simd.splat_f32s(1.0)));
+        let inverse_norm = simd.div_f32s(simd.splat_f32s(1.0), norm);
+        let line = AxisPixels::new(simd, solid, [x, y]);
+        let nearest = match solid.shape {
+            Shape::Capsule => line.capsule(simd),
+            Shape::Spheres { gaps } => line.spheres(simd, gaps),
+            Shape::Cylinder { caps } => {
+                let axis = line.cylinder_axis(simd, inverse_norm);
+                with_caps(simd, axis, solid, caps.map(|cap| cap.meets(&tile)), [x, y])
+            }
+        };
+        let squared = match solid.shape {
+            Shape::Cylinder { .. } => nearest.squared,
+            _ => simd.mul_f32s(nearest.squared, inverse_norm),
+        };
+        let level = self.level::<LINEAR>(simd.splat_f32s(solid.ramp.slope), squared);
+        let darker = cells.offer(simd, at, level, owner);
+        if DOUBTS && let Some(doubtful) = nearest.doubtful {
+            let hopeless = simd.splat_f32s(f32::NEG_INFINITY);
+            put_f32s(simd, &mut cells.runners_up[at], doubtful, hopeless);
+        }
+        put_f32s(simd, &mut fractions[at], darker, nearest.fraction);
+    }
 }
 
-impl GridBox {
+impl Footprint {
     #[inline(always)]
     fn meets(&self, other: &Self) -> bool {
         let meet = |a: [usize; 2], b: [usize; 2]| a[0] < b[1] && b[0] < a[1];
