@@ -54,21 +54,14 @@ impl LeastSquares for Reach<'_> {
     type Point = Pose;
 
     fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
-        self.kinematics.update(self.model, pose);
-        for target in self.targets {
-            point::add(equations, Parameters::Tangent, &self.kinematics, pose.root, target);
-        }
+        let &mut Self { model, reference, targets, stiffness, root_stiffness, ref mut kinematics } = self;
         let parameters = Parameters::Tangent;
-        let reference = self.reference;
-        pose_prior::add_proximal_each(
-            equations,
-            parameters,
-            pose,
-            reference,
-            self.stiffness,
-            self.root_stiffness,
-        );
-        pose_prior::add_limits(equations, parameters, self.model, pose, LIMIT_WEIGHT);
+        kinematics.update(model, pose);
+        for target in targets {
+            point::add(equations, parameters, kinematics, pose.root, target);
+        }
+        pose_prior::add_proximal_each(equations, parameters, pose, reference, stiffness, root_stiffness);
+        pose_prior::add_limits(equations, parameters, model, pose, LIMIT_WEIGHT);
     }
 
     fn columns(&self) -> usize {
@@ -226,19 +219,17 @@ pub fn limits_reached(model: &Model, pose: &Pose) -> Vec<LimitReached> {
     for (rotation, &limb) in model.rotation_owners().iter().enumerate() {
         let Some(limits) = model.limbs()[limb].limits else { continue };
         let angles = model.limbs()[limb].angles(pose.rotations[rotation]);
-        for (angle, value, range) in [
+        for (angle, value, Range(low, high)) in [
             (LimitedAngle::Flexion, angles.flexion, limits.flexion),
             (LimitedAngle::Sideways, angles.sideways, limits.sideways),
             (LimitedAngle::Twist, angles.twist, limits.twist),
         ] {
             // An angle that cannot move at all is no news.
-            if range.1 - range.0 <= 2.0 * AT_LIMIT_RAD {
-                continue;
-            }
-            if value <= range.0 + AT_LIMIT_RAD {
-                reached.push(LimitReached { limb, angle, limit_rad: range.0 });
-            } else if value >= range.1 - AT_LIMIT_RAD {
-                reached.push(LimitReached { limb, angle, limit_rad: range.1 });
+            let can_move = high - low > 2.0 * AT_LIMIT_RAD;
+            if can_move && value <= low + AT_LIMIT_RAD {
+                reached.push(LimitReached { limb, angle, limit_rad: low });
+            } else if can_move && value >= high - AT_LIMIT_RAD {
+                reached.push(LimitReached { limb, angle, limit_rad: high });
             }
         }
     }

@@ -269,15 +269,13 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
 
     const LOW: DVec3 = DVec3::new(-0.3, -0.2, 0.1);
     const HIGH: DVec3 = DVec3::new(0.4, 0.3, 1.5);
 
     fn camera(at: DVec3, up: DVec3) -> Camera {
-        let place = CameraFromWorld::looking_at(at, 0.5 * (LOW + HIGH), up);
-        let intrinsics = Intrinsics { fx: 900.0, fy: 900.0, cx: 159.5, cy: 119.5 };
-        Camera::new("c", [320, 240], intrinsics, Distortion::None, place).unwrap()
+        fixtures::camera([320, 240], [900.0, 900.0, 159.5, 119.5], at, 0.5 * (LOW + HIGH), up)
     }
 
     /// The silhouette of a box, by its slabs.

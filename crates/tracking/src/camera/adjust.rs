@@ -234,14 +234,14 @@ impl Bundle<'_> {
         })
     }
 
-    fn moved(&self, state: &Adjustment, step: &BundleStep) -> Option<Adjustment> {
+    fn moved(&self, state: &Adjustment, (by_cameras, by_points): &BundleStep) -> Option<Adjustment> {
         let mut changes = state.changes.clone();
-        for (change, by) in changes.iter_mut().flatten().zip(step.cameras.iter()) {
+        for (change, by) in changes.iter_mut().flatten().zip(by_cameras.iter()) {
             *change += by;
         }
         let cameras =
             (0..changes.len()).map(|camera| self.changed(camera, &changes[camera])).collect::<Option<_>>()?;
-        let points = state.points.iter().zip(&step.points).map(|(point, by)| *point + *by).collect();
+        let points = state.points.iter().zip(by_points).map(|(point, by)| *point + *by).collect();
         Some(Adjustment { changes, cameras, points })
     }
 
@@ -266,10 +266,8 @@ struct Equations {
     both: Vec<Vec<(usize, SMatrix<f64, COLUMNS, 3>)>>,
 }
 
-struct BundleStep {
-    cameras: DVector<f64>,
-    points: Vec<DVec3>,
-}
+/// By how much cameras and points move.
+type BundleStep = (DVector<f64>, Vec<DVec3>);
 
 impl Equations {
     fn add(&mut self, sighting: &Sighting, camera: &CameraRow, point: &PointRow, weight: f64, right: DVec2) {
@@ -318,7 +316,7 @@ impl Equations {
             DVec3::new(step.x, step.y, step.z)
         });
         let points = points.collect();
-        Some(BundleStep { cameras, points })
+        Some((cameras, points))
     }
 }
 

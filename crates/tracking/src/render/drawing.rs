@@ -78,23 +78,17 @@ impl Prediction {
 
 /// Draws a view as fast as may be.
 pub fn draw(view: &View, wanted: DrawOptions<'_>) -> Drawing {
-    let mut drawing = Drawing::empty(view, wanted);
-    if view.suits_lanes() {
-        lanes::draw(view, wanted, &mut drawing);
-    } else {
-        fill_plainly(view, wanted, &mut drawing);
+    if !view.suits_lanes() {
+        return draw_plainly(view, wanted);
     }
+    let mut drawing = Drawing::empty(view, wanted);
+    lanes::draw(view, wanted, &mut drawing);
     drawing
 }
 
 /// Draws a view by the reference kernel.
 pub fn draw_plainly(view: &View, wanted: DrawOptions<'_>) -> Drawing {
     let mut drawing = Drawing::empty(view, wanted);
-    fill_plainly(view, wanted, &mut drawing);
-    drawing
-}
-
-fn fill_plainly(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
     drawing.strips(PLAIN_ROWS).into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
         for y in strip.rows() {
             winners.find(view, y, 1, 0);
@@ -105,6 +99,7 @@ fn fill_plainly(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
             }
         }
     });
+    drawing
 }
 
 impl Drawing {

@@ -64,17 +64,6 @@ pub struct BodyMotion {
     world_from_camera: DMat3,
 }
 
-/// How one limb moves, camera axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LimbMotion {
-    /// Of the limb's first joint, metres per unit of the direction.
-    pub velocity: DVec3,
-    /// Turn about it, radians.
-    pub turn: DVec3,
-    /// Scaling about it.
-    pub stretch: f64,
-}
-
 impl BodyMotion {
     /// Along a direction v of the state.
     ///
@@ -103,22 +92,14 @@ impl BodyMotion {
         (0..7).map(|i| h[i] * self.limbs[limb][i]).sum()
     }
 
-    /// How a limb moves, in camera axes.
-    pub(crate) fn in_camera(&self, limb: usize) -> LimbMotion {
+    /// How a limb moves along a unit of the direction, in camera axes: the velocity of its first joint, metres, and how a
+    /// point given from there moves against that, by a turn and a scaling about it.
+    pub(crate) fn in_camera(&self, limb: usize) -> (DVec3, impl Fn(DVec3) -> DVec3) {
         let m = &self.limbs[limb];
         let camera_from_world = self.world_from_camera.transpose();
-        LimbMotion {
-            velocity: camera_from_world * DVec3::new(m[0], m[1], m[2]),
-            turn: camera_from_world * DVec3::new(m[3], m[4], m[5]),
-            stretch: m[6],
-        }
-    }
-}
-
-impl LimbMotion {
-    /// How a point moves against the limb's first joint, given from there.
-    pub(crate) fn of_arm(&self, arm: DVec3) -> DVec3 {
-        self.turn.cross(arm) + self.stretch * arm
+        let [velocity, turn] = [0, 3].map(|at| camera_from_world * DVec3::new(m[at], m[at + 1], m[at + 2]));
+        let stretch = m[6];
+        (velocity, move |arm| turn.cross(arm) + stretch * arm)
     }
 }
 

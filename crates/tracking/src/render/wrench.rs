@@ -59,18 +59,13 @@ impl AddAssign for Wrench {
 
 /// What the pixels of one limb pull: Σ w h hᵀ (upper triangle) and Σ w h ρ, and beside it the part that is
 /// known as forces at the limb's joints.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WrenchBlock {
     products: [f64; 28],
     forces: [f64; 7],
     pixels: usize,
-    joints: JointBlock,
-}
-
-impl Default for WrenchBlock {
-    fn default() -> Self {
-        Self { products: [0.0; 28], forces: [0.0; 7], pixels: 0, joints: JointBlock::default() }
-    }
+    /// What was added as forces at the limb's joints, camera axes.
+    pub(crate) joints: JointBlock,
 }
 
 impl WrenchBlock {
@@ -103,19 +98,9 @@ impl WrenchBlock {
         self.pixels += 1;
     }
 
-    /// Adds forces at the limb's joints.
-    pub(crate) fn add_joints(&mut self, joints: &JointBlock) {
-        self.joints += *joints;
-    }
-
     /// Whether nothing was added but forces at joints.
     pub(crate) fn has_no_wrench(&self) -> bool {
         self.pixels == 0
-    }
-
-    /// What was added as forces at the limb's joints, camera axes.
-    pub(crate) fn joints(&self) -> &JointBlock {
-        &self.joints
     }
 
     /// M = Σ w h hᵀ and m = Σ w h ρ of all but the forces at joints, turned from camera to world axes.
@@ -152,7 +137,7 @@ impl WrenchBlock {
 }
 
 /// Σ w h hᵀ and Σ w h ρ of h = [f, g₁] over the pixels of one limb.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct JointBlock {
     /// Σ w f fᵀ.
     pub ff: Matrix3<f64>,
@@ -164,13 +149,6 @@ pub(crate) struct JointBlock {
     pub f: Vector3<f64>,
     /// Σ w g₁ ρ.
     pub g: Vector3<f64>,
-}
-
-impl Default for JointBlock {
-    fn default() -> Self {
-        let (matrix, vector) = (Matrix3::zeros(), Vector3::zeros());
-        Self { ff: matrix, fg: matrix, gg: matrix, f: vector, g: vector }
-    }
 }
 
 impl JointBlock {

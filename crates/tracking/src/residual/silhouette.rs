@@ -65,9 +65,7 @@ impl SampledData {
         const LANES: usize = 8;
         let (mut costs, mut weights) = ([0.0; LANES], [0.0; LANES]);
         for tile_row in 0..grid.tile_rows() {
-            let data = grid.tile_row(tile_row);
-            let (values, row_weights) =
-                (data.values.as_chunks::<LANES>().0, data.weights.as_chunks::<LANES>().0);
+            let [values, row_weights] = grid.tile_row(tile_row).map(|data| data.as_chunks::<LANES>().0);
             for (values, row_weights) in values.iter().zip(row_weights) {
                 for lane in 0..LANES {
                     let weight = f64::from(row_weights[lane]);
@@ -231,8 +229,8 @@ impl WithSimd for AddJoints<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for (sums, block) in self.sums.iter_mut().zip(self.blocks) {
-            if !block.joints().is_empty() {
-                sums.add(simd, block.joints(), self.camera_from_world, self.weight);
+            if !block.joints.is_empty() {
+                sums.add(simd, &block.joints, self.camera_from_world, self.weight);
             }
         }
     }

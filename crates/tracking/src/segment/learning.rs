@@ -109,13 +109,8 @@ fn from_free_pixels(
     options: &LearningOptions,
 ) -> LearntPlate {
     let levels = each_pixel(size, |index, levels| {
-        levels.iter_mut().for_each(Vec::clear);
-        for (picture, mask) in frames {
-            if mask.labels()[index] == Label::Background {
-                let pixel = &picture.as_raw()[3 * index..][..3];
-                levels.iter_mut().zip(pixel).for_each(|(levels, &level)| levels.push(level));
-            }
-        }
+        let free = frames.iter().filter(|(_, mask)| mask.labels()[index] == Label::Background);
+        gather(levels, free.map(|(picture, _)| &picture.as_raw()[3 * index..][..3]));
         let is_known = levels[0].len() >= options.min_free_frames.max(1);
         is_known.then(|| levels.each_mut().map(|levels| median(levels)))
     });
@@ -164,6 +159,14 @@ fn plate((width, height): (u32, u32), levels: &[Option<[u8; 3]>]) -> LearntPlate
     LearntPlate { picture, known: levels.iter().map(Option::is_some).collect() }
 }
 
+/// The levels of pixels, channel by channel, in the place of what was there.
+fn gather<'a>(levels: &mut [Vec<u8>; 3], pixels: impl Iterator<Item = &'a [u8]>) {
+    levels.iter_mut().for_each(Vec::clear);
+    for pixel in pixels {
+        levels.iter_mut().zip(pixel).for_each(|(levels, &level)| levels.push(level));
+    }
+}
+
 fn median(levels: &mut [u8]) -> u8 {
     let middle = levels.len() / 2;
     *levels.select_nth_unstable(middle).1
@@ -197,11 +200,8 @@ fn lasting(
     levels: &mut [Vec<u8>; 3],
     options: &LearningOptions,
 ) -> Lasting {
-    levels.iter_mut().for_each(Vec::clear);
     let pixels = || pictures.iter().map(|picture| &picture.as_raw()[3 * index..][..3]);
-    for pixel in pixels() {
-        levels.iter_mut().zip(pixel).for_each(|(levels, &level)| levels.push(level));
-    }
+    gather(levels, pixels());
     let level = levels.each_mut().map(|levels| middle_of_shortest_half(levels));
     let same = |pixel: &&[u8]| pixel.iter().zip(level).all(|(&a, b)| a.abs_diff(b) <= options.same_level);
     Lasting { level, frames: pixels().filter(same).count() }

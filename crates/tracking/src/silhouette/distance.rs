@@ -23,7 +23,7 @@ use pulp::{Simd, WithSimd};
 use crate::processor;
 
 use super::mask::{Label, Mask, PixelBox};
-use super::near_distance::{MAX_MARGIN, near_distances};
+use super::near_distance::{MAX_MARGIN, NearDistances};
 use super::row_search::RowSearch;
 
 /// Stands for "no seed in this column". Grows by less than 2²⁶ in a scan, so it can neither overflow nor be mistaken for
@@ -60,8 +60,9 @@ impl SignedDistance {
         // A float cast saturates; one pixel more makes room for the half pixel to the border.
         let margin = (reach_px.ceil() as usize).saturating_add(1);
         match mask.bounds() {
-            Some(bounds) if margin <= MAX_MARGIN && mask.labels().contains(&Label::Background) => {
-                let (values, to_unknown) = near_distances(mask, bounds, margin, far(mask));
+            Some(subject) if margin <= MAX_MARGIN && mask.labels().contains(&Label::Background) => {
+                let work = NearDistances { mask, subject, margin, far: far(mask) };
+                let (values, to_unknown) = processor::run(work);
                 Self { width: mask.width(), height: mask.height(), values, to_unknown }
             }
             _ => Self::from_mask(mask),

@@ -46,28 +46,16 @@ const SIGNS: [(Label, bool, char, u8); 5] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MaskError {
     /// The width or the height is zero.
-    #[error("a mask needs at least one pixel, not {width} × {height}")]
-    Empty {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
-    /// More than [`MAX_PIXELS`] pixels.
-    #[error("a mask of {width} × {height} pixels is larger than the limit of {MAX_PIXELS} pixels")]
-    TooLarge {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
+    #[error("a mask needs at least one pixel, not {} × {}", .0[0], .0[1])]
+    Empty([usize; 2]),
+    /// More than [`MAX_PIXELS`] pixels, by width and height.
+    #[error("a mask of {} × {} pixels is larger than the limit of {MAX_PIXELS} pixels", .0[0], .0[1])]
+    TooLarge([usize; 2]),
     /// The number of labels is not width × height.
-    #[error("a mask of {width} × {height} pixels cannot have {labels} labels")]
+    #[error("a mask of {} × {} pixels cannot have {labels} labels", size[0], size[1])]
     WrongLength {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
+        /// Width and height in pixels.
+        size: [usize; 2],
         /// The number of labels given.
         labels: usize,
     },
@@ -139,7 +127,7 @@ impl Mask {
     pub fn new(width: usize, height: usize, labels: Vec<Label>) -> Result<Self, MaskError> {
         let pixels = checked_pixels(width, height)?;
         if labels.len() != pixels {
-            return Err(MaskError::WrongLength { width, height, labels: labels.len() });
+            return Err(MaskError::WrongLength { size: [width, height], labels: labels.len() });
         }
         Ok(Self { width, height, labels, shadows: Vec::new() })
     }
@@ -342,9 +330,9 @@ impl fmt::Display for Mask {
 /// The number of pixels of a size that is neither empty nor larger than [`MAX_PIXELS`].
 fn checked_pixels(width: usize, height: usize) -> Result<usize, MaskError> {
     match width.checked_mul(height) {
-        Some(0) => Err(MaskError::Empty { width, height }),
+        Some(0) => Err(MaskError::Empty([width, height])),
         Some(pixels) if pixels <= MAX_PIXELS => Ok(pixels),
-        _ => Err(MaskError::TooLarge { width, height }),
+        _ => Err(MaskError::TooLarge([width, height])),
     }
 }
 
@@ -412,18 +400,15 @@ mod tests {
 
     #[test]
     fn impossible_sizes_are_errors() {
-        assert_eq!(Mask::new(0, 3, vec![]), Err(MaskError::Empty { width: 0, height: 3 }));
+        assert_eq!(Mask::new(0, 3, vec![]), Err(MaskError::Empty([0, 3])));
         assert_eq!(
             Mask::new(2, 2, vec![Label::Subject; 3]),
-            Err(MaskError::WrongLength { width: 2, height: 2, labels: 3 })
+            Err(MaskError::WrongLength { size: [2, 2], labels: 3 })
         );
         let wide = usize::MAX;
-        assert_eq!(
-            Mask::filled(wide, 2, Label::Subject),
-            Err(MaskError::TooLarge { width: wide, height: 2 })
-        );
+        assert_eq!(Mask::filled(wide, 2, Label::Subject), Err(MaskError::TooLarge([wide, 2])));
         assert!(Mask::filled(MAX_PIXELS + 1, 1, Label::Subject).is_err());
-        assert_eq!(Mask::from_ascii("\n"), Err(MaskError::Empty { width: 0, height: 0 }));
+        assert_eq!(Mask::from_ascii("\n"), Err(MaskError::Empty([0, 0])));
     }
 
     #[test]

@@ -29,20 +29,15 @@ const UNKNOWN_LEVEL: f32 = 127.5;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasurementError {
     /// The width or the height is zero.
-    #[error("a measurement needs at least one pixel, not {width} × {height}")]
-    Empty {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
+    #[error("a measurement needs at least one pixel, not {} × {}", .0[0], .0[1])]
+    Empty([usize; 2]),
     /// A buffer does not have width × height entries.
-    #[error("a measurement of {width} × {height} pixels cannot have {values} values and {weights} weights")]
+    #[error(
+        "a measurement of {} × {} pixels cannot have {values} values and {weights} weights", size[0], size[1]
+    )]
     WrongLength {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
+        /// Width and height in pixels.
+        size: [usize; 2],
         /// Grey levels given.
         values: usize,
         /// Weights given.
@@ -121,12 +116,12 @@ impl Measurement {
         weights: Vec<f32>,
     ) -> Result<Self, MeasurementError> {
         if width == 0 || height == 0 {
-            return Err(MeasurementError::Empty { width, height });
+            return Err(MeasurementError::Empty([width, height]));
         }
         let pixels = width.checked_mul(height);
         if pixels != Some(values.len()) || pixels != Some(weights.len()) {
             let (values, weights) = (values.len(), weights.len());
-            return Err(MeasurementError::WrongLength { width, height, values, weights });
+            return Err(MeasurementError::WrongLength { size: [width, height], values, weights });
         }
         for (index, (&value, &weight)) in values.iter().zip(&weights).enumerate() {
             if !value.is_finite() || !weight.is_finite() || weight < 0.0 {

@@ -8,8 +8,6 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use crate::processor;
-
 use super::mask::{Label, Mask, PixelBox};
 
 /// Distances of this many pixels or more are all the same: its square is the largest that fits 16 bits.
@@ -25,23 +23,14 @@ const BLOCK: usize = 32;
 const STEPS: usize = 4;
 
 /// The signed distances of a mask, row by row: exact up to `margin` − ½, at least that beyond, and `far` outside the box
-/// of the subject grown by `margin`; and in the same way those from the nearest unknown pixel, if there is any. The margin
-/// is at most [`MAX_MARGIN`].
-pub(super) fn near_distances(
-    mask: &Mask,
-    subject: PixelBox,
-    margin: usize,
-    far: f32,
-) -> (Vec<f32>, Vec<f32>) {
-    processor::run(NearDistances { mask, subject, margin, far })
-}
-
-/// The arguments of [`near_distances`], whose work is compiled once more for wider vectors.
-struct NearDistances<'a> {
-    mask: &'a Mask,
-    subject: PixelBox,
-    margin: usize,
-    far: f32,
+/// of the subject grown by `margin`; and in the same way those from the nearest unknown pixel, if there is any. The work is
+/// compiled once more for wider vectors.
+pub(super) struct NearDistances<'a> {
+    pub(super) mask: &'a Mask,
+    pub(super) subject: PixelBox,
+    /// At most [`MAX_MARGIN`].
+    pub(super) margin: usize,
+    pub(super) far: f32,
 }
 
 impl WithSimd for NearDistances<'_> {
@@ -52,12 +41,12 @@ impl WithSimd for NearDistances<'_> {
         let Self { mask, subject, margin, far } = self;
         let mut values = vec![far; mask.labels().len()];
         let window = Window::new(mask, subject, margin);
-        window.write_distances_from(Label::Subject, &mut values);
-        window.write_inside(&mut values);
+        window.write_distances_from::<false>(Label::Subject, &mut values);
+        window.write_distances_from::<true>(Label::Background, &mut values);
         let mut to_unknown = Vec::new();
         if let Some(unknown) = mask.bounds_of(Label::Unknown) {
             to_unknown.resize(values.len(), far);
-            Window::new(mask, unknown, margin).write_distances_from(Label::Unknown, &mut to_unknown);
+            Window::new(mask, unknown, margin).write_distances_from::<false>(Label::Unknown, &mut to_unknown);
         }
         (values, to_unknown)
     }
@@ -83,35 +72,26 @@ impl<'a> Window<'a> {
         Self { rows, columns, labels, image_width: width, margin }
     }
 
-    /// Writes the distance from the nearest pixel with a label, less a half.
+    /// Writes the distance from the nearest pixel with a label, less a half; with `INSIDE` the opposite of that, and to
+    /// subject pixels alone.
     #[inline(always)]
-    fn write_distances_from(&self, label: Label, values: &mut [f32]) {
+    fn write_distances_from<const INSIDE: bool>(&self, label: Label, values: &mut [f32]) {
         let width = self.columns.len();
         let distances = column_distances(&self.labels, label);
         let mut search = NearSearch::new(width, self.margin);
-        for (y, g) in self.rows.clone().zip(distances.chunks_exact(width)) {
-            let squared = search.squared_distances(g);
-            let values = &mut values[y * self.image_width..][self.columns.clone()];
-            for (value, &squared) in values.iter_mut().zip(squared) {
-                *value = f32::from(squared).sqrt() - 0.5;
-            }
-        }
-    }
-
-    /// Writes a half less the distance from the nearest background pixel to every subject pixel.
-    #[inline(always)]
-    fn write_inside(&self, values: &mut [f32]) {
-        let width = self.columns.len();
-        let distances = column_distances(&self.labels, Label::Background);
-        let mut search = NearSearch::new(width, self.margin);
         for ((y, g), labels) in self.rows.clone().zip(distances.chunks_exact(width)).zip(&self.labels) {
-            if !labels.contains(&Label::Subject) {
+            if INSIDE && !labels.contains(&Label::Subject) {
                 continue;
             }
             let squared = search.squared_distances(g);
             let values = &mut values[y * self.image_width..][self.columns.clone()];
             for ((value, &squared), &label) in values.iter_mut().zip(squared).zip(*labels) {
-                *value = if label == Label::Subject { 0.5 - f32::from(squared).sqrt() } else { *value };
+                let distance = f32::from(squared).sqrt();
+                *value = match (INSIDE, label) {
+                    (false, _) => distance - 0.5,
+                    (true, Label::Subject) => 0.5 - distance,
+                    (true, _) => *value,
+                };
             }
         }
     }

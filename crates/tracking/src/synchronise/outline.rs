@@ -147,7 +147,7 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::fixtures;
 
     #[test]
     fn a_hull_keeps_corners_and_leaves_out_specks() {
@@ -176,9 +176,8 @@ mod tests {
         for y in 10..30 {
             mask.labels_mut()[y * 40 + 12..y * 40 + 18].fill(Label::Subject);
         }
-        let place = CameraFromWorld::looking_at(DVec3::new(0.0, -3.0, 1.0), DVec3::Z, DVec3::Z);
-        let pinhole = Intrinsics { fx: 40.0, fy: 40.0, cx: 19.5, cy: 14.5 };
-        let camera = Camera::new("c", [40, 30], pinhole, Distortion::None, place).unwrap();
+        let at = DVec3::new(0.0, -3.0, 1.0);
+        let camera = fixtures::camera([40, 30], [40.0, 40.0, 19.5, 14.5], at, DVec3::Z, DVec3::Z);
         let mut recording = Recording::new(camera.clone());
         recording.push(0.0, &mask);
         let hull = &recording.sightings[0].hull;

@@ -1,6 +1,6 @@
 //! Offsets of clocks from silhouettes of a body that is not a person: three balls that wander.
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, Distortion};
 use backlit_tracking::silhouette::{Label, Mask};
 use backlit_tracking::synchronise::{
     CameraOffset, PairCue, Recording, Synchronisation, SynchroniseError, SynchroniseOptions, Undecided,
@@ -8,14 +8,14 @@ use backlit_tracking::synchronise::{
 };
 use glam::{DVec2, DVec3};
 
+use crate::fixtures;
+
 const SIZE: [u64; 2] = [120, 90];
 const RATE: f64 = 25.0;
 const FRAMES: usize = 70;
 
 fn camera(at: DVec3) -> Camera {
-    let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
-    let pinhole = Intrinsics { fx: 112.0, fy: 112.0, cx: 59.5, cy: 44.5 };
-    Camera::new("c", SIZE, pinhole, Distortion::None, place).unwrap()
+    fixtures::camera(SIZE, [112.0, 112.0, 59.5, 44.5], at, DVec3::Z, DVec3::Z)
 }
 
 /// Around the balls, no two opposite each other.
@@ -122,12 +122,8 @@ fn cut_empty_and_unknown_frames_do_no_harm() {
 #[test]
 fn a_body_that_stands_still_is_refused_and_so_is_nobody() {
     let cameras = around(3);
-    let mut still: Vec<Recording> = cameras.iter().map(|camera| Recording::new(camera.clone())).collect();
-    for (camera, recording) in cameras.iter().zip(&mut still) {
-        for frame in 0..FRAMES {
-            recording.push(frame as f64 / RATE, &mask(camera, 0.5));
-        }
-    }
+    let still: Vec<Recording> =
+        cameras.iter().map(|camera| record(camera, 0.0, |_, _| mask(camera, 0.5))).collect();
     for offset in &find(&still).cameras[1..] {
         let CameraOffset::Undecided(why) = offset else { panic!("{offset:?}") };
         assert!(matches!(why, Undecided::NoMotion { spread_px } if *spread_px < 0.1), "{why}");
@@ -165,11 +161,8 @@ fn what_cannot_be_compared_is_told() {
     assert_eq!(synchronise(&good[..1], &options), Err(SynchroniseError::Count { count: 1 }));
     let mut back = good.clone();
     back[1].push(0.3, &mask(&cameras[1], 0.0));
-    assert!(
-        message(&back, &options).contains("camera 1: frame 70 is at 0.3 s"),
-        "{}",
-        message(&back, &options)
-    );
+    let told = message(&back, &options);
+    assert!(told.contains("camera 1: frame 70 is at 0.3 s"), "{told}");
     let mut endless = good.clone();
     endless[0].push(f64::NAN, &mask(&cameras[0], 0.0));
     assert!(message(&endless, &options).contains("camera 0: frame 70 is at NaN s"));

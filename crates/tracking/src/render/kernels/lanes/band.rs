@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::grid::{PixelGrid, TileData};
+use super::grid::PixelGrid;
 use super::ground::{Ground, MOST_PIECES, SolidPart};
 use super::masks::{lane_bits, on_ramp, put_u32s};
 use crate::render::ramp::BACKGROUND;
@@ -234,7 +234,7 @@ impl Band {
                 continue;
             }
             let here = index * entries..(index + 1) * entries;
-            let TileData { values, weights } = grid.tile_row(row);
+            let [values, weights] = grid.tile_row(row);
             let row_of_tiles = RowOfTiles::<S> {
                 levels: S::as_simd_f32s(&levels[here.clone()]).0,
                 owners: &owners[here],

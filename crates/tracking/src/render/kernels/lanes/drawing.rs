@@ -90,15 +90,15 @@ struct SolidRate {
 
 impl SolidRate {
     fn new(solid: &LaneSolid, shape: &Solid, motion: &BodyMotion) -> Self {
-        let limb = motion.in_camera(solid.limb);
+        let (velocity, moved) = motion.in_camera(solid.limb);
         let ([p0, p1], [from, to]) = (shape.joints, shape.axis());
         let (start, axis, limb_axis) = (from - p0, to - from, p1 - p0);
         let factor = solid.ramp.factor;
         let numbers = |rate: DVec3| (rate * factor).as_vec3().to_array();
         Self {
-            start: numbers(limb.velocity + limb.of_arm(start)),
-            axis: numbers(limb.of_arm(axis)),
-            depth: (limb.velocity.z + 0.5 * limb.of_arm(limb_axis).z) as f32,
+            start: numbers(velocity + moved(start)),
+            axis: numbers(moved(axis)),
+            depth: (velocity.z + 0.5 * moved(limb_axis).z) as f32,
         }
     }
 }
@@ -109,12 +109,7 @@ struct DrawScratch {
     band: Band,
     gradients: Vec<f32>,
     changes: Vec<f32>,
-    lines: Lines,
-}
-
-/// What is known of one row, in the order of its columns.
-#[derive(Debug, Default)]
-struct Lines {
+    /// What is known of one row, in the order of its columns.
     levels: Vec<f32>,
     owners: Vec<u32>,
     runners_up: Vec<f32>,
@@ -149,7 +144,7 @@ impl WithSimd for DrawBand<'_> {
             };
             strip.row(row).background(columns.clone());
             scratch.put_row(plan, &mut strip, (tile_row, row), columns.clone());
-            let Lines { levels, runners_up, .. } = &scratch.lines;
+            let DrawScratch { levels, runners_up, .. } = &*scratch;
             doubts(simd, plan.error, (levels, runners_up), |column| {
                 strip.put_exactly(view, *wanted, columns.start + column, row);
             });
@@ -167,24 +162,22 @@ impl DrawScratch {
         (tile_row, row): (usize, usize),
         columns: Range<usize>,
     ) {
-        let Self { band, gradients, changes, lines } = self;
+        let Self { band, gradients, changes, levels, owners, runners_up, derived } = self;
         let (grid, place, out) = (&plan.grid, (tile_row, row), strip.row(row));
-        grid.untile(&band.levels, place, columns.clone(), &mut lines.levels);
-        grid.untile(&band.owners, place, columns.clone(), &mut lines.owners);
-        grid.untile(&band.runners_up, place, columns.clone(), &mut lines.runners_up);
-        for (lambda, &level) in out.lambda[columns.clone()].iter_mut().zip(&lines.levels) {
+        grid.untile(&band.levels, place, columns.clone(), levels);
+        grid.untile(&band.owners, place, columns.clone(), owners);
+        grid.untile(&band.runners_up, place, columns.clone(), runners_up);
+        for (lambda, level) in out.lambda[columns.clone()].iter_mut().zip(levels) {
             *lambda = BACKGROUND as f32 * level.clamp(0.0, 1.0);
         }
-        for (owner, &part) in out.owner[columns.clone()].iter_mut().zip(&lines.owners) {
-            *owner = plan.limbs.get(solid_of(part)).copied().unwrap_or(NO_OWNER);
+        for (owner, part) in out.owner[columns.clone()].iter_mut().zip(owners) {
+            *owner = plan.limbs.get(solid_of(*part)).copied().unwrap_or(NO_OWNER);
         }
-        let derived = [
-            (&*gradients, out.gradient, plan.wanted.gradient),
-            (&*changes, out.change, plan.wanted.motion.is_some()),
-        ];
-        for (values, target, _) in derived.into_iter().filter(|(.., is_wanted)| *is_wanted) {
-            grid.untile(values, place, columns.clone(), &mut lines.derived);
-            target[columns.clone()].copy_from_slice(&lines.derived);
+        for (values, target) in [(&*gradients, out.gradient), (&*changes, out.change)] {
+            if !target.is_empty() {
+                grid.untile(values, place, columns.clone(), derived);
+                target[columns.clone()].copy_from_slice(derived);
+            }
         }
     }
 }

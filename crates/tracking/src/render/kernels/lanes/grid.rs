@@ -77,15 +77,6 @@ pub(crate) struct PixelGrid {
     weights: Vec<f32>,
 }
 
-/// Data in the order of tiles.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TileData<'a> {
-    /// D.
-    pub values: &'a [f32],
-    /// Weights.
-    pub weights: &'a [f32],
-}
-
 impl PixelGrid {
     /// Every `stride`-th pixel of row-major pictures D and its weights, `width` pixels across, from the middle
     /// of the first block on.
@@ -207,21 +198,21 @@ impl PixelGrid {
         self.weights.len() == self.entries()
     }
 
-    /// The data of a tile row.
+    /// D and the weights of a tile row, in the order of tiles.
     #[inline(always)]
-    pub(crate) fn tile_row(&self, tile_row: usize) -> TileData<'_> {
+    pub(crate) fn tile_row(&self, tile_row: usize) -> [&[f32]; 2] {
         let entries = tile_row * self.entries()..(tile_row + 1) * self.entries();
         let weights = if self.weighs_one() { &self.weights[..] } else { &self.weights[entries.clone()] };
-        TileData { values: &self.values[entries], weights }
+        [&self.values[entries], weights]
     }
 
-    /// All data from a tile row on, and by how many tiles weights advance from tile row to tile row.
+    /// D and all weights from a tile row on, and by how many tiles weights advance from tile row to tile row.
     #[inline(always)]
-    pub(super) fn band_data(&self, tile_row: usize) -> (TileData<'_>, usize) {
+    pub(super) fn band_data(&self, tile_row: usize) -> ([&[f32]; 2], usize) {
         let start = tile_row * self.entries();
         let (weights, pitch) =
             if self.weighs_one() { (&self.weights[..], 0) } else { (&self.weights[start..], self.pitch) };
-        (TileData { values: &self.values[start..], weights }, pitch)
+        ([&self.values[start..], weights], pitch)
     }
 
     /// Some columns of a sampled row of a band's tiles, one after the other; `tile_row` is its tile row in the band.

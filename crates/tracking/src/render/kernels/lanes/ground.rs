@@ -106,7 +106,7 @@ impl Ground {
             let all = solid.spans..solid.spans + count * solid.outline.parts().len();
             let [from, to] = &mut *spans;
             let mut parts = from[all.clone()].chunks_exact_mut(count).zip(to[all].chunks_exact_mut(count));
-            let mut next = || parts.next().map_or_else(SpansMut::default, |(from, to)| SpansMut { from, to });
+            let mut next = || parts.next().map_or_else(SpansMut::default, |(from, to)| [from, to]);
             match &solid.outline {
                 Outline::Ball(ball) => ball.touched(simd, lattice, first, next()),
                 Outline::Whole(bounds) => bounds.tiles(simd, lattice, first, next()),
@@ -118,8 +118,7 @@ impl Ground {
                         let [from, to] = &mut *cores;
                         from.resize(count.max(from.len()), 0);
                         to.resize(count.max(to.len()), 0);
-                        let spans = SpansMut { from: &mut from[..count], to: &mut to[..count] };
-                        core.tiles(simd, lattice, first, spans);
+                        core.tiles(simd, lattice, first, [&mut from[..count], &mut to[..count]]);
                         for (dark, core) in dark[first..last].iter_mut().zip(from.iter().zip(to)) {
                             dark.add([*core.0, *core.1]);
                         }

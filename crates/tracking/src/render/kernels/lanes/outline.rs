@@ -134,7 +134,7 @@ impl Bounds {
     /// Tiles of some tile rows, from `first` on, of which any pixel or all of them lie between the lines.
     #[inline(always)]
     pub(super) fn tiles<S: Simd>(&self, simd: S, lattice: &Lattice, first: usize, spans: SpansMut<'_>) {
-        let (from, to) = (S::as_mut_simd_u32s(spans.from).0, S::as_mut_simd_u32s(spans.to).0);
+        let [from, to] = spans.map(|side| S::as_mut_simd_u32s(side).0);
         let mut tile_rows = first_rows(simd, first);
         for (from, to) in from.iter_mut().zip(to) {
             [*from, *to] = lattice.tiles(simd, self.columns(simd, tile_rows), self.rule);
@@ -145,11 +145,7 @@ impl Bounds {
 
 /// Tiles on some tile rows, the first and one past the last: whole vectors of tile rows. None where the first is not
 /// before the last.
-#[derive(Debug, Default)]
-pub(super) struct SpansMut<'a> {
-    pub from: &'a mut [u32],
-    pub to: &'a mut [u32],
-}
+pub(super) type SpansMut<'a> = [&'a mut [u32]; 2];
 
 /// As many tile rows as there are lanes.
 #[inline(always)]
@@ -227,7 +223,7 @@ impl BallOutline {
     #[inline(always)]
     pub(super) fn touched<S: Simd>(&self, simd: S, lattice: &Lattice, first: usize, spans: SpansMut<'_>) {
         let splat = |value: f32| simd.splat_f32s(value);
-        let (from, to) = (S::as_mut_simd_u32s(spans.from).0, S::as_mut_simd_u32s(spans.to).0);
+        let [from, to] = spans.map(|side| S::as_mut_simd_u32s(side).0);
         let [slope, middle] = self.middle;
         let [bend, top] = self.square;
         let tile = const { Tile::of::<S>() };

@@ -16,7 +16,7 @@
 use pulp::Simd;
 
 use super::band::{Band, Places};
-use super::grid::{PixelGrid, TileData};
+use super::grid::PixelGrid;
 use super::ground::{Ground, SolidPart};
 use super::masks::on_ramp;
 use super::solid::{AxisSight, LaneSolid, Shape};
@@ -54,7 +54,7 @@ struct Pulling<'a, S: Simd> {
 impl<'a, S: Simd> Pulling<'a, S> {
     #[inline(always)]
     fn new(ground: &'a Ground, band: &'a Band, rows: &std::ops::Range<usize>, grid: &'a PixelGrid) -> Self {
-        let (TileData { values, weights }, weight_pitch) = grid.band_data(rows.start);
+        let ([values, weights], weight_pitch) = grid.band_data(rows.start);
         Self {
             places: Places::new(ground, rows, grid),
             levels: S::as_simd_f32s(&band.levels).0,
@@ -245,7 +245,7 @@ pub(super) fn ball_force<S: Simd>(
     rays: [S::f32s; 2],
     level: S::f32s,
 ) -> [S::f32s; 3] {
-    let joint = solid.joint(end);
+    let joint = &solid.joints[end];
     let point = [joint.x * joint.z, joint.y * joint.z, joint.z].map(|part| simd.splat_f32s(part));
     let f = toward_ray(simd, point, rays);
     if solid.ramp.is_linear {

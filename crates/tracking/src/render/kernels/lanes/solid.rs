@@ -29,10 +29,8 @@ pub(super) struct LaneSolid {
     pub primitive: usize,
     /// What is nearest to a ray.
     pub shape: Shape,
-    /// First joint, from which t is counted.
-    pub start: LaneJoint,
-    /// Second joint; used by flat caps.
-    pub end: LaneJoint,
+    /// First joint, from which t is counted, and second; that is used by flat caps and balls.
+    pub joints: [LaneJoint; 2],
     /// a = p1 − p0, metres.
     pub a: Vec3,
     /// a / z₀: the axis in units of the first joint's depth.
@@ -178,8 +176,7 @@ impl LaneSolid {
             limb: primitive.limb,
             primitive: 0,
             shape,
-            start: LaneJoint::new(p0, axis),
-            end: LaneJoint::new(p1, axis),
+            joints: [p0, p1].map(|p| LaneJoint::new(p, axis)),
             a: a.as_vec3(),
             axis: axis.as_vec3(),
             cross: (p0 / p0.z).cross(axis).as_vec3(),
@@ -197,14 +194,6 @@ impl LaneSolid {
                 _ => None,
             },
         })
-    }
-}
-
-impl LaneSolid {
-    /// Its first joint or its second.
-    #[inline(always)]
-    pub(super) fn joint(&self, end: usize) -> &LaneJoint {
-        if end == 0 { &self.start } else { &self.end }
     }
 }
 

@@ -52,16 +52,16 @@ impl LaneSolid {
             }
             (None, Outline::Whole(_)) => {
                 if !is_nothing(&sums.whole[..6], sums.whole[DEPTH + 6]) {
-                    block.add_joints(&self.joint_block(&sums.whole));
+                    block.joints += self.joint_block(&sums.whole);
                 }
             }
             (None, _) => {
                 if let Some(sight) = self.sight.as_ref().filter(|_| !is_nothing_of_axis(&sums.axis)) {
-                    block.add_joints(&self.axis_block(sight, &sums.axis));
+                    block.joints += self.axis_block(sight, &sums.axis);
                 }
                 for (end, sums) in sums.balls.iter().enumerate() {
                     if !is_nothing(&sums[..6], sums[12]) {
-                        block.add_joints(&self.ball_block(end, sums));
+                        block.joints += self.ball_block(end, sums);
                     }
                 }
             }

@@ -79,7 +79,7 @@ pub(super) fn inverse_distance<S: Simd>(simd: S, solid: &LaneSolid, level: S::f3
 #[inline(always)]
 fn round<S: Simd>(simd: S, solid: &LaneSolid, rays: [S::f32s; 2], t: S::f32s) -> Force<S> {
     let splat = |value: f32| simd.splat_f32s(value);
-    let start = Vec3::new(solid.start.x, solid.start.y, 1.0) * solid.start.z;
+    let start = Vec3::new(solid.joints[0].x, solid.joints[0].y, 1.0) * solid.joints[0].z;
     let along = |a: f32, p: f32| simd.mul_add_e_f32s(t, splat(a), splat(p));
     let q = [along(solid.a.x, start.x), along(solid.a.y, start.y), along(solid.a.z, start.z)];
     Force { f: toward_ray(simd, q, rays), cap: [splat(0.0); 3], fraction: t }
@@ -106,8 +106,8 @@ fn flat<S: Simd>(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2], mark: S::f32s
     let t = simd.min_f32s(simd.max_f32s(mark, zero), one);
     let mut force = round(simd, solid, [x, y], t);
     for (joint, is_cap) in [
-        (&solid.start, simd.less_than_or_equal_f32s(mark, splat(START_CAP))),
-        (&solid.end, simd.less_than_or_equal_f32s(splat(END_CAP), mark)),
+        (&solid.joints[0], simd.less_than_or_equal_f32s(mark, splat(START_CAP))),
+        (&solid.joints[1], simd.less_than_or_equal_f32s(splat(END_CAP), mark)),
     ] {
         if lane_bits(simd, is_cap) == 0 {
             continue;
@@ -116,7 +116,7 @@ fn flat<S: Simd>(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2], mark: S::f32s
         // h in metres; axis · e is a · e over z₀, the first joint's depth.
         let h = hit.h.map(|h| simd.mul_f32s(h, splat(joint.z)));
         let along_ray = simd.mul_add_e_f32s(h[0], x, simd.mul_add_e_f32s(h[1], y, h[2]));
-        let kappa = simd.div_f32s(along_ray, simd.mul_f32s(hit.along, splat(solid.start.z)));
+        let kappa = simd.div_f32s(along_ray, simd.mul_f32s(hit.along, splat(solid.joints[0].z)));
         for (axis, a) in [solid.a.x, solid.a.y, solid.a.z].into_iter().enumerate() {
             let f = simd.negate_mul_add_e_f32s(kappa, splat(a), h[axis]);
             force.f[axis] = simd.select_f32s(is_cap, f, force.f[axis]);

@@ -89,7 +89,7 @@ impl<S: Simd> AxisLanes<S> {
     pub(super) fn new(simd: S, solid: &LaneSolid, sight: &AxisSight) -> Self {
         let splat = |value: f32| simd.splat_f32s(value);
         Self {
-            joint: [splat(solid.start.x), splat(solid.start.y)],
+            joint: [splat(solid.joints[0].x), splat(solid.joints[0].y)],
             v: [splat(sight.v[0]), splat(sight.v[1])],
             w: [splat(sight.w[0]), splat(sight.w[1]), splat(sight.w[2])],
             along: [splat(sight.along[0]), splat(sight.along[1])],
@@ -180,8 +180,8 @@ impl<S: Simd> Challenge<'_, S> {
     #[inline(always)]
     fn ball<const DOUBTS: bool, const LINEAR: bool>(&self, end: usize, cells: &mut Cells<'_, S, DOUBTS>) {
         let simd = self.simd;
-        let joint = self.solid.joint(end);
-        let depths = joint.z / self.solid.start.z;
+        let joint = &self.solid.joints[end];
+        let depths = joint.z / self.solid.joints[0].z;
         let slope = self.solid.ramp.slope * if LINEAR { depths } else { depths * depths };
         let [slope, joint_x, joint_y, one] =
             [slope, joint.x, joint.y, 1.0].map(|value| simd.splat_f32s(value));
@@ -285,10 +285,11 @@ fn with_caps<S: Simd>(
     is_met: [bool; 2],
     rays: [S::f32s; 2],
 ) -> Nearest<S> {
-    for (joint, mark, is_met) in [(&solid.start, START_CAP, is_met[0]), (&solid.end, END_CAP, is_met[1])] {
+    let [start, end] = &solid.joints;
+    for (joint, mark, is_met) in [(start, START_CAP, is_met[0]), (end, END_CAP, is_met[1])] {
         if is_met {
             let hit = FlatHit::new(simd, solid, joint, rays);
-            let squared = hit.squared(simd, joint.z / solid.start.z);
+            let squared = hit.squared(simd, joint.z / solid.joints[0].z);
             let closer = simd.less_than_f32s(squared, nearest.squared);
             nearest.squared = simd.select_f32s(closer, squared, nearest.squared);
             nearest.fraction = simd.select_f32s(closer, simd.splat_f32s(mark), nearest.fraction);
@@ -321,7 +322,7 @@ impl<S: Simd> AxisPixels<S> {
     #[inline(always)]
     fn new(simd: S, solid: &LaneSolid, [x, y]: [S::f32s; 2]) -> Self {
         let splat = |value: f32| simd.splat_f32s(value);
-        let LaneSolid { start, axis, cross, .. } = solid;
+        let LaneSolid { joints: [start, _], axis, cross, .. } = solid;
         let dx = simd.sub_f32s(x, splat(start.x));
         let dy = simd.sub_f32s(y, splat(start.y));
         let with_axis = [
