@@ -171,13 +171,10 @@ impl Bundle<'_> {
         [turn_rad, turn_rad, turn_rad, place_m, place_m, place_m, focal, principal, principal]
     }
 
-    fn sighting_px(&self, camera: usize) -> f64 {
-        self.options.sighting * self.given[camera].height() as f64
-    }
-
     /// How far a sighting is off, in deviations.
     fn miss(&self, sighting: &Sighting, camera: &Camera, point: DVec3) -> Option<DVec2> {
-        Some((camera.project(point)? - sighting.pixel) / self.sighting_px(sighting.camera))
+        let deviation_px = self.options.sighting * self.given[sighting.camera].height() as f64;
+        Some((camera.project(point)? - sighting.pixel) / deviation_px)
     }
 
     /// The normal equations, each sighting weighed by the loss.

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::cause::{Share, shares};
 use super::information::{FrameInformation, Spectrum};
 use super::uncertainty::{JointUncertainty, articulated_joints, joint_uncertainties};
-use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::body::{Model, Parameters, Pose};
 
 /// A candidate for the basis of the null space lies in it if no more of its unit length is outside.
 const OUTSIDE_NULL: f64 = 1e-4;
@@ -230,7 +230,11 @@ impl FrameInformation {
         let sign = if u[u.iamax()] < 0.0 { -1.0 } else { 1.0 };
         let mut step = u * sign;
         step.rows_mut(0, 3).scale_mut(self.lever_m);
-        let joint_moves = end_moves(&self.kinematics, &self.model, &step);
+        let end_move = |limb| {
+            let moved = self.kinematics.end_jacobian(limb, Parameters::Tangent) * &step;
+            (limb, DVec3::new(moved[0], moved[1], moved[2]))
+        };
+        let joint_moves = articulated_joints(&self.model).into_iter().map(end_move).collect();
         let shares = shares(self, cameras, &step);
         let root_move = DVec3::from_slice(&step.as_slice()[..3]);
         Direction { value, relative, is_null: false, step, root_move, joint_moves, deviation, shares }
@@ -344,13 +348,4 @@ impl FrameInformation {
         let first = Parameters::Tangent.first_column(rotation);
         u.as_mut_slice()[first..first + 3].copy_from_slice(&turn.to_array());
     }
-}
-
-/// How the joints move with a step, metres.
-fn end_moves(kinematics: &Kinematics, model: &Model, step: &DVector<f64>) -> Vec<(usize, DVec3)> {
-    let end = |limb| {
-        let moved = kinematics.end_jacobian(limb, Parameters::Tangent) * step;
-        (limb, DVec3::new(moved[0], moved[1], moved[2]))
-    };
-    articulated_joints(model).into_iter().map(end).collect()
 }

@@ -107,31 +107,21 @@ impl View {
             let p0 = place.transform(kinematics.starts()[index]);
             let p1 = place.transform(kinematics.ends()[index]);
             let mid_depth = 0.5 * (p0.z + p1.z);
+            let ramp_of = |radius: f64| ramp.for_solid(radius, mid_depth, focal);
             if let Some(solid) = Solid::of_limb(renderer, limb, [p0, p1]) {
-                let ramp = ramp.for_solid(limb.radius, mid_depth, focal);
-                let bounds = self.bounds(p0, p1, ramp.reach);
-                self.push(
-                    Primitive { limb: index, piece: 0, solid, radius: limb.radius, ramp, bounds },
-                    None,
-                );
+                self.push((index, 0), solid, limb.radius, ramp_of(limb.radius), None);
                 continue;
             }
             let turn = place.rotation * kinematics.world_rotations()[limb.rotation];
             let place = |sphere: &LimbSphere| p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
             let level = limb.level_for(if mid_depth > 0.0 { mid_depth / focal } else { 0.0 });
-            let ramp_of = |radius: f64| ramp.for_solid(radius, mid_depth, focal);
             self.look_for_parents(limb, level, place, ramp_of);
             for (piece, sphere) in limb.level(level).iter().enumerate() {
                 // A parent that misses the picture skips its children.
-                if sphere.parent.is_some_and(|parent| !self.seen[0][parent]) {
-                    continue;
+                if sphere.parent.is_none_or(|parent| self.seen[0][parent]) {
+                    let solid = Solid { joints: [p0, p1], shape: SolidShape::Sphere(place(sphere)) };
+                    self.push((index, piece), solid, sphere.radius, ramp_of(sphere.radius), sphere.parent);
                 }
-                let centre = place(sphere);
-                let solid = Solid { joints: [p0, p1], shape: SolidShape::Sphere(centre) };
-                let ramp = ramp_of(sphere.radius);
-                let bounds = self.bounds(centre, centre, ramp.reach);
-                let primitive = Primitive { limb: index, piece, solid, radius: sphere.radius, ramp, bounds };
-                self.push(primitive, sphere.parent);
             }
         }
     }
@@ -154,12 +144,21 @@ impl View {
         self.primitives.retain(|primitive| is_drawn(primitive.limb));
     }
 
-    fn push(&mut self, primitive: Primitive, parent: Option<usize>) {
-        if primitive.bounds.is_empty() {
+    /// Adds a limb's piece, under a sphere of the level above it, if any of it may be in the picture.
+    fn push(
+        &mut self,
+        (limb, piece): (usize, usize),
+        solid: Solid,
+        radius: f64,
+        ramp: SolidRamp,
+        parent: Option<usize>,
+    ) {
+        let bounds = self.bounds(solid.axis(), ramp.reach);
+        if bounds.is_empty() {
             return;
         }
-        let (place, rows) = (self.primitives.len(), primitive.bounds.rows);
-        let under = parent.map(|parent| (primitive.limb, parent));
+        let (place, rows) = (self.primitives.len(), bounds.rows);
+        let under = parent.map(|parent| (limb, parent));
         match self.groups.last_mut() {
             Some(group) if under.is_some() && group.under == under => {
                 group.past = place + 1;
@@ -167,7 +166,7 @@ impl View {
             }
             _ => self.groups.push(SolidGroup { under, first: place, past: place + 1, rows }),
         }
-        self.primitives.push(primitive);
+        self.primitives.push(Primitive { limb, piece, solid, radius, ramp, bounds });
     }
 
     /// Finds which spheres of the level above `level` may have children in the picture, level after level from the coarsest.
@@ -201,7 +200,7 @@ impl View {
         solids.filter(move |(_, primitive)| primitive.bounds.is_on_row(y))
     }
 
-    fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> Footprint {
+    fn bounds(&self, [p0, p1]: [DVec3; 2], reach: f64) -> Footprint {
         if self.is_pinhole() {
             Footprint::around(p0, p1, reach, &self.pinhole, self.size)
         } else {

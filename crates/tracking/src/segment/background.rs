@@ -10,11 +10,8 @@ use super::gradient;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BackgroundError {
     /// Fewer than two frames: there is no deviation to measure.
-    #[error("a background needs at least two frames, or one plate; got {found} frames")]
-    TooFewFrames {
-        /// How many frames there were.
-        found: usize,
-    },
+    #[error("a background needs at least two frames, or one plate; got {0} frames")]
+    TooFewFrames(usize),
     /// The frames differ in size.
     #[error("frame {index} has {}×{} pixels, the first has {}×{}", found.0, found.1, expected.0, expected.1)]
     SizeMismatch {
@@ -25,12 +22,9 @@ pub enum BackgroundError {
         /// Width and height of this frame.
         found: (u32, u32),
     },
-    /// More frames than the sums can hold.
-    #[error("a background is averaged over at most {limit} frames")]
-    TooManyFrames {
-        /// The most frames allowed.
-        limit: u32,
-    },
+    /// More frames than these, which are all that the sums can hold.
+    #[error("a background is averaged over at most {0} frames")]
+    TooManyFrames(u32),
     /// Not one value a pixel.
     #[error("the known pixels of a background: got {found} values for {expected} pixels")]
     Known {
@@ -82,7 +76,7 @@ impl Background {
     /// If there are fewer than two frames or more than 65 536, or if they differ in size.
     pub fn from_frames<'a>(frames: impl IntoIterator<Item = &'a RgbImage>) -> Result<Self, BackgroundError> {
         let mut frames = frames.into_iter();
-        let first = frames.next().ok_or(BackgroundError::TooFewFrames { found: 0 })?;
+        let first = frames.next().ok_or(BackgroundError::TooFewFrames(0))?;
         let expected = first.dimensions();
         let mut sums: Vec<u32> = first.as_raw().iter().map(|&level| u32::from(level)).collect();
         let mut squares: Vec<u64> = first.as_raw().iter().map(|&level| u64::from(level).pow(2)).collect();
@@ -94,7 +88,7 @@ impl Background {
                 return Err(BackgroundError::SizeMismatch { index, expected, found });
             }
             if count == MAX_FRAMES {
-                return Err(BackgroundError::TooManyFrames { limit: MAX_FRAMES });
+                return Err(BackgroundError::TooManyFrames(MAX_FRAMES));
             }
             for ((sum, square), &level) in sums.iter_mut().zip(&mut squares).zip(frame.as_raw()) {
                 *sum += u32::from(level);
@@ -104,7 +98,7 @@ impl Background {
             count += 1;
         }
         if count < 2 {
-            return Err(BackgroundError::TooFewFrames { found: 1 });
+            return Err(BackgroundError::TooFewFrames(1));
         }
         let n = f64::from(count);
         let mean = |sum: u32| (f64::from(sum) / n) as f32;
@@ -262,8 +256,8 @@ mod tests {
     #[test]
     fn too_few_or_unequal_frames_are_errors() {
         let frame = RgbImage::new(2, 2);
-        assert_eq!(Background::from_frames([]), Err(BackgroundError::TooFewFrames { found: 0 }));
-        assert_eq!(Background::from_frames([&frame]), Err(BackgroundError::TooFewFrames { found: 1 }));
+        assert_eq!(Background::from_frames([]), Err(BackgroundError::TooFewFrames(0)));
+        assert_eq!(Background::from_frames([&frame]), Err(BackgroundError::TooFewFrames(1)));
         assert_eq!(
             Background::from_frames([&frame, &RgbImage::new(2, 3)]),
             Err(BackgroundError::SizeMismatch { index: 1, expected: (2, 2), found: (2, 3) })

@@ -67,10 +67,10 @@ pub fn learn_plate(
     options: &LearningOptions,
 ) -> Result<LearntPlate, BackgroundError> {
     let [first, _, ..] = frames else {
-        return Err(BackgroundError::TooFewFrames { found: frames.len() });
+        return Err(BackgroundError::TooFewFrames(frames.len()));
     };
     if frames.len() > usize::from(u16::MAX) {
-        return Err(BackgroundError::TooManyFrames { limit: u32::from(u16::MAX) });
+        return Err(BackgroundError::TooManyFrames(u32::from(u16::MAX)));
     }
     let expected = first.picture.dimensions();
     for (index, frame) in frames.iter().enumerate() {
@@ -358,7 +358,7 @@ mod tests {
         let (a, b) = (RgbImage::new(4, 4), RgbImage::new(4, 5));
         let frame = |picture| LearningFrame { picture, subject: None };
         let learn = |frames: &[LearningFrame<'_>]| learn_plate(frames, &LearningOptions::default());
-        assert_eq!(learn(&[frame(&a)]), Err(BackgroundError::TooFewFrames { found: 1 }));
+        assert_eq!(learn(&[frame(&a)]), Err(BackgroundError::TooFewFrames(1)));
         let mismatch = BackgroundError::SizeMismatch { index: 1, expected: (4, 4), found: (4, 5) };
         assert_eq!(learn(&[frame(&a), frame(&b)]), Err(mismatch.clone()));
         let mask = Mask::filled(4, 5, Label::Background).unwrap();

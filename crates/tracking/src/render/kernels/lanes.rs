@@ -80,7 +80,7 @@ impl Scratch {
     /// Does work with the thread's buffers. Work within work has buffers of its own.
     fn with<T>(grid: &PixelGrid, work: impl FnOnce(&mut Self) -> T) -> T {
         let mut scratch = SCRATCH.take();
-        scratch.band.resize(grid.band_tile_rows() * grid.entries());
+        scratch.band.resize(grid.band_tile_rows() * grid.entries(), false);
         scratch.collected.reserve();
         let found = work(&mut scratch);
         SCRATCH.set(scratch);

@@ -58,18 +58,14 @@ pub(super) fn solid_of(owner: u32) -> usize {
 }
 
 impl Band {
-    pub(super) fn resize(&mut self, pixels: usize) {
+    /// Makes room for so many pixels, and for doubts about them.
+    pub(super) fn resize(&mut self, pixels: usize, doubts: bool) {
         if self.levels.len() < pixels {
             self.levels.resize(pixels, 1.0);
             self.owners.resize(pixels, 0);
             self.fractions.resize(pixels, 0.0);
         }
-    }
-
-    /// The same with room for doubts.
-    pub(super) fn resize_with_doubts(&mut self, pixels: usize) {
-        self.resize(pixels);
-        if self.runners_up.len() < pixels {
+        if doubts && self.runners_up.len() < pixels {
             self.runners_up.resize(pixels, f32::INFINITY);
         }
     }

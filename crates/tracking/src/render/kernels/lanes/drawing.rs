@@ -131,7 +131,7 @@ impl WithSimd for DrawBand<'_> {
         let Plan { ground, grid, view, wanted, .. } = plan;
         let side = grid.tile.rows;
         let tile_rows = strip.rows().start / side..strip.rows().end.div_ceil(side);
-        scratch.band.resize_with_doubts(grid.band_tile_rows() * grid.entries());
+        scratch.band.resize(grid.band_tile_rows() * grid.entries(), true);
         ground.win_band::<S, true>(simd, &mut scratch.band, &tile_rows, grid);
         if wanted.gradient || wanted.motion.is_some() {
             scratch.derive_band(simd, plan, &tile_rows);

@@ -6,7 +6,7 @@ use super::grid::PixelGrid;
 use super::outline::{BallOutline, Bounds, Lattice, RowRule};
 use crate::camera::Intrinsics;
 use crate::render::primitive::{Footprint, Primitive, SolidShape};
-use crate::render::ramp::{RampForm, SolidRamp};
+use crate::render::ramp::{BACKGROUND, RampForm, SolidRamp};
 
 /// The reach is taken this much larger than it is, relatively, where outlines are cut.
 const REACH_MARGIN: f64 = 1e-6;
@@ -298,29 +298,20 @@ impl LaneJoint {
 impl LaneRamp {
     fn new(form: RampForm, depth: f64) -> Self {
         let (slope, offset, is_linear) = form.line();
-        let by_level = |by_measure: [f32; 2]| match form {
-            // m = (λ/255 − β)/α
+        let by_measure = form.depth_line();
+        let (unit, distance, factor, by_depth) = match form {
             RampForm::Quadratic { alpha, beta, .. } => {
-                let slope = f64::from(by_measure[1]) / alpha;
-                [(f64::from(by_measure[0]) - slope * beta) as f32, slope as f32]
-            }
-            RampForm::Linear { .. } => by_measure,
-        };
-        let (unit, distance, factor) = match form {
-            RampForm::Quadratic { alpha, .. } => {
-                (depth * depth, [0.0; 2], -2.0 * crate::render::BACKGROUND * alpha)
+                // m = (λ/255 − β)/α
+                let by_level = |(constant, by_measure): (f32, f32)| {
+                    let slope = f64::from(by_measure) / alpha;
+                    [(f64::from(constant) - slope * beta) as f32, slope as f32]
+                };
+                (depth * depth, [0.0; 2], -2.0 * BACKGROUND * alpha, by_measure.map(by_level))
             }
             RampForm::Linear { start, width, .. } => {
-                (depth, [start as f32, width as f32], -crate::render::BACKGROUND / width)
+                (depth, [start as f32, width as f32], -BACKGROUND / width, by_measure.map(<[f32; 2]>::from))
             }
         };
-        Self {
-            slope: (f64::from(slope) * unit) as f32,
-            offset,
-            is_linear,
-            by_depth: form.depth_line().map(|(constant, slope)| by_level([constant, slope])),
-            distance,
-            factor,
-        }
+        Self { slope: (f64::from(slope) * unit) as f32, offset, is_linear, by_depth, distance, factor }
     }
 }

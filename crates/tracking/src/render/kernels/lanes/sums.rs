@@ -56,7 +56,9 @@ impl LaneSolid {
                 }
             }
             (None, _) => {
-                if let Some(sight) = self.sight.as_ref().filter(|_| !is_nothing_of_axis(&sums.axis)) {
+                if let Some(sight) =
+                    self.sight.as_ref().filter(|_| sums.axis[0] + sums.axis[2] + sums.axis[17] != 0.0)
+                {
                     block.joints += self.axis_block(sight, &sums.axis);
                 }
                 for (end, sums) in sums.balls.iter().enumerate() {
@@ -162,8 +164,4 @@ impl LaneSolid {
 /// Whether nothing has pulled, by Σ f fᵀ and Σ c².
 fn is_nothing(products: &[f64], depth: f64) -> bool {
     products[0] + products[3] + products[5] + depth == 0.0
-}
-
-fn is_nothing_of_axis(s: &[f64; AXIS_SUMS]) -> bool {
-    s[0] + s[2] + s[17] == 0.0
 }
