@@ -63,7 +63,8 @@ impl AddAssign for Wrench {
 pub struct WrenchBlock {
     products: [f64; 28],
     forces: [f64; 7],
-    pixels: usize,
+    /// How many times anything was added but forces at joints.
+    pub(crate) pixels: usize,
     /// What was added as forces at the limb's joints, camera axes.
     pub(crate) joints: JointBlock,
 }
@@ -96,11 +97,6 @@ impl WrenchBlock {
             }
         }
         self.pixels += 1;
-    }
-
-    /// Whether nothing was added but forces at joints.
-    pub(crate) fn has_no_wrench(&self) -> bool {
-        self.pixels == 0
     }
 
     /// M = Σ w h hᵀ and m = Σ w h ρ of all but the forces at joints, turned from camera to world axes.

@@ -183,7 +183,7 @@ impl WorldBlocks {
         let camera_from_world = camera.camera_from_world().rotation;
         run_in_four_f64s(AddJoints { sums: &mut self.joints, blocks, camera_from_world, weight });
         for (limb, block) in blocks.iter().enumerate() {
-            if !block.has_no_wrench() {
+            if block.pixels > 0 {
                 let (products, forces) = block.in_world(camera_from_world);
                 let sums = self.wrenches[limb].get_or_insert_with(Default::default);
                 sums.products += products * weight;

@@ -89,14 +89,7 @@ mod tests {
 
     #[test]
     fn a_hole_has_an_outline_of_its_own() {
-        let mask = Mask::from_ascii(
-            "
-            ###
-            #?#
-            ###
-        ",
-        )
-        .unwrap();
+        let mask = Mask::from_ascii("###\n#?#\n###").unwrap();
         let outlines = contours(&mask);
         assert_eq!(outlines[0], [[-0.5, -0.5], [2.5, -0.5], [2.5, 2.5], [-0.5, 2.5]]);
         assert_eq!(outlines.len(), 2);
@@ -105,13 +98,7 @@ mod tests {
 
     #[test]
     fn pixels_that_touch_at_a_corner_belong_together() {
-        let mask = Mask::from_ascii(
-            "
-            #.
-            .#
-        ",
-        )
-        .unwrap();
+        let mask = Mask::from_ascii("#.\n.#").unwrap();
         let outlines = contours(&mask);
         assert_eq!(outlines.len(), 1);
         assert_eq!(outlines[0].len(), 8);

@@ -92,13 +92,7 @@ mod tests {
 
     #[test]
     fn counts_ignore_unknown_pixels() {
-        let mask = Mask::from_ascii(
-            "
-            ##.?
-            ##.?
-        ",
-        )
-        .unwrap();
+        let mask = Mask::from_ascii("##.?\n##.?").unwrap();
         let prediction = [0.0, 255.0, 127.0, 0.0, 127.4, 127.5, 255.0, 255.0];
         let overlap = Overlap::between(&mask, &prediction).unwrap();
         assert_eq!(overlap, Overlap { agreement: 2, missing: 2, spurious: 1 });
@@ -107,17 +101,10 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_union_has_no_ratio() {
+    fn an_empty_union_has_no_ratio_and_another_size_is_an_error() {
         let mask = Mask::filled(2, 1, Label::Background).unwrap();
         assert_eq!(Overlap::between(&mask, &[255.0, 255.0]).unwrap().iou(), None);
-    }
-
-    #[test]
-    fn another_size_is_an_error() {
-        let mask = Mask::filled(2, 1, Label::Background).unwrap();
-        assert_eq!(
-            Overlap::between(&mask, &[0.0; 3]),
-            Err(OverlapError::WrongLength { expected: 2, found: 3 })
-        );
+        let wrong = OverlapError::WrongLength { expected: 2, found: 3 };
+        assert_eq!(Overlap::between(&mask, &[0.0; 3]), Err(wrong));
     }
 }

@@ -3,11 +3,11 @@
 use super::answer::{PairOffset, SynchroniseOptions};
 use super::signals::{Common, PairSignals};
 
-/// Motion of this speed counts half, pixels a second; the same share of the spread for signals without pixels.
+/// By cue: motion of this speed counts half, pixels a second; the same share of the spread for signals without pixels.
 const HALF_SPEED: [f64; 2] = [5.0, 0.25];
 /// A sample that does not move still counts this much.
 const STILL_WEIGHT: f64 = 0.02;
-/// The least noise that is believed, pixels; the same share of the spread for signals without pixels.
+/// By cue: the least noise that is believed, pixels; the same share of the spread for signals without pixels.
 const LEAST_NOISE: [f64; 2] = [0.5, 0.1];
 /// An edge may always be off by this many pixels, or spreads, in one camera beside the other.
 const MOST_BIAS: f64 = 12.0;
@@ -69,7 +69,6 @@ pub(super) struct Comparison {
     noise: f64,
     /// Samples over which residuals hang together.
     correlated: f64,
-    unit: usize,
 }
 
 /// One sample of a camera beside the other's at an offset.
@@ -93,10 +92,6 @@ impl Comparison {
         step: f64,
         options: &SynchroniseOptions,
     ) -> Option<Self> {
-        let unit = match signals.cue {
-            super::PairCue::EpipolarTangents => 0,
-            super::PairCue::HeightAndArea => 1,
-        };
         let [a, b] = spans;
         let common = options.least_overlap * (a[1] - a[0]).min(b[1] - b[0]);
         let lowest = (b[0] - a[1] + common).max(-options.farthest_s);
@@ -108,13 +103,14 @@ impl Comparison {
         }
         let count = (above - below) as usize + 1;
         let curve = Curve { first: below * step, step, values: vec![None; count] };
-        let mut this = Self { cameras, signals, curve, noise: LEAST_NOISE[unit], correlated: 1.0, unit };
+        let least_noise = LEAST_NOISE[signals.cue as usize];
+        let mut this = Self { cameras, signals, curve, noise: least_noise, correlated: 1.0 };
         let looks: Vec<Option<(f64, f64)>> =
             (0..count).map(|index| scale(&this.residuals(this.curve.offset(index)))).collect();
         let most = looks.iter().flatten().map(|look| look.1).fold(0.0, f64::max);
         let is_moving = |look: &&(f64, f64)| look.1 >= ENOUGH_MOTION * most;
         let least = looks.iter().flatten().filter(is_moving).map(|look| look.0).min_by(f64::total_cmp)?;
-        this.noise = least.max(LEAST_NOISE[unit]);
+        this.noise = least.max(least_noise);
         let plain: Vec<Option<f64>> =
             (0..count).map(|index| this.evidence(this.curve.offset(index))).collect();
         let best = (0..count)
@@ -159,7 +155,7 @@ impl Comparison {
     fn residuals_of(&self, common: &Common, offset: f64, all: &mut Vec<Residual>) {
         let [a, b] = &common.of;
         let mut near = 0;
-        let half = HALF_SPEED[self.unit];
+        let half = HALF_SPEED[self.signals.cue as usize];
         let ln_spread = common.spread.max(1e-9).ln();
         for sample in &a.samples {
             let Some(other) = b.at(sample.seconds + offset, &mut near) else { continue };
@@ -201,7 +197,8 @@ impl Comparison {
         let shift = if square < 0.0 { (-0.5 * linear / square).clamp(-step * 2.0, step * 2.0) } else { 0.0 };
         let seconds = middle + shift;
         let residuals = self.residuals(seconds);
-        let scatter = scale(&residuals).map_or(self.noise, |look| look.0.max(LEAST_NOISE[self.unit]));
+        let scatter =
+            scale(&residuals).map_or(self.noise, |look| look.0.max(LEAST_NOISE[self.signals.cue as usize]));
         let information: f64 =
             residuals.iter().map(|residual| residual.weight * residual.slope * residual.slope).sum();
         let deviation_s = scatter * (self.correlated / information.max(1e-12)).sqrt();
