@@ -16,7 +16,7 @@ use backlit_formats::Footage;
 use backlit_jobs::{News, Pool, Task, once};
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::Camera;
-use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};
+use backlit_tracking::visual_hull::{CELLS, HullView, VisualHull};
 pub(crate) use contents::{ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, SceneOrder, Thumbnails};
 use egui::Ui;
@@ -179,7 +179,7 @@ impl Feature for Scene {
                             Some(HullView { camera: camera.as_ref(), silhouette: data.mask.as_deref()? })
                         })
                         .collect();
-                    VisualHull::carve(&views, &HullOptions::default(), cancel).map(Arc::new)
+                    VisualHull::carve(&views, CELLS, cancel).map(Arc::new)
                 })
             });
         }

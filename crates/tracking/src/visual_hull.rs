@@ -28,18 +28,8 @@ pub struct HullView<C, M> {
     pub silhouette: M,
 }
 
-/// How finely is carved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct HullOptions {
-    /// Cubes along the longest side of the hull's box.
-    pub cells: usize,
-}
-
-impl Default for HullOptions {
-    fn default() -> Self {
-        Self { cells: 64 }
-    }
-}
+/// How finely is carved as a rule: cubes along the longest side of the hull's box.
+pub const CELLS: usize = 64;
 
 /// A cube at the hull's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +52,7 @@ pub struct VisualHull {
 }
 
 impl VisualHull {
-    /// Carves the hull. A place beyond the border of a picture does not belong to it either, unless the silhouette, or
+    /// Carves the hull, so many cubes along the longest side of its box. A place beyond the border of a picture does not belong to it either, unless the silhouette, or
     /// what is unknown, reaches that picture's border: then that camera says nothing about it. A place must be in two
     /// pictures or more, within the silhouette in two of them, and in none of them on background; unknown pixels neither
     /// carve nor bear witness. With two silhouettes in all one witness is enough where the other cannot say. `None` with
@@ -70,7 +60,7 @@ impl VisualHull {
     #[must_use]
     pub fn carve<C: Borrow<Camera>, M: Borrow<Mask>>(
         views: &[HullView<C, M>],
-        options: &HullOptions,
+        cells: usize,
         cancel: &CancelToken,
     ) -> Option<Self> {
         let seen: Vec<CarvingView<'_>> = views
@@ -89,7 +79,7 @@ impl VisualHull {
         // Coarsely, whatever may hold a part of it stays.
         let [low, high] = coarse.bounds(&coarse.carve(&seen, HALF_DIAGONAL, cancel)?)?;
         let extent = high - low;
-        let side = extent.max_element() / options.cells.max(1) as f64;
+        let side = extent.max_element() / cells.max(1) as f64;
         let counts = extent.to_array().map(|length| (length / side).ceil().max(1.0) as usize);
         let fine = Grid { corner: low, side, counts };
         let held = fine.carve(&seen, 0.0, cancel)?;
@@ -299,7 +289,7 @@ mod tests {
     }
 
     fn carve(views: &[HullView<Camera, Mask>]) -> Option<VisualHull> {
-        VisualHull::carve(views, &HullOptions::default(), &CancelToken::new())
+        VisualHull::carve(views, CELLS, &CancelToken::new())
     }
 
     #[test]
@@ -358,7 +348,7 @@ mod tests {
         assert_eq!(carve(&same), None, "one ray twice has no middle");
         let cancelled = CancelToken::new();
         cancelled.cancel();
-        assert_eq!(VisualHull::carve(&two, &HullOptions::default(), &cancelled), None);
+        assert_eq!(VisualHull::carve(&two, CELLS, &cancelled), None);
     }
 
     /// Makes everything between two heights unknown.

@@ -24,9 +24,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::primitive::Primitive;
+use super::renderer::ParseError;
 
 /// The background's grey level.
 pub const BACKGROUND: f64 = 255.0;
@@ -62,16 +62,12 @@ pub enum Ramp {
     },
 }
 
-/// Text that is not a ramp.
-#[derive(Debug, Error, Clone, PartialEq, Eq)]
-#[error("\"{0}\" is not a ramp; expected thesis, half, width=PX or distance=INNER,OUTER (pixels above 0)")]
-pub struct ParseRampError(String);
-
 impl FromStr for Ramp {
-    type Err = ParseRampError;
+    type Err = ParseError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let error = || ParseRampError(text.to_owned());
+        let expected = "a ramp; expected thesis, half, width=PX or distance=INNER,OUTER (pixels above 0)";
+        let error = || ParseError(text.to_owned(), expected);
         let pixels = |part: &str| part.trim().parse::<f64>().ok().ok_or_else(error);
         let ramp = match text.split_once('=') {
             None if text == "thesis" => Self::Thesis,

@@ -76,16 +76,17 @@ impl fmt::Display for RendererKind {
     }
 }
 
-/// Text that is not a renderer.
+/// Text that is not a renderer, or not a ramp.
 #[derive(Debug, Error, Clone, PartialEq, Eq)]
-#[error("\"{0}\" is not a renderer; expected capsule, cylinder or sphere-tree")]
-pub struct ParseRendererError(String);
+#[error("\"{0}\" is not {1}")]
+pub struct ParseError(pub(super) String, pub(super) &'static str);
 
 impl FromStr for RendererKind {
-    type Err = ParseRendererError;
+    type Err = ParseError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let known = Self::ALL.into_iter().find(|kind| kind.name() == text);
-        known.ok_or_else(|| ParseRendererError(text.to_owned()))
+        let expected = "a renderer; expected capsule, cylinder or sphere-tree";
+        known.ok_or_else(|| ParseError(text.to_owned(), expected))
     }
 }

@@ -86,7 +86,7 @@ pub fn learn_plate(
         let pictures: Vec<&RgbImage> = frames.iter().map(|frame| frame.picture).collect();
         Ok(from_pictures(&pictures, options))
     } else {
-        Ok(from_free_pixels(&masked, expected, options))
+        Ok(from_free_pixels(&masked, options))
     }
 }
 
@@ -103,11 +103,8 @@ fn each_pixel<T: Send>(
     rows.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
-fn from_free_pixels(
-    frames: &[(&RgbImage, &Mask)],
-    size: (u32, u32),
-    options: &LearningOptions,
-) -> LearntPlate {
+fn from_free_pixels(frames: &[(&RgbImage, &Mask)], options: &LearningOptions) -> LearntPlate {
+    let size = frames[0].0.dimensions();
     let levels = each_pixel(size, |index, levels| {
         let free = frames.iter().filter(|(_, mask)| mask.labels()[index] == Label::Background);
         gather(levels, free.map(|(picture, _)| &picture.as_raw()[3 * index..][..3]));

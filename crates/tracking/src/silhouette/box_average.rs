@@ -8,27 +8,21 @@ use pulp::{Simd, WithSimd};
 use crate::processor;
 
 use super::mask::{Label, Mask};
-use super::measurement::weight;
+use super::measurement::{BACKGROUND_LEVEL, UNKNOWN_LEVEL, weight};
 
 /// The largest radius whose counts fit a byte.
 const MAX_RADIUS: usize = 7;
 
-/// Replaces the values by, for each pixel, the first level · (background pixels) / (known pixels), counted in the box of
-/// (2 · `radius` + 1)² around it and in the image; by the second level where none is known. The weight of a known pixel
+/// Replaces the values by, for each pixel, 255 · (background pixels) / (known pixels), counted in the box of
+/// (2 · `radius` + 1)² around it and in the image; by [`UNKNOWN_LEVEL`] where none is known. The weight of a known pixel
 /// becomes (known pixels) / (pixels) of its box, that of an unknown one nothing.
-pub(super) fn box_average(
-    mask: &Mask,
-    radius: usize,
-    levels: [f32; 2],
-    values: &mut Vec<f32>,
-    weights: &mut Vec<f32>,
-) {
+pub(super) fn box_average(mask: &Mask, radius: usize, values: &mut Vec<f32>, weights: &mut Vec<f32>) {
     values.clear();
     weights.clear();
     if radius <= MAX_RADIUS {
-        processor::run(BoxAverage { mask, radius, levels, values, weights });
+        processor::run(BoxAverage { mask, radius, values, weights });
     } else {
-        wide_box_average(mask, radius, levels, values, weights);
+        wide_box_average(mask, radius, values, weights);
     }
 }
 
@@ -41,7 +35,6 @@ fn within(radius: usize, size: usize, at: usize) -> usize {
 struct BoxAverage<'a> {
     mask: &'a Mask,
     radius: usize,
-    levels: [f32; 2],
     values: &'a mut Vec<f32>,
     weights: &'a mut Vec<f32>,
 }
@@ -51,7 +44,7 @@ impl WithSimd for BoxAverage<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { mask, radius, levels: [level, unknown_level], values, weights } = self;
+        let Self { mask, radius, values, weights } = self;
         let (width, height) = (mask.width(), mask.height());
         // Counts of each column within the rows of the box, with the radius on both sides.
         let [mut known, mut background] =
@@ -84,8 +77,8 @@ impl WithSimd for BoxAverage<'_> {
             sum_windows(&known, 2 * radius + 1, &mut known_in_box);
             sum_windows(&background, 2 * radius + 1, &mut background_in_box);
             values.extend(known_in_box.iter().zip(&background_in_box).map(|(&known, &background)| {
-                let share = level * f32::from(background) / f32::from(known);
-                if known == 0 { unknown_level } else { share }
+                let share = BACKGROUND_LEVEL * f32::from(background) / f32::from(known);
+                if known == 0 { UNKNOWN_LEVEL } else { share }
             }));
             let rows_in_box = within(radius, height, y - radius) as f32;
             let known = known_in_box.iter().zip(&columns_in_box).zip(row(y - radius));
@@ -108,13 +101,7 @@ fn sum_windows(counts: &[u8], length: usize, sums: &mut [u8]) {
 }
 
 /// [`box_average`] for a box of any size.
-fn wide_box_average(
-    mask: &Mask,
-    radius: usize,
-    [level, unknown_level]: [f32; 2],
-    values: &mut Vec<f32>,
-    weights: &mut Vec<f32>,
-) {
+fn wide_box_average(mask: &Mask, radius: usize, values: &mut Vec<f32>, weights: &mut Vec<f32>) {
     let (width, height) = (mask.width(), mask.height());
     let row = |y: usize| &mask.labels()[y * width..][..width];
     let counts = |label: Label| [label != Label::Unknown, label == Label::Background].map(usize::from);
@@ -141,8 +128,8 @@ fn wide_box_average(
             let [low, high] = [x.saturating_sub(radius), x.saturating_add(radius + 1).min(width)];
             let [known, background] = [0, 1].map(|kind| before[high][kind] - before[low][kind]);
             values.push(match known {
-                0 => unknown_level,
-                _ => level * background as f32 / known as f32,
+                0 => UNKNOWN_LEVEL,
+                _ => BACKGROUND_LEVEL * background as f32 / known as f32,
             });
             let pixels = within(radius, width, x) * within(radius, height, y);
             weights.push(weight(&row(y)[x]) * known as f32 / pixels as f32);

@@ -23,7 +23,7 @@ use super::mask::{Label, Mask};
 pub(super) const BACKGROUND_LEVEL: f32 = 255.0;
 
 /// Grey level shown for pixels about which nothing is known. It weighs nothing.
-const UNKNOWN_LEVEL: f32 = 127.5;
+pub(super) const UNKNOWN_LEVEL: f32 = 127.5;
 
 /// Why a measurement could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -148,8 +148,7 @@ impl Measurement {
     /// Becomes [`Self::from_mask_averaged`], in the memory that it has: for one frame after the other.
     pub fn average(&mut self, mask: &Mask, radius_px: usize) {
         (self.width, self.height) = (mask.width(), mask.height());
-        let levels = [BACKGROUND_LEVEL, UNKNOWN_LEVEL];
-        box_average(mask, radius_px, levels, &mut self.values, &mut self.weights);
+        box_average(mask, radius_px, &mut self.values, &mut self.weights);
     }
 
     /// D = 255 · clip((sd + `inner_px`) / (`inner_px` + `outer_px`), 0, 1), weighed by what unknown pixels could change.

@@ -5,17 +5,14 @@ use super::mask::{Label, Mask};
 /// A pixel is predicted to show the subject below this grey level: half of the ramp from 0 to 255.
 const SUBJECT_BELOW: f32 = 127.5;
 
-/// Why an overlap could not be counted.
+/// The prediction does not have one value for each pixel of the mask.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum OverlapError {
-    /// The prediction does not have one value for each pixel of the mask.
-    #[error("the prediction has {found} pixels, the mask {expected}")]
-    WrongLength {
-        /// Pixels of the mask.
-        expected: usize,
-        /// Pixels of the prediction.
-        found: usize,
-    },
+#[error("the prediction has {found} pixels, the mask {expected}")]
+pub struct OverlapError {
+    /// Pixels of the mask.
+    pub expected: usize,
+    /// Pixels of the prediction.
+    pub found: usize,
 }
 
 /// Pixel counts of a comparison; unknown pixels are not counted.
@@ -49,7 +46,7 @@ impl Overlap {
     fn count<T>(mask: &Mask, predicted: &[T], is_subject: impl Fn(&T) -> bool) -> Result<Self, OverlapError> {
         let expected = mask.labels().len();
         if predicted.len() != expected {
-            return Err(OverlapError::WrongLength { expected, found: predicted.len() });
+            return Err(OverlapError { expected, found: predicted.len() });
         }
         let mut counts = Self::default();
         // Runs that a byte can count: many of them are counted at once.
@@ -104,7 +101,7 @@ mod tests {
     fn an_empty_union_has_no_ratio_and_another_size_is_an_error() {
         let mask = Mask::filled(2, 1, Label::Background).unwrap();
         assert_eq!(Overlap::between(&mask, &[255.0, 255.0]).unwrap().iou(), None);
-        let wrong = OverlapError::WrongLength { expected: 2, found: 3 };
+        let wrong = OverlapError { expected: 2, found: 3 };
         assert_eq!(Overlap::between(&mask, &[0.0; 3]), Err(wrong));
     }
 }

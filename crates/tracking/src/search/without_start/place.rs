@@ -12,7 +12,7 @@ use crate::cancel::CancelToken;
 use crate::fit::{ApparentSize, Evidence, FitView};
 use crate::silhouette::{Label, Mask};
 use crate::statistics::upper_median;
-use crate::visual_hull::{HullOptions, HullView, VisualHull};
+use crate::visual_hull::{HullView, VisualHull};
 
 /// Cubes along the hull's longest side.
 const CELLS: usize = 40;
@@ -59,7 +59,7 @@ impl SubjectPlace {
         let hull_view =
             |view: &FitView| Some(HullView { camera: Arc::clone(&view.camera), silhouette: mask_of(view)? });
         let views: Vec<HullView<Arc<Camera>, Arc<Mask>>> = seen.iter().filter_map(hull_view).collect();
-        let Some(hull) = VisualHull::carve(&views, &HullOptions { cells: CELLS }, cancel) else {
+        let Some(hull) = VisualHull::carve(&views, CELLS, cancel) else {
             let cameras = seen.iter().map(|view| view.camera.name().to_owned()).collect();
             let is_cancelled = cancel.is_cancelled();
             return Err(if is_cancelled {

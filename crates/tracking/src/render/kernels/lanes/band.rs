@@ -159,6 +159,7 @@ fn put_tiles(tiles: &mut [u32], count: usize, row: u32, from: u32, to: u32) -> u
 }
 
 /// Where the tiles of a band are: on the plane z = 1, and among its vectors.
+#[derive(Clone, Copy)]
 pub(super) struct Places<'a, S: Simd> {
     xs: &'a [S::f32s],
     ys: &'a [S::f32s],

@@ -52,7 +52,8 @@ impl Ground {
         for work in works {
             let solid = &self.solids[work.solid];
             let (owner, tiles) = (simd.splat_u32s(work.owner), &tiles[work.tiles.clone()]);
-            let challenge = Challenge { simd, solid, part: work.part, owner, tiles, places: &places };
+            let offset = simd.splat_f32s(solid.ramp.offset);
+            let challenge = Challenge { simd, solid, part: work.part, offset, owner, tiles, places };
             if solid.ramp.is_linear {
                 challenge.all::<DOUBTS, true>(&mut cells, fractions, (rows.start, grid));
             } else {
@@ -116,9 +117,11 @@ struct Challenge<'a, S: Simd> {
     simd: S,
     solid: &'a LaneSolid,
     part: SolidPart,
+    /// Of its ramp.
+    offset: S::f32s,
     owner: S::u32s,
     tiles: &'a [u32],
-    places: &'a Places<'a, S>,
+    places: Places<'a, S>,
 }
 
 impl<S: Simd> Challenge<'_, S> {
@@ -151,7 +154,7 @@ impl<S: Simd> Challenge<'_, S> {
     #[inline(always)]
     fn level<const LINEAR: bool>(&self, slope: S::f32s, squared: S::f32s) -> S::f32s {
         let measure = if LINEAR { self.simd.sqrt_f32s(squared) } else { squared };
-        self.simd.mul_add_e_f32s(slope, measure, self.simd.splat_f32s(self.solid.ramp.offset))
+        self.simd.mul_add_e_f32s(slope, measure, self.offset)
     }
 
     #[inline(always)]
