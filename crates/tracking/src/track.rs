@@ -3,7 +3,6 @@
 #[doc(inline)]
 pub use crate::{cues, filter};
 
-mod attempt;
 mod estimate;
 pub mod join;
 mod lost;

@@ -31,13 +31,8 @@ pub struct Fold {
     pub learnt: Vec<usize>,
 }
 
-/// Motions that are named together, and what is left out for them.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
-    Subject(String),
-    Recording(String),
-    ClassAndSubject(String, String),
-}
+/// What is left out for motions that are named together: a class, a recording, a subject.
+type Part<'a> = [Option<&'a str>; 3];
 
 /// The recording that a motion was cut from: its name without what comes after the last point and without one small letter at the end.
 fn recording(name: &str) -> &str {
@@ -50,42 +45,36 @@ impl LeftOut {
     /// What is named by what: each motion is named once.
     #[must_use]
     pub fn folds(self, motions: &[NamedMotion]) -> Vec<Fold> {
-        let mut parts: BTreeMap<Part, Vec<usize>> = BTreeMap::new();
+        let mut parts: BTreeMap<Part<'_>, Vec<usize>> = BTreeMap::new();
         for (number, motion) in motions.iter().enumerate() {
             parts.entry(self.part(motion, motions)).or_default().push(number);
         }
-        let fold = |(part, named): (Part, Vec<usize>)| Fold {
-            learnt: (0..motions.len()).filter(|&number| part.keeps(&motions[number])).collect(),
+        let fold = |(part, named): (Part<'_>, Vec<usize>)| Fold {
+            learnt: (0..motions.len()).filter(|&number| keeps(part, &motions[number])).collect(),
             named,
         };
         parts.into_iter().map(fold).collect()
     }
 
     /// The part that a motion is named with.
-    fn part(self, named: &NamedMotion, all: &[NamedMotion]) -> Part {
+    fn part<'a>(self, named: &'a NamedMotion, all: &[NamedMotion]) -> Part<'a> {
         let kept = || {
             let stays = |other: &&NamedMotion| other.class == named.class && other.subject != named.subject;
             all.iter().filter(stays).count()
         };
+        let (class, subject) = (Some(&*named.class), Some(&*named.subject));
         match self {
-            Self::SubjectsKeepingClasses if kept() < LEAST_KEPT => {
-                Part::Recording(recording(&named.name).to_owned())
-            }
-            Self::Subjects | Self::SubjectsKeepingClasses => Part::Subject(named.subject.clone()),
-            Self::Classes => Part::ClassAndSubject(named.class.clone(), named.subject.clone()),
+            Self::SubjectsKeepingClasses if kept() < LEAST_KEPT => [None, Some(recording(&named.name)), None],
+            Self::Subjects | Self::SubjectsKeepingClasses => [None, None, subject],
+            Self::Classes => [class, None, subject],
         }
     }
 }
 
-impl Part {
-    /// Whether a motion may be learnt from where this part is named.
-    fn keeps(&self, motion: &NamedMotion) -> bool {
-        match self {
-            Self::Subject(subject) => motion.subject != *subject,
-            Self::Recording(name) => recording(&motion.name) != name,
-            Self::ClassAndSubject(class, subject) => motion.class != *class && motion.subject != *subject,
-        }
-    }
+/// Whether a motion may be learnt from where a part is named.
+fn keeps(part: Part<'_>, motion: &NamedMotion) -> bool {
+    let own = [&*motion.class, recording(&motion.name), &*motion.subject];
+    own.into_iter().zip(part).all(|(own, left_out)| left_out != Some(own))
 }
 
 /// Names each part's motions by what was learnt from all others'. With `noise`, in metres of an adult, the motions that are named are
@@ -131,12 +120,12 @@ mod tests {
         all.extend([named("a1a", "walk", "a"), named("a2a", "box", "a"), named("a2b", "box", "a")]);
         let part = |left_out: LeftOut, index: usize| left_out.part(&all[index], &all);
         let kept = LeftOut::SubjectsKeepingClasses;
-        assert_eq!(part(kept, 4), Part::Subject("a".to_owned()));
-        assert_eq!(part(kept, 5), Part::Recording("a2".to_owned()));
+        assert_eq!(part(kept, 4), [None, None, Some("a")]);
+        assert_eq!(part(kept, 5), [None, Some("a2"), None]);
         assert_eq!(part(kept, 5), part(kept, 6));
-        assert_eq!(part(LeftOut::Subjects, 5), Part::Subject("a".to_owned()));
-        let keeps = |part: Part| all.iter().filter(|motion| part.keeps(motion)).count();
-        assert_eq!([part(kept, 4), part(kept, 5), part(LeftOut::Classes, 5)].map(keeps), [4, 5, 4]);
+        assert_eq!(part(LeftOut::Subjects, 5), [None, None, Some("a")]);
+        let kept_by = |part: Part<'_>| all.iter().filter(|motion| keeps(part, motion)).count();
+        assert_eq!([part(kept, 4), part(kept, 5), part(LeftOut::Classes, 5)].map(kept_by), [4, 5, 4]);
         let folds = [kept, LeftOut::Subjects].map(|left_out| left_out.folds(&all));
         let fold =
             |named: &[usize], learnt: &[usize]| Fold { named: named.to_vec(), learnt: learnt.to_vec() };

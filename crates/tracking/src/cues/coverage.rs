@@ -136,7 +136,8 @@ fn shares_of(
         let ends = [kinematics.starts()[index], kinematics.ends()[index]].map(|p| place.transform(p));
         let [seen, all] = &mut counts[limb.rotation];
         eye.outline(ends, limb.radius, |inside, outside| {
-            if eye.is_free(limb.rotation, outside) {
+            // The part itself does not go on there.
+            if !eye.meets(outside, |other| other == limb.rotation) {
                 // A longer limb's places stand for more of the outline.
                 *all += limb.length;
                 *seen += if eye.is_boundary(limb.rotation, inside, outside) { limb.length } else { 0.0 };
@@ -179,11 +180,6 @@ impl Eye<'_> {
             let at = p0 + axis * fraction;
             both_sides(at, axis.cross(at).normalize_or(across.normalize()));
         }
-    }
-
-    /// Whether the part itself does not go on at a place outside of one of its limbs.
-    fn is_free(&self, rotation: usize, outside: DVec3) -> bool {
-        !self.meets(outside, |other| other == rotation)
     }
 
     fn is_boundary(&self, rotation: usize, inside: DVec3, outside: DVec3) -> bool {

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::attempt::{Attempt, FittedPose, rms};
 use super::estimate::{FrameEstimate, iou, overlaps};
 use super::lost::{LastResort, Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
@@ -12,11 +11,11 @@ use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
-use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView};
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
 use crate::numbers::OptionError;
 use crate::optimize::NormalEquations;
 use crate::residual::learnt_prior::LearntPrior;
-use crate::search::{self, SearchOptions, WithoutStartError, WithoutStartOptions};
+use crate::search::{self, Hypothesis, SearchOptions, WithoutStartError, WithoutStartOptions};
 use crate::silhouette::Overlap;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
@@ -186,13 +185,13 @@ impl Tracker {
             watch.look(cameras, cues, &start);
         }
         let begins = self.last.as_ref().is_none_or(|last| last.lost);
-        let found = if self.start.is_none() {
+        let attempt = if self.start.is_none() {
             match self.find(&views, None, cancel) {
                 Err(WithoutStartError::Fit(error)) => Err(error),
                 Err(_) => return Ok(self.lost(frame, start, &views, predicted, Lost::NoStart)),
-                Ok(found) => {
-                    self.start = Some(found.summary.pose.clone());
-                    Ok(found)
+                Ok(attempt) => {
+                    self.start = Some(attempt.summary.pose.clone());
+                    Ok(attempt)
                 }
             }
         } else if begins {
@@ -200,16 +199,15 @@ impl Tracker {
         } else {
             self.follow(&views, start.clone(), cancel)
         };
-        let found = match found {
-            Ok(found) => found,
+        let mut attempt = match attempt {
+            Ok(attempt) => attempt,
             Err(FitError::NoData { .. }) => {
                 return Ok(self.lost(frame, start, &views, predicted, Lost::Nobody));
             }
             Err(error) => return Err(error),
         };
-        let mut attempt = self.attempt(found, &views);
         if !begins && attempt.lost.is_some() && !cancel.is_cancelled() {
-            let wider = self.attempt(self.fit_widely(&views, &start, cancel)?, &views);
+            let wider = self.fit_widely(&views, &start, cancel)?;
             if wider.is_better(&attempt) {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
@@ -220,20 +218,30 @@ impl Tracker {
             && !cancel.is_cancelled()
             && self.last_resort.is_due(attempt.lost.is_some())
             && let Ok(found) = self.find(&views, Some(&start), cancel)
+            && found.is_better(&attempt)
         {
-            let found = self.attempt(found, &views);
-            if found.is_better(&attempt) {
-                attempt = found;
-                predicted = Err(Begins::FoundElsewhere);
-            }
+            attempt = found;
+            predicted = Err(Begins::FoundElsewhere);
         }
         Ok(self.keep(frame, attempt, predicted, &views, cancel))
     }
 
-    fn attempt(&self, found: FittedPose, views: &[FitView]) -> Attempt {
-        let overlap = self.overlaps(&found.summary.pose, views);
-        let lost = self.usual.judge(rms(&found.summary), iou(&overlap));
-        Attempt { found, overlap, lost }
+    /// Runs a fit of the frame at hand with its cues, if there are any, and judges it.
+    fn attempt(
+        &self,
+        fit: Fit,
+        hypotheses: Vec<Hypothesis>,
+        views: &[FitView],
+        cancel: &CancelToken,
+    ) -> Result<Attempt, FitError> {
+        let mut fit = match &self.cues {
+            Some(watch) => fit.with_cues(Arc::clone(watch.set()))?,
+            None => fit,
+        };
+        let summary = fit.run(cancel, |_| {});
+        let overlap = self.overlaps(&summary.pose, views);
+        let lost = self.usual.judge(rms(&summary), iou(&overlap));
+        Ok(Attempt { fit, summary, hypotheses, overlap, lost })
     }
 
     fn overlaps(&self, pose: &Pose, views: &[FitView]) -> Vec<Option<Overlap>> {
@@ -251,7 +259,7 @@ impl Tracker {
         cancel: &CancelToken,
     ) -> FrameEstimate {
         let goes_on = predicted != Err(Begins::FoundElsewhere);
-        let Attempt { found: FittedPose { mut fit, mut summary, hypotheses }, mut overlap, lost } = attempt;
+        let Attempt { mut fit, mut summary, hypotheses, mut overlap, lost } = attempt;
         self.usual.remember(summary.final_rms, lost);
         let fitted = summary.pose.clone();
         if lost.is_none()
@@ -328,11 +336,10 @@ impl Tracker {
     }
 
     /// Fits a frame near the one before, without the widest stages.
-    fn follow(&self, views: &[FitView], start: Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
+    fn follow(&self, views: &[FitView], start: Pose, cancel: &CancelToken) -> Result<Attempt, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, views, &start);
-        let fit = self.pulled(Fit::new(model, views.to_vec(), start, options)?)?;
-        Ok(FittedPose::run(fit, Vec::new(), cancel))
+        self.attempt(Fit::new(model, views.to_vec(), start, options)?, Vec::new(), views, cancel)
     }
 
     /// Looks for the body in the visual hull, and fits it there. Where silhouettes do not tell front from back it looks as
@@ -342,51 +349,36 @@ impl Tracker {
         views: &[FitView],
         before: Option<&Pose>,
         cancel: &CancelToken,
-    ) -> Result<FittedPose, WithoutStartError> {
+    ) -> Result<Attempt, WithoutStartError> {
         let sides = before.and_then(|pose| Sides::of(&self.model, &Kinematics::new(&self.model, pose)));
         let faces = sides.map(|sides| sides.ahead);
         let choices = WithoutStartOptions { faces, ..WithoutStartOptions::for_fit(&self.options) };
         let found = search::without_start(&self.model, views, &choices, cancel)?;
-        let fitted = self.follow(views, found.pose().clone(), cancel)?;
-        Ok(FittedPose { hypotheses: found.hypotheses, ..fitted })
+        let attempt = self.follow(views, found.pose().clone(), cancel)?;
+        Ok(Attempt { hypotheses: found.hypotheses, ..attempt })
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.
-    fn fit_widely(
-        &self,
-        views: &[FitView],
-        start: &Pose,
-        cancel: &CancelToken,
-    ) -> Result<FittedPose, FitError> {
+    fn fit_widely(&self, views: &[FitView], start: &Pose, cancel: &CancelToken) -> Result<Attempt, FitError> {
         if self.search == WhenToSearch::Always {
             return self.search(views, start, cancel);
         }
         let fit = Fit::new(Arc::clone(&self.model), views.to_vec(), start.clone(), self.options.clone())?;
-        let found = FittedPose::run(self.pulled(fit)?, Vec::new(), cancel);
-        let is_poor = || {
-            iou(&self.overlaps(&found.summary.pose, views)).is_some_and(|iou| iou < SEARCH_BELOW_IOU)
-                || self.usual.judge(rms(&found.summary), None).is_some()
-        };
-        if self.search == WhenToSearch::WhenPoor && is_poor() {
+        let attempt = self.attempt(fit, Vec::new(), views, cancel)?;
+        let is_poor = iou(&attempt.overlap).is_some_and(|iou| iou < SEARCH_BELOW_IOU)
+            || self.usual.judge(rms(&attempt.summary), None).is_some();
+        if self.search == WhenToSearch::WhenPoor && is_poor {
             return self.search(views, start, cancel);
         }
-        Ok(found)
+        Ok(attempt)
     }
 
-    fn search(&self, views: &[FitView], start: &Pose, cancel: &CancelToken) -> Result<FittedPose, FitError> {
+    fn search(&self, views: &[FitView], start: &Pose, cancel: &CancelToken) -> Result<Attempt, FitError> {
         // A track knows which way its body faces; a first frame's start may not.
         let effort = SearchOptions { turned: self.last.is_none(), ..SearchOptions::default() };
-        let (model, views, options) = (Arc::clone(&self.model), views.to_vec(), self.options.clone());
-        let (fit, found) = search::fit_best(model, views, start, options, &effort, cancel)?;
-        Ok(FittedPose::run(self.pulled(fit)?, found, cancel))
-    }
-
-    /// A fit of the frame at hand with its cues, if there are any.
-    fn pulled(&self, fit: Fit) -> Result<Fit, FitError> {
-        match &self.cues {
-            Some(watch) => fit.with_cues(Arc::clone(watch.set())),
-            None => Ok(fit),
-        }
+        let (model, options) = (Arc::clone(&self.model), self.options.clone());
+        let (fit, found) = search::fit_best(model, views.to_vec(), start, options, &effort, cancel)?;
+        self.attempt(fit, found, views, cancel)
     }
 
     /// What the Kalman filter foretells of a frame, or why it begins there.
@@ -414,6 +406,27 @@ impl Tracker {
         let velocity = before.map(|last| last.velocity_to(&pose, self.seconds_between(last.frame, frame)));
         self.last = Some(LastFrame { frame, pose, lost, velocity });
     }
+}
+
+/// A fit of a frame that has run, before it is taken for the frame's pose, and how it is judged.
+struct Attempt {
+    fit: Fit,
+    summary: SolverSummary,
+    hypotheses: Vec<Hypothesis>,
+    overlap: Vec<Option<Overlap>>,
+    lost: Option<Lost>,
+}
+
+impl Attempt {
+    /// A fit whose numbers ran out of range is never better, and any other is better than that.
+    fn is_better(&self, other: &Self) -> bool {
+        rms(&self.summary).total_cmp(&rms(&other.summary)).is_lt()
+    }
+}
+
+/// What a fit is judged by: infinite where the numbers ran out of range.
+fn rms(summary: &SolverSummary) -> f64 {
+    if summary.is_broken() { f64::INFINITY } else { summary.final_rms }
 }
 
 /// The cameras that see somebody, with their cues: one that sees nobody, or is left out, holds nothing and has no cues.
