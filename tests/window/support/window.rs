@@ -307,7 +307,7 @@ pub(crate) fn write_curves(app: &mut App, file: CurvesFile, path: &Path) {
         .ask(|features, context, requests| features.convergence.write(file, path, context, requests));
 }
 
-/// What lies around something that has a name, within the window.
+/// What lies around something that has a name.
 pub(crate) fn around(window: &Window, label: &str, margin: Vec2) -> Rect {
-    window.get_by_label(label).rect().expand2(margin).intersect(window.ctx.content_rect())
+    window.get_by_label(label).rect().expand2(margin).round()
 }
