@@ -25,7 +25,7 @@ const MARKS_GROW_FROM: f32 = 2.0;
 
 /// Begins the export that was put together on its card.
 pub(crate) fn begin_export(inspector: &mut Inspector) {
-    let Some(order) = inspector.features.export.take_order() else { return };
+    let Some(order) = inspector.features.export.order.take() else { return };
     let job = export_job(inspector, &order);
     inspector.features.export.begin(job, order, &inspector.state.pool);
 }

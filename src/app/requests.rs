@@ -77,7 +77,7 @@ impl Inspector {
                 self.session_request(SessionRequest::Visit(frame));
             }
             SessionRequest::Visit(frame) => {
-                self.features.tracking.stop_following();
+                self.features.tracking.follows = false;
                 state.go_to_frame(frame);
             }
             SessionRequest::Follow(frame) => state.go_to_frame(frame),

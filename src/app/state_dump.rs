@@ -167,7 +167,7 @@ fn exported_state(app: &App) -> Value {
         ("track", features.tracking.is_busy()),
     ];
     let busy: Vec<&str> = lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect();
-    let left = features.recovery.offered().iter();
+    let left = features.recovery.offered.iter();
     json!({
         "idle": inspector.is_idle(),
         "busy": busy,

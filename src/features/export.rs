@@ -33,7 +33,8 @@ pub(crate) struct Export {
     pub(crate) preferences: ExportChoices,
     /// The card, while it lies over the window.
     card: Option<ExportCard>,
-    order: Option<ExportOrder>,
+    /// What was put together on the card and is to be begun.
+    pub(crate) order: Option<ExportOrder>,
     running: Option<ExportProgress>,
     /// Folder of the last export.
     folder: Option<PathBuf>,
@@ -92,19 +93,31 @@ impl Feature for Export {
 
     fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {
         let Command::Export(command) = command else { return false };
-        match command {
-            ExportCommand::View => self.open_card(Subject::View, context, requests),
-            ExportCommand::Window => self.open_card(Subject::Window, context, requests),
-            ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
-            ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
-            ExportCommand::Motion => self.open_motion_card(context, requests),
-            ExportCommand::Stop => self.stop(),
+        let subject = match command {
+            ExportCommand::View => Some(Subject::View),
+            ExportCommand::Window => Some(Subject::Window),
+            ExportCommand::Steps => Some(Subject::Steps),
+            ExportCommand::Frames => Some(Subject::Frames),
+            ExportCommand::Motion => None,
+            ExportCommand::Stop => {
+                self.stop();
+                return true;
+            }
             ExportCommand::ShowExported => {
                 if let Some(folder) = &self.folder {
                     requests.request(DesktopRequest::OpenOutside(folder.display().to_string()));
                 }
+                return true;
             }
-        }
+        };
+        self.card = Some(match subject {
+            Some(subject) => {
+                let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
+                ExportCard::Pictures(Box::new(dialog))
+            }
+            None => ExportCard::Motion(Box::new(MotionCard::new(&self.preferences, context))),
+        });
+        requests.request(ShellRequest::OpenCard(FeatureCard::Export));
         true
     }
 
@@ -160,23 +173,6 @@ impl Feature for Export {
 }
 
 impl Export {
-    /// Asks what is to be exported, and where to.
-    fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
-        let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
-        self.card = Some(ExportCard::Pictures(Box::new(dialog)));
-        requests.request(ShellRequest::OpenCard(FeatureCard::Export));
-    }
-
-    fn open_motion_card(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.card = Some(ExportCard::Motion(Box::new(MotionCard::new(&self.preferences, context))));
-        requests.request(ShellRequest::OpenCard(FeatureCard::Export));
-    }
-
-    /// What was put together on the card and is to be begun.
-    pub(crate) const fn take_order(&mut self) -> Option<ExportOrder> {
-        self.order.take()
-    }
-
     pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
         self.running =
             Some(ExportProgress { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });

@@ -24,7 +24,7 @@ pub(crate) struct Recovery {
     /// `None` without a folder for them.
     copies: Option<Copies>,
     /// What earlier windows have left and the user has not decided about.
-    offered: Vec<Left>,
+    pub(crate) offered: Vec<Left>,
     /// Whether the user wants to decide later.
     is_put_off: bool,
     /// The copies that a notice has told of.
@@ -52,10 +52,6 @@ impl Recovery {
     /// Copies in a folder; without one nothing is kept.
     pub(crate) fn new(folder: Option<PathBuf>) -> Self {
         Self { copies: folder.map(Copies::new), ..Self::default() }
-    }
-
-    pub(crate) fn offered(&self) -> &[Left] {
-        &self.offered
     }
 
     /// Whether there is any that the user has not put off.

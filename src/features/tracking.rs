@@ -39,8 +39,8 @@ pub(crate) struct Tracking {
     /// Frames of the track that the document does not have yet.
     tracked: Vec<(usize, Arc<Estimate>)>,
     other_poses: BTreeMap<usize, OtherPoses>,
-    /// Whether the screen follows the tracker.
-    follows: bool,
+    /// Whether the screen follows the tracker: not once the user has gone elsewhere.
+    pub(crate) follows: bool,
     /// The frame that the screen goes to next.
     newest: Option<usize>,
     /// When it went on last.
@@ -184,10 +184,5 @@ impl Tracking {
     /// Asks the work to end; what it has found stays.
     pub(crate) fn stop(&self) {
         self.task.stop();
-    }
-
-    /// The user has gone elsewhere: the screen follows the tracker no more.
-    pub(crate) fn stop_following(&mut self) {
-        self.follows = false;
     }
 }

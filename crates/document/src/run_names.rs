@@ -41,14 +41,13 @@ pub fn count_twins(plain: Vec<String>, is_given: impl Fn(usize) -> bool) -> Vec<
 }
 
 fn counted(plain: String, before: &[String]) -> String {
-    match before.iter().filter(|name| same_but_for_count(name, &plain)).count() {
+    let is_same = |name: &&String| {
+        name.strip_prefix(&plain).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
+    };
+    match before.iter().filter(is_same).count() {
         0 => plain,
         again => format!("{plain} ({})", again + 1),
     }
-}
-
-fn same_but_for_count(name: &str, plain: &str) -> bool {
-    name.strip_prefix(plain).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
 }
 
 /// Which of the different starts of its frame each run has, counted from 1.

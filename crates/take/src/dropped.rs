@@ -83,15 +83,12 @@ fn has_footage(path: &Path) -> bool {
     if !path.is_dir() {
         return is_video(path);
     }
-    let entries =
-        |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let has_config =
         ["Config.toml", "intri.yml", "camera_array.toml"].iter().any(|name| path.join(name).is_file());
     !path.join("take.toml").is_file()
         && (has_config
-            || entries(path).take(1000).any(|inside| {
-                is_video(&inside)
-                    || inside.is_dir() && entries(&inside).take(1000).any(|video| is_video(&video))
+            || entries(path).any(|inside| {
+                is_video(&inside) || inside.is_dir() && entries(&inside).any(|video| is_video(&video))
             }))
 }
 
@@ -100,7 +97,7 @@ fn of_one(path: &Path) -> Dropped {
     if path.is_dir() {
         return if path.join("take.toml").is_file() {
             Dropped::Open(path.to_owned())
-        } else if has_png(path) {
+        } else if entries(path).any(|entry| ending(&entry) == "png") {
             Dropped::Masks(vec![path.to_owned()])
         } else {
             unknown("the folder has neither a take.toml nor PNGs")
@@ -131,9 +128,9 @@ fn ending(path: &Path) -> String {
     path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase())
 }
 
-fn has_png(folder: &Path) -> bool {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.take(1000).any(|entry| ending(&entry.path()) == "png")
+/// The first thousand things in a folder: more are not looked at.
+fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).take(1000)
 }
 
 /// The beginning of a file as text.

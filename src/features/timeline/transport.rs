@@ -38,7 +38,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         named_button(ui, context, requests, Command::Tracking(TrackingCommand::Between), between);
         ui.add_space(space::WIDGET);
         icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousKey), Icon::PreviousKey);
-        key_pose(ui, context, requests);
+        // The text says which it does, in a place that does not change.
+        let is_key = context.document().keys.contains_key(&context.selection.frame);
+        let text = if is_key { "Clear key" } else { "Set key" };
+        sized_button(ui, context, requests, Command::Timeline(TimelineCommand::SetKeyPose), text, KEY);
         icon(ui, context, requests, Command::Timeline(TimelineCommand::NextKey), Icon::NextKey);
         ui.add_space(space::WIDGET);
         if !tight {
@@ -73,13 +76,6 @@ fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bo
         let (rect, _) = ui.allocate_exact_size(vec2(TIME, size::ROW), Sense::hover());
         ui.put(rect, egui::Label::new(text.color(theme::palette(ui).text2)));
     }
-}
-
-/// Sets or clears the key pose of the frame on the screen: the text says which, in a place that does not change.
-fn key_pose(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    let is_key = context.document().keys.contains_key(&context.selection.frame);
-    let text = if is_key { "Clear key" } else { "Set key" };
-    sized_button(ui, context, requests, Command::Timeline(TimelineCommand::SetKeyPose), text, KEY);
 }
 
 /// When a frame was taken, in seconds since the first.
