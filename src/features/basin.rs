@@ -14,7 +14,7 @@ use std::time::Instant;
 use backlit_jobs::Task;
 use backlit_runs::basin::{BasinError, BasinResult, FitCount, StartGrid, Trial};
 use serde::{Deserialize, Serialize};
-pub use settings::{BasinProblem, BasinSettings, MapDirection, Reference};
+pub use settings::{BasinSettings, MapDirection, Reference};
 
 use crate::context::command::BasinView;
 use crate::context::file_dialog::FileDialogs;
@@ -76,11 +76,9 @@ pub struct BasinPreferences {
 /// How far an experiment is that is going on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BasinProgress {
-    /// Which of the two.
     pub(crate) view: BasinView,
     /// Fits done.
     pub done: usize,
-    /// Fits in all.
     pub(crate) total: usize,
     /// Seconds that are left, as far as can be told.
     pub seconds_left: Option<f64>,
@@ -117,7 +115,6 @@ impl BasinResults {
         }
     }
 
-    /// The map with its grid.
     fn map_and_grid(&self) -> Option<(&BasinResult, &StartGrid)> {
         let map = self.map.as_ref()?;
         Some((map, map.grid()?))
@@ -137,15 +134,14 @@ pub struct Basin {
     pub(crate) preferences: BasinPreferences,
     /// What came of it.
     pub results: BasinResults,
-    /// Why nothing could be begun, until something else is tried.
-    pub problem: Option<BasinProblem>,
+    /// Why nothing could be begun, a sentence without its full stop, until something else is tried.
+    pub problem: Option<String>,
     task: Task<(), Result<Trial, BasinError>, { priority::BASIN }>,
     began: Option<Instant>,
     dialogs: FileDialogs<FileKind>,
 }
 
 impl Basin {
-    /// Whether fits are being made.
     pub(crate) fn is_running(&self) -> bool {
         self.results.running.is_some()
     }

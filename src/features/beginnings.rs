@@ -25,7 +25,6 @@ use update::{BeginningMessage, Outcome};
 const COMPARED: [Method; 5] =
     [Method::Particles, Method::Ramp, Method::Templates, Method::Search, Method::Report];
 
-/// What is said of a method.
 struct MethodWords {
     name: &'static str,
     /// In the middle of a sentence.
@@ -89,7 +88,6 @@ struct AttemptIndex {
     step: usize,
 }
 
-/// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Beginnings {
     task: Task<(), BeginningMessage, { priority::BASIN }>,
@@ -110,7 +108,6 @@ pub(crate) struct Beginnings {
 }
 
 impl Beginnings {
-    /// Whether a way is being tried.
     pub(crate) const fn is_running(&self) -> bool {
         self.task.is_busy()
     }

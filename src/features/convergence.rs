@@ -48,11 +48,8 @@ pub struct Convergence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ConvergencePreferences {
-    /// What is plotted.
     pub(crate) quantity: Quantity,
-    /// Whether its axis is logarithmic.
     pub(crate) is_log: bool,
-    /// Whether rejected steps have marks.
     pub(crate) rejected: bool,
     /// Whether the plot's file has light colours whatever the window has.
     pub(crate) exports_light: bool,

@@ -13,15 +13,14 @@ use egui::{
     vec2,
 };
 
-use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
+use self::next::Opening;
+use crate::context::command::Command;
 use crate::context::feature::Feature;
-use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::unavailable::Why;
 use crate::context::unavailable::because;
 use crate::context::{Context, DesktopRequest, FeatureRequest, PaneEvent, Requests, ShellRequest};
 
-/// The feature.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Demonstrations {
     /// Which one is explained, until that is closed.
@@ -55,7 +54,7 @@ impl Demonstrations {
     pub(crate) fn begin(&mut self, which: Demonstration, requests: &mut Requests) {
         requests.request(ShellRequest::CloseNotices);
         self.explained = Some(which);
-        match opening(which) {
+        match next::of(which).0 {
             Opening::Laboratory(over, camera) => {
                 requests.request(ShellRequest::Layout(Layout::Demonstrate));
                 requests.request(FeatureRequest::RunLaboratory { over, camera: Some(camera) });
@@ -78,33 +77,6 @@ impl Demonstrations {
     }
 }
 
-/// What a demonstration opens with.
-#[derive(Debug, Clone, Copy)]
-enum Opening {
-    /// Fits side by side that differ in this, in the pictures of a camera: where one camera counts that cannot see depth, of
-    /// the other.
-    Laboratory(Variants, usize),
-    /// The pose layout with this pane too, and a command.
-    Tiles(Option<Pane>, Command),
-}
-
-const fn opening(which: Demonstration) -> Opening {
-    match which {
-        Demonstration::SingleLimb | Demonstration::TwoCameras => Opening::Laboratory(Variants::Renderers, 0),
-        Demonstration::OneCamera => Opening::Laboratory(Variants::Renderers, 1),
-        Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
-            Opening::Laboratory(Variants::Presets, 0)
-        }
-        Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
-        Demonstration::Begin => Opening::Tiles(None, Command::Beginning(BeginningCommand::RunAll)),
-        Demonstration::Motions => {
-            Opening::Tiles(Some(Pane::Motions), Command::Tracking(TrackingCommand::Forward))
-        }
-        Demonstration::Spheres => Opening::Tiles(None, Command::Fit(FitCommand::MakeSpheres)),
-        Demonstration::Cues => Opening::Tiles(None, Command::Tracking(TrackingCommand::Forward)),
-    }
-}
-
 /// The sentences with a button for each thing to try, as wide as the centre; whether they are closed.
 fn explanation(ui: &mut Ui, which: Demonstration, context: &Context<'_>, requests: &mut Requests) -> bool {
     let mut is_closed = false;
@@ -121,7 +93,7 @@ fn explanation(ui: &mut Ui, which: Demonstration, context: &Context<'_>, request
                 ui.vertical(|ui| {
                     ui.add(Label::new(RichText::new(which.explanation()).color(palette.text)).wrap());
                     ui.horizontal_wrapped(|ui| {
-                        for suggestion in next::of(which) {
+                        for suggestion in next::of(which).1 {
                             let button = ui.add(Button::new(suggestion.text));
                             if button.on_hover_text(suggestion.tooltip).clicked() {
                                 suggestion.request(which, context, requests);

@@ -32,7 +32,6 @@ use crate::context::priority;
 pub struct LaboratoryChoices {
     /// What is compared.
     pub lineup: Lineup,
-    /// Where all begin.
     pub(crate) start: StartChoice,
     /// Along which motion pushes are shown; what suits the body until it is chosen.
     axis: Option<PushAxis>,
@@ -60,13 +59,11 @@ pub struct Laboratory {
     pub comparison: Option<Comparison>,
     /// Time of the last step of every fit, in seconds.
     pub(crate) step_seconds: Option<f64>,
-    /// How many comparisons there have been.
     comparisons: u64,
     /// Whether the comparison is to run as soon as it has begun.
     wants_run: bool,
     /// Steps that were asked for while one was being made.
     pending_steps: usize,
-    /// The fits, between two steps.
     fits: Vec<Racing>,
     steps: Task<(), Stepped, { priority::LABORATORY }>,
     looks: Task<Lacking, Look, { priority::LABORATORY_LOOK }>,
@@ -81,7 +78,6 @@ impl Laboratory {
         self.choices.start = StartChoice::of(demonstration);
     }
 
-    /// Whether fits are being stepped.
     pub(crate) fn is_running(&self) -> bool {
         self.steps.is_busy()
     }

@@ -36,7 +36,6 @@ pub(crate) enum Plane {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MotionsPreferences {
-    /// How motions are named.
     pub(crate) method: Method,
     /// What the plane is of.
     pub(crate) plane: Plane,
@@ -48,7 +47,6 @@ impl Default for MotionsPreferences {
     }
 }
 
-/// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Motions {
     /// What is chosen, kept from start to start.

@@ -41,7 +41,6 @@ impl Default for Choices {
     }
 }
 
-/// What panels show in a frame.
 #[derive(Debug, Clone, Copy, Default)]
 struct PanelMarks {
     /// A section shows figures: they are wanted.
@@ -120,7 +119,7 @@ impl Observability {
     fn pick(&mut self, index: usize) {
         self.picked = Some(index);
         if let Some(sway) = &mut self.sway {
-            sway.begin_again();
+            sway.phase = 0.0;
         }
     }
 

@@ -27,7 +27,6 @@ use crate::context::{Context, DesktopRequest, FeatureCard, Requests, ShellReques
 pub(crate) struct Offsets {
     /// The cameras of the left and of the right picture.
     shown: [usize; 2],
-    /// The frame of the take.
     frame: usize,
     /// How many of its own frames each camera is shifted by, beside what the take says.
     shifts: Vec<i64>,
@@ -80,17 +79,15 @@ fn read(footage: &Footage, wanted: OffsetPicture) -> PictureRead {
 enum SearchMessage {
     /// Frames done, and in all.
     At([usize; 2]),
-    Found(Box<TakeClocks>),
-    Refused(String),
+    Ended(Result<Box<TakeClocks>, String>),
 }
 
 fn find(footage: &Footage, out: &Outbox<SearchMessage>) {
     let (options, tell) =
         (SynchroniseOptions::default(), |done, all| out.send(SearchMessage::At([done, all])));
     match synchronise::find(footage, synchronise::USUAL_FRAMES, &options, out.cancel(), tell) {
-        Ok(found) => out.send(SearchMessage::Found(Box::new(found))),
         Err(TakeClocksError::Cancelled) => {}
-        Err(error) => out.send(SearchMessage::Refused(error.to_string())),
+        ended => out.send(SearchMessage::Ended(ended.map(Box::new).map_err(|error| error.to_string()))),
     }
 }
 
@@ -102,13 +99,13 @@ impl Feature for Offsets {
         for news in self.find.poll() {
             match news {
                 News::Output(SearchMessage::At(progress)) => self.progress = Some(progress),
-                News::Output(SearchMessage::Found(found)) => {
-                    for (shift, found) in self.shifts.iter_mut().zip(&found.shifts) {
+                News::Output(SearchMessage::Ended(found)) => {
+                    let shifts = found.iter().flat_map(|found| &found.shifts);
+                    for (shift, found) in self.shifts.iter_mut().zip(shifts) {
                         *shift = found.as_ref().map_or(*shift, |found| found.frames);
                     }
-                    self.found = Some(Ok(found));
+                    self.found = Some(found);
                 }
-                News::Output(SearchMessage::Refused(why)) => self.found = Some(Err(why)),
                 News::Ended => self.progress = None,
                 News::Failed(failure) => requests.failed("The search for the offsets", &failure),
             }

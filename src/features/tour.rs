@@ -23,7 +23,6 @@ const JOINT: &str = "right wrist";
 /// It was dragged when it is this far from where it was, metres.
 const DRAGGED_M: f64 = 0.02;
 
-/// The feature.
 #[derive(Debug, Default)]
 pub(crate) struct Tour {
     /// Whether it was offered, kept from start to start.

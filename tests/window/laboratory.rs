@@ -137,7 +137,8 @@ fn own_takes_with_several_cameras_and_every_lineup() {
     }
     caption(&harness, "Before the first step");
     choose_entry(&mut harness, "Motion", "slides along its axis");
-    for (lineup, name) in Lineup::ALL.into_iter().rev() {
+    for lineup in Lineup::ALL.into_iter().rev() {
+        let name = lineup.words().name;
         choose_entry(&mut harness, "Compare", name);
         assert_eq!(laboratory(&harness).choices.lineup, lineup);
         harness.get_by_label(lineup.words().title);
@@ -231,7 +232,8 @@ fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
 fn caption_and_legend_have_room_in_the_least_window() {
     for setup in [limb(), arm()] {
         let mut harness = open(setup.sized(1100.0, 700.0));
-        for (lineup, name) in Lineup::ALL {
+        for lineup in Lineup::ALL {
+            let name = lineup.words().name;
             choose_entry(&mut harness, "Compare", name);
             for run in [false, true] {
                 if run {

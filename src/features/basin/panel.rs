@@ -5,9 +5,8 @@ mod section;
 mod success;
 
 use backlit_runs::basin::FitCount;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::space;
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::segmented;
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, vec2};
 
@@ -15,8 +14,7 @@ use super::{Basin, BasinProgress, FileKind};
 use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::pane_title;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, pane_title};
 
 /// A pane narrower than this has two rows above the plot.
 const ONE_ROW: f32 = 470.0;
@@ -24,7 +22,6 @@ const ONE_ROW: f32 = 470.0;
 const BAR: f32 = 2.0;
 
 impl Basin {
-    /// The pane, in all of the space that is left.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,

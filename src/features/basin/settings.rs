@@ -13,7 +13,6 @@ use crate::context::command::BasinView;
 
 /// Most starts of an angle.
 pub(crate) const MOST_STARTS: usize = 500;
-/// Most angles.
 const MOST_ANGLES: usize = 12;
 
 /// The pose that starts are drawn about.
@@ -92,64 +91,28 @@ impl Default for BasinSettings {
     }
 }
 
-/// Why a basin cannot be tried, in a sentence without its full stop.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BasinProblem {
-    /// There are no cameras.
-    #[error("Open a take first")]
-    NoTake,
-    /// No camera shows anything.
-    #[error("No camera that counts has a silhouette of this frame")]
-    NoSilhouettes,
-    /// No reference, but its pose is to be found.
-    #[error("The take has no true pose of this frame")]
-    NoTruth,
-    /// No angle is typed.
-    #[error("Angles: expected degrees, such as 5 10 20")]
-    NoAngles,
-    /// More angles than a plot has room for.
-    #[error("Angles: expected {MOST_ANGLES} at most")]
-    TooManyAngles,
-    /// An angle, in degrees, that is not whole.
-    #[error("Angles: {0} is not a whole number of degrees above 0")]
-    NoWholeAngle(f64),
-    /// An angle, in degrees, that is typed twice.
-    #[error("Angles: {0} is given twice")]
-    AngleTwice(u32),
-    /// A word that is no number.
-    #[error("{name}: “{word}” is not a number from 0 to {most}")]
-    NoNumber {
-        /// The field it is typed in.
-        name: &'static str,
-        /// What is typed.
-        word: String,
-        /// The greatest number that is taken.
-        most: f64,
-    },
-}
-
 impl BasinSettings {
     /// The levels that are typed.
     ///
     /// # Errors
     /// What is wrong with the text.
-    pub(crate) fn levels(&self) -> Result<Vec<Level>, BasinProblem> {
+    pub(crate) fn levels(&self) -> Result<Vec<Level>, String> {
         let angles = numbers(&self.angles, "Angles", 180.0)?;
         let roots = numbers(&self.root_cm, "Root", 200.0)?;
         if angles.is_empty() {
-            return Err(BasinProblem::NoAngles);
+            return Err("Angles: expected degrees, such as 5 10 20".to_owned());
         }
         if angles.len() > MOST_ANGLES {
-            return Err(BasinProblem::TooManyAngles);
+            return Err(format!("Angles: expected {MOST_ANGLES} at most"));
         }
         let mut levels: Vec<Level> = Vec::with_capacity(angles.len());
         for (index, angle) in angles.into_iter().enumerate() {
             if angle.fract() != 0.0 || angle == 0.0 {
-                return Err(BasinProblem::NoWholeAngle(angle));
+                return Err(format!("Angles: {angle} is not a whole number of degrees above 0"));
             }
             let degrees = angle as u32;
             if levels.iter().any(|level| level.degrees == degrees) {
-                return Err(BasinProblem::AngleTwice(degrees));
+                return Err(format!("Angles: {degrees} is given twice"));
             }
             let metres = roots.get(index).or(roots.last()).map_or(0.0, |cm| 0.01 * cm);
             levels.push(Level { degrees, metres });
@@ -176,7 +139,7 @@ impl BasinSettings {
         current: &FitOptions,
         model: &Model,
         held: usize,
-    ) -> Result<BasinOptions, BasinProblem> {
+    ) -> Result<BasinOptions, String> {
         let direction = |direction: &MapDirection| Direction {
             rotation: direction.rotation(model, held),
             angle: direction.angle,
@@ -203,14 +166,14 @@ impl BasinSettings {
 }
 
 /// The numbers of a list with blanks or commas between them.
-fn numbers(text: &str, name: &'static str, most: f64) -> Result<Vec<f64>, BasinProblem> {
+fn numbers(text: &str, name: &str, most: f64) -> Result<Vec<f64>, String> {
     let words =
         text.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|word| !word.is_empty());
     let number = |word: &str| {
         let value = word.trim_end_matches(['°', 'c', 'm']).parse::<f64>().ok();
         value
             .filter(|value| value.is_finite() && (0.0..=most).contains(value))
-            .ok_or_else(|| BasinProblem::NoNumber { name, word: word.to_owned(), most })
+            .ok_or_else(|| format!("{name}: “{word}” is not a number from 0 to {most}"))
     };
     words.map(number).collect()
 }
@@ -245,7 +208,7 @@ mod tests {
             ("5", "900", "900"),
         ] {
             let error = levels(angles, root).unwrap_err();
-            assert!(error.to_string().contains(said), "{angles}: {error}");
+            assert!(error.contains(said), "{angles}: {error}");
         }
     }
 

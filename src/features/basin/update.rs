@@ -12,7 +12,7 @@ use backlit_ui::style::format;
 use egui::Ui;
 
 use super::panel::progress_text;
-use super::{Basin, BasinProblem, BasinProgress, BasinResults, BasinSettings, FileKind, Reference};
+use super::{Basin, BasinProgress, BasinResults, BasinSettings, FileKind, Reference};
 use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::feature::Feature;
 use crate::context::file_dialog::DialogKind;
@@ -21,32 +21,23 @@ use crate::context::unavailable::{Why, because, no_fit};
 use crate::context::{Context, PaneEvent, Requests, SessionRequest, ShellRequest};
 
 /// All trials of a subject, one a step. The first step finds where fits are to end.
-#[derive(Debug)]
-struct BasinJob {
-    begin: Option<(Subject, BasinOptions)>,
-    basin: Option<basin::Basin>,
-    next: usize,
-}
-
-impl BasinJob {
-    /// Makes the next trial; whether there is one more.
-    fn go_on(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Result<bool, BasinError> {
-        if let Some((subject, options)) = self.begin.take() {
-            self.basin = Some(basin::Basin::new(subject, &options, out.cancel())?);
+fn trials(subject: Subject, options: BasinOptions) -> impl Job<Result<Trial, BasinError>> {
+    let (mut begin, mut basin, mut next) = (Some((subject, options)), None, 0);
+    // Makes the next trial; whether there is one more.
+    let mut go_on = move |out: &Outbox<Result<Trial, BasinError>>| -> Result<bool, BasinError> {
+        if let Some((subject, options)) = begin.take() {
+            basin = Some(basin::Basin::new(subject, &options, out.cancel())?);
         }
-        let Some(basin) = &self.basin else { return Ok(false) };
-        out.send(Ok(basin.run(self.next, out.cancel())?));
-        self.next += 1;
-        Ok(self.next < basin.trials())
-    }
-}
-
-impl Job<Result<Trial, BasinError>> for BasinJob {
-    fn step(&mut self, out: &Outbox<Result<Trial, BasinError>>) -> Turn {
+        let Some(basin) = &basin else { return Ok(false) };
+        out.send(Ok(basin.run(next, out.cancel())?));
+        next += 1;
+        Ok(next < basin.trials())
+    };
+    move |out: &Outbox<Result<Trial, BasinError>>| {
         if out.cancel().is_cancelled() {
             return Turn::Done;
         }
-        match self.go_on(out) {
+        match go_on(out) {
             Ok(true) => Turn::Again,
             Ok(false) | Err(BasinError::Cancelled) => Turn::Done,
             Err(error) => {
@@ -149,7 +140,7 @@ impl Basin {
         self.problem = self.try_to_begin(view, context).err();
     }
 
-    fn try_to_begin(&mut self, view: BasinView, context: &Context<'_>) -> Result<(), BasinProblem> {
+    fn try_to_begin(&mut self, view: BasinView, context: &Context<'_>) -> Result<(), String> {
         let subject = self.subject(context)?;
         let document = context.document();
         let held = document.model.limbs()[context.selection.limb(&document.model)].rotation;
@@ -163,17 +154,16 @@ impl Basin {
         }
         self.results.running = Some(BasinProgress { view, done: 0, total, seconds_left: None });
         self.began = Some(Instant::now());
-        let begin = Some((subject, options));
-        self.task.begin(context.pool, (), |()| BasinJob { begin, basin: None, next: 0 });
+        self.task.begin(context.pool, (), |()| trials(subject, options));
         Ok(())
     }
 
     /// What the cameras see of the frame on the screen, and the pose that its basin is about.
-    fn subject(&self, context: &Context<'_>) -> Result<Subject, BasinProblem> {
-        let Some(inputs) = context.fit_inputs() else { return Err(BasinProblem::NoTake) };
+    fn subject(&self, context: &Context<'_>) -> Result<Subject, &'static str> {
+        let Some(inputs) = context.fit_inputs() else { return Err("Open a take first") };
         let views = inputs.views();
         if views.is_empty() {
-            return Err(BasinProblem::NoSilhouettes);
+            return Err("No camera that counts has a silhouette of this frame");
         }
         let reference = match self.preferences.settings.reference {
             Reference::Pose => context.shown_pose().clone(),
@@ -182,7 +172,7 @@ impl Basin {
                 let joints =
                     take.and_then(|take| take.take().reference()).map(|r| r.joints(context.selection.frame));
                 let pose = joints.and_then(|joints| start::from_joints(&inputs.model, &joints));
-                pose.ok_or(BasinProblem::NoTruth)?
+                pose.ok_or("The take has no true pose of this frame")?
             }
         };
         Ok(Subject { model: inputs.model, views, reference })

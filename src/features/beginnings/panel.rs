@@ -2,9 +2,8 @@
 
 mod table;
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, ValueSlider, checkbox, icon_button, segmented};
 use egui::{Button, Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
@@ -12,8 +11,7 @@ use super::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
 use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::pane_title;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Requests, pane_title};
 
 /// Joints of a pose that is home are nearer to the reference than this, millimetres.
 const HOME_MM: f64 = 20.0;
@@ -21,7 +19,6 @@ const HOME_MM: f64 = 20.0;
 const LINES: f32 = 4.0;
 
 impl Beginnings {
-    /// The pane, in all of the space that is left.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,

@@ -34,7 +34,6 @@ const ROUNDS: [&str; 4] = [
 /// An attempt, or one of the limbs that grew in it.
 #[derive(Debug, Clone)]
 pub(super) struct ShownAttempt {
-    /// What it does.
     pub(super) words: String,
     /// What is drawn, for the legend.
     pub(super) legend: String,
@@ -348,7 +347,6 @@ fn chain_words(model: &Model, first: &str) -> String {
     format!("{}{}", format::capitalised(first), if has_more { " and what hangs from it" } else { "" })
 }
 
-/// Whole per cent.
 fn percent_of(share: f64) -> String {
     format!("{} %", format::number(100.0 * share, 0))
 }

@@ -5,7 +5,7 @@ use backlit_take::demonstration::Demonstration;
 use egui_painter::Headless;
 
 use super::record::MOST_BODIES;
-use super::{AttemptIndex, COMPARED, Method};
+use super::{AttemptIndex, Beginnings, COMPARED, Method};
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::SessionRequest;
@@ -23,8 +23,12 @@ fn run(window: &mut Headless, app: &mut App, command: BeginningCommand) {
     settle(window, app);
 }
 
+fn ways(app: &App) -> &Beginnings {
+    &app.inspector.features.beginnings
+}
+
 fn outcome(app: &App, method: Method) -> &super::Outcome {
-    app.inspector.features.beginnings.ended[&method].as_ref().unwrap()
+    ways(app).ended[&method].as_ref().unwrap()
 }
 
 fn look_at(window: &mut Headless, app: &mut App, method: Method, step: usize) {
@@ -47,10 +51,7 @@ fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
     assert!(outcome(&app, Method::Particles).evaluations > outcome(&app, Method::Search).evaluations);
     assert!(outcome(&app, Method::Search).iou.unwrap() > 0.95);
     // The first that was tried is looked at, in views and scene too.
-    assert_eq!(
-        app.inspector.features.beginnings.at,
-        Some(AttemptIndex { method: Method::Particles, step: 0 })
-    );
+    assert_eq!(ways(&app).at, Some(AttemptIndex { method: Method::Particles, step: 0 }));
     let ghosts = app.inspector.context().ghosts.unwrap();
     assert!(ghosts.placed.contains(&false), "only the trunk has a place");
 }
@@ -93,13 +94,13 @@ fn templates_have_their_limbs_one_after_the_other() {
 fn steps_are_played_in_order_to_the_last() {
     let (mut window, mut app) = tried();
     look_at(&mut window, &mut app, Method::Search, 0);
-    let last = app.inspector.features.beginnings.last_step().unwrap();
+    let last = ways(&app).last_step().unwrap();
     let now = app.inspector.state.now;
     app.inspector.features.beginnings.toggle_play(now);
     let mut seen = vec![0];
-    while app.inspector.features.beginnings.plays.is_some() {
+    while ways(&app).plays.is_some() {
         window.run(1, Vec::new(), |ui| app.frame(ui));
-        let step = app.inspector.features.beginnings.at.unwrap().step;
+        let step = ways(&app).at.unwrap().step;
         if seen.last() != Some(&step) {
             seen.push(step);
         }
@@ -109,7 +110,7 @@ fn steps_are_played_in_order_to_the_last() {
     // Again from the first.
     let now = app.inspector.state.now;
     app.inspector.features.beginnings.toggle_play(now);
-    assert_eq!(app.inspector.features.beginnings.at.unwrap().step, 0);
+    assert_eq!(ways(&app).at.unwrap().step, 0);
 }
 
 #[test]
@@ -128,7 +129,7 @@ fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
     assert_eq!(*app.inspector.document(), expected, "nothing but the frame's pose");
     app.run(Command::History(HistoryCommand::Undo));
     assert_eq!(*app.inspector.document(), before);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), COMPARED.len(), "the table stays");
+    assert_eq!(ways(&app).ended.len(), COMPARED.len(), "the table stays");
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn a_body_is_acquired_and_taken_as_one() {
     let (mut window, mut app) = tried();
     let before = app.inspector.document().clone();
     run(&mut window, &mut app, BeginningCommand::AcquireBody);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), 1 + COMPARED.len(), "the others stay");
+    assert_eq!(ways(&app).ended.len(), 1 + COMPARED.len(), "the others stay");
     let found = outcome(&app, Method::Body);
     assert!(found.iou.unwrap() > 0.9 && found.steps.len() > 10, "{:?}", found.iou);
     let forearm =
@@ -154,7 +155,7 @@ fn a_body_is_acquired_and_taken_as_one() {
     app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
     settle(&mut window, &mut app);
     assert_eq!(app.inspector.document().model.limbs(), body.limbs());
-    assert!(app.inspector.features.beginnings.ended.is_empty(), "they were of another body");
+    assert!(ways(&app).ended.is_empty(), "they were of another body");
     app.run(Command::History(HistoryCommand::Undo));
     assert_eq!(*app.inspector.document(), before);
 }
@@ -172,7 +173,7 @@ fn without_a_start_the_start_plays_no_part_and_other_runs_are_gone() {
         (steps.len(), steps.last().unwrap().pose().clone())
     };
     let first = begin(&mut window, &mut app);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), 1, "those from the start are gone");
+    assert_eq!(ways(&app).ended.len(), 1, "those from the start are gone");
     assert_eq!(first.0, 4, "the rounds");
     let mut pose = app.inspector.shown_pose().clone();
     pose.root.x += 1.0;
@@ -186,33 +187,30 @@ fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
     assert!(app.inspector.context().ghosts.is_some());
     app.run(Command::Fit(crate::context::command::FitCommand::Stop));
     settle(&mut window, &mut app);
-    assert!(app.inspector.context().ghosts.is_none() && !app.inspector.features.beginnings.ended.is_empty());
+    assert!(app.inspector.context().ghosts.is_none() && !ways(&app).ended.is_empty());
     app.inspector.state.edit(Edit::UseCamera { camera: 1, used: false }, None);
     settle(&mut window, &mut app);
-    assert!(
-        app.inspector.features.beginnings.ended.is_empty()
-            && app.inspector.features.beginnings.about.is_none()
-    );
+    assert!(ways(&app).ended.is_empty() && ways(&app).about.is_none());
 
     let (mut window, mut app) = open_take(Demonstration::Sequence, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    assert_eq!(app.inspector.features.beginnings.ended.len(), COMPARED.len());
+    assert_eq!(ways(&app).ended.len(), COMPARED.len());
     app.inspector.request(SessionRequest::Frame(3));
     settle(&mut window, &mut app);
-    assert!(app.inspector.features.beginnings.ended.is_empty() && app.inspector.context().ghosts.is_none());
+    assert!(ways(&app).ended.is_empty() && app.inspector.context().ghosts.is_none());
 }
 
 #[test]
 fn a_body_without_a_head_is_said_to_lead_nowhere() {
     let (mut window, mut app) = open_take(Demonstration::SingleLimb, Layout::Pose);
     run(&mut window, &mut app, BeginningCommand::RunAll);
-    let nowhere = app.inspector.features.beginnings.ended[&Method::Templates].as_ref().unwrap_err();
+    let nowhere = ways(&app).ended[&Method::Templates].as_ref().unwrap_err();
     assert!(nowhere.contains("trunk with a head"), "{nowhere}");
     assert!(errors(&app).is_empty(), "it stands in its row");
 
     let pool = app.inspector.state.pool.clone();
     app.inspector.features.beginnings.task.begin(&pool, (), |()| Breaks);
     settle(&mut window, &mut app);
-    assert!(!app.inspector.features.beginnings.is_running());
+    assert!(!ways(&app).is_running());
     assert_eq!(errors(&app), ["A way to begin broke down: thirteen. Your work is unharmed."]);
 }

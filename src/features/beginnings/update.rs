@@ -23,15 +23,12 @@ use crate::session::prediction::{FitInputs, Predicted};
 /// Seconds between two steps that are played.
 const SECONDS: f64 = 0.35;
 
-/// What the job says.
 #[derive(Debug)]
 pub(super) enum BeginningMessage {
     /// A method begins.
     Begun(Method),
-    /// It has come by a pose.
-    Ended(Method, Box<Outcome>),
-    /// It leads nowhere; why.
-    Failed(Method, String),
+    /// It has come by a pose, or leads nowhere; why.
+    Ended(Method, Result<Arc<Outcome>, String>),
 }
 
 /// What a method led to.
@@ -49,18 +46,11 @@ pub(super) struct Outcome {
     pub(super) error_mm: Option<f64>,
 }
 
-/// Methods to be tried.
-#[derive(Debug)]
-struct BeginJob {
-    run: InitialisationRun,
-    inputs: FitInputs,
-}
-
-impl Job<BeginningMessage> for BeginJob {
-    fn step(&mut self, out: &Outbox<BeginningMessage>) -> Turn {
-        let (model, inputs) = (Arc::clone(&self.run.model), &self.inputs);
-        let mut recorder = None;
-        let goes_on = self.run.step(out.cancel(), &mut |message| match message {
+/// Tries methods, one a step.
+fn try_all(mut run: InitialisationRun, inputs: FitInputs) -> impl Job<BeginningMessage> {
+    move |out: &Outbox<BeginningMessage>| {
+        let (model, mut recorder) = (Arc::clone(&run.model), None);
+        let goes_on = run.step(out.cancel(), &mut |message| match message {
             InitialisationMessage::Begun(method) => {
                 recorder = Some(Recorder::new(method, &model));
                 out.send(BeginningMessage::Begun(method));
@@ -72,11 +62,13 @@ impl Job<BeginningMessage> for BeginJob {
             }
             InitialisationMessage::Ended(method, outcome) => {
                 if let Some(recorder) = recorder.take() {
-                    let outcome = measured(inputs, outcome, recorder);
-                    out.send(BeginningMessage::Ended(method, Box::new(outcome)));
+                    let outcome = measured(&inputs, outcome, recorder);
+                    out.send(BeginningMessage::Ended(method, Ok(Arc::new(outcome))));
                 }
             }
-            InitialisationMessage::Failed(method, why) => out.send(BeginningMessage::Failed(method, why)),
+            InitialisationMessage::Failed(method, why) => {
+                out.send(BeginningMessage::Ended(method, Err(why)));
+            }
         });
         if goes_on { Turn::Again } else { Turn::Done }
     }
@@ -101,13 +93,11 @@ impl Feature for Beginnings {
             match news {
                 News::Output(BeginningMessage::Begun(method)) => self.running = Some(method),
                 News::Output(BeginningMessage::Ended(method, outcome)) => {
-                    self.ended.insert(method, Ok(Arc::from(outcome)));
-                    if self.at.is_none() {
+                    let is_first = outcome.is_ok() && self.at.is_none();
+                    self.ended.insert(method, outcome);
+                    if is_first {
                         self.look_at(AttemptIndex { method, step: 0 });
                     }
-                }
-                News::Output(BeginningMessage::Failed(method, why)) => {
-                    self.ended.insert(method, Err(why));
                 }
                 News::Ended => self.running = None,
                 News::Failed(failure) => {
@@ -237,10 +227,9 @@ impl Beginnings {
             options: InitialisationOptions::default(),
             methods: methods.iter().copied().collect(),
         };
-        self.task.begin(context.pool, (), |()| BeginJob { run, inputs: about.inputs });
+        self.task.begin(context.pool, (), |()| try_all(run, about.inputs));
     }
 
-    /// Forgets all runs.
     fn forget(&mut self) {
         let no_start = self.no_start;
         *self = Self { no_start, ..Self::default() };

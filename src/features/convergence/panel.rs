@@ -20,7 +20,6 @@ use crate::context::command_button::{button, menu_row};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, Requests, SessionRequest, pane_title};
 
-/// Height of the row of steps.
 const STEPS: f32 = 52.0;
 /// The plot's list of runs folds below this width.
 const LIST_FROM: f32 = 760.0;
@@ -28,13 +27,11 @@ const LIST_FROM: f32 = 760.0;
 const LIST_SHARE: f32 = 0.4;
 /// A step is read out when the pointer is so near to its dot.
 const REACH: f32 = 40.0;
-/// Width of the box of quantities.
 const QUANTITY: f32 = 124.0;
 /// Below this width of the header what is done with all runs is in a menu.
 const FOLDED_BELOW: f32 = 680.0;
 
 impl Convergence {
-    /// The panel, in all of the space that is left.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,

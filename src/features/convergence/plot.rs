@@ -3,10 +3,9 @@
 use backlit_document::run::Run;
 use backlit_document::runs::StepRef;
 use backlit_plot::marks::{decade_marks, even_marks, step_marks};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{Palette, run_style, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{PointMark, apart, end_with_room, grid_marks, mark_points, run_line, still_plot};
 use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 use egui_plot::{GridMark, PlotPoint, PlotResponse, PlotTransform, PlotUi, VLine};
@@ -24,7 +23,6 @@ const LABEL_SPACING: f32 = 14.0;
 const BELOW: f64 = 0.05;
 const ABOVE: f64 = 0.09;
 
-/// The curves of runs, ready to be drawn.
 pub(super) struct Plot<'a> {
     curves: Vec<RunCurve<'a>>,
     scale: PlotScale,

@@ -5,7 +5,6 @@ use backlit_document::run::{Run, RunStep};
 use backlit_ui::style::format;
 use serde::{Deserialize, Serialize};
 
-/// A quantity of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Quantity {
@@ -29,7 +28,6 @@ pub(crate) enum Quantity {
     Decrease,
 }
 
-/// What is said of a quantity.
 pub(crate) struct QuantityWords {
     /// On its choice.
     pub(crate) name: &'static str,
@@ -52,7 +50,6 @@ impl Quantity {
         Self::Decrease,
     ];
 
-    /// What is said of it.
     pub(crate) const fn words(self) -> QuantityWords {
         let (name, label, explanation) = match self {
             Self::Percent => (
@@ -152,17 +149,13 @@ fn decimals(percent: f64) -> usize {
     }
 }
 
-/// A point of a run's curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CurvePoint {
-    /// Index of the step in the run.
     pub(crate) step: usize,
     /// Accepted steps up to here. A rejected trial of a quantity [of its own](Quantity::is_of_trials) lies between
     /// the accepted ones.
     pub(crate) x: f64,
-    /// The quantity.
     pub(crate) y: f64,
-    /// Whether the step was accepted.
     pub(crate) accepted: bool,
     /// How many rejected trials stand at this place up to this one, it included; 0 of an accepted step.
     pub(crate) stacked: usize,

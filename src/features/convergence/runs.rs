@@ -2,9 +2,8 @@
 
 use backlit_document::run::Run;
 use backlit_document::runs::{RunChange, StepRef};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, icon_button, paint_run_sample};
 use egui::{
     Align, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit, Ui,
@@ -15,7 +14,6 @@ use super::Convergence;
 use super::remove;
 use crate::context::{Context, Requests, SessionRequest};
 
-/// Height of a run's card.
 const CARD: f32 = 64.0;
 /// Width of the sample of a run's line.
 const SAMPLE: f32 = 20.0;

@@ -2,9 +2,8 @@
 
 use backlit_document::run::{Run, RunStep};
 use backlit_document::runs::StepRef;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, fitting_label, hold_arrows};
 use egui::{
     Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
@@ -17,10 +16,8 @@ use crate::features::convergence::Quantity;
 
 /// Room for the words about the step.
 const WORDS: f32 = 380.0;
-/// Radius of the handle.
 const HANDLE: f32 = 6.0;
 
-/// The row of steps.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), 44.0),
@@ -136,7 +133,6 @@ fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run,
     });
 }
 
-/// What a step did.
 fn sentence(step: &RunStep, index: usize) -> String {
     if index == 0 {
         return "The start of the run.".to_owned();

@@ -7,18 +7,26 @@ use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 
-use super::Opening;
 use crate::context::command::{
     BeginningCommand, Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants,
     WindowCommand,
 };
+use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 
-/// One thing to try.
+/// What a demonstration opens with.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Opening {
+    /// Fits side by side that differ in this, in the pictures of a camera: where one camera counts that cannot see depth, of
+    /// the other.
+    Laboratory(Variants, usize),
+    /// The pose layout with this pane too, and a command.
+    Tiles(Option<Pane>, Command),
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Suggestion {
-    /// On the button.
     pub(super) text: &'static str,
     /// One sentence without its full stop.
     pub(super) tooltip: &'static str,
@@ -137,20 +145,23 @@ const PLAY: Suggestion = suggest(
     SuggestedAction::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
 );
 
-/// What there is to try.
-pub(super) const fn of(which: Demonstration) -> &'static [Suggestion] {
+/// What a demonstration opens with, and what there is to try.
+pub(super) const fn of(which: Demonstration) -> (Opening, &'static [Suggestion]) {
+    const BEGIN: Command = Command::Beginning(BeginningCommand::RunAll);
+    const MAKE_SPHERES: Command = Command::Fit(FitCommand::MakeSpheres);
+    use Opening::{Laboratory, Tiles};
     match which {
-        Demonstration::SingleLimb => &[RENDERERS, RAMPS],
-        Demonstration::OneCamera => &[WITH_CAMERA_2, RENDERERS, RAMPS],
-        Demonstration::TwoCameras => &[PRESETS, RENDERERS, RAMPS],
+        Demonstration::SingleLimb => (Laboratory(Variants::Renderers, 0), &[RENDERERS, RAMPS]),
+        Demonstration::OneCamera => (Laboratory(Variants::Renderers, 1), &[WITH_CAMERA_2, RENDERERS, RAMPS]),
+        Demonstration::TwoCameras => (Laboratory(Variants::Renderers, 0), &[PRESETS, RENDERERS, RAMPS]),
         Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
-            &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
+            (Laboratory(Variants::Presets, 0), &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS])
         }
-        Demonstration::Motions => &[PLAY, TRACK_REPORT, TRACK_ROBUST],
-        Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
-        Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
-        Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],
-        Demonstration::Begin => &[WAYS, ACQUIRE, PRESETS],
+        Demonstration::Motions => (Tiles(Some(Pane::Motions), TRACK), &[PLAY, TRACK_REPORT, TRACK_ROBUST]),
+        Demonstration::Bias => (Laboratory(Variants::Ramps, 1), &[WITH_CAMERA_2, RAMPS, RENDERERS]),
+        Demonstration::Spheres => (Tiles(None, MAKE_SPHERES), &[SPHERES, CAPSULES, SCENE]),
+        Demonstration::Cues => (Tiles(None, TRACK), &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES]),
+        Demonstration::Begin => (Tiles(None, BEGIN), &[WAYS, ACQUIRE, PRESETS]),
     }
 }
 
@@ -164,7 +175,7 @@ impl Suggestion {
             SuggestedAction::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
             SuggestedAction::Compare(over) => compare(over),
             SuggestedAction::UseCamera(camera) => {
-                if let Opening::Laboratory(over, _) = super::opening(which) {
+                if let Opening::Laboratory(over, _) = of(which).0 {
                     compare(over);
                 }
                 requests.edit(Edit::UseCamera { camera, used: true });

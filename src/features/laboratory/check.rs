@@ -86,7 +86,6 @@ impl FitCheck {
         check
     }
 
-    /// Columns of the state.
     fn columns(&self) -> usize {
         self.scene.fit.parameters.columns(self.scene.model.rotation_count())
     }
@@ -154,12 +153,9 @@ impl FitCheck {
 }
 
 /// Checks the gradients of several fits, a few columns of one of them a step: all of them come on together.
-#[derive(Debug)]
-pub(super) struct CheckJob(pub(super) Vec<FitCheck>);
-
-impl Job<(usize, Checked)> for CheckJob {
-    fn step(&mut self, out: &Outbox<(usize, Checked)>) -> Turn {
-        let going = self.0.iter_mut().filter(|fit| !fit.checked.progress.is_whole());
+pub(super) fn check_all(mut fits: Vec<FitCheck>) -> impl Job<(usize, Checked)> {
+    move |out: &Outbox<(usize, Checked)>| {
+        let going = fits.iter_mut().filter(|fit| !fit.checked.progress.is_whole());
         let next = going.min_by_key(|fit| (fit.checked.progress.done, fit.index));
         let Some(fit) = next.filter(|fit| !fit.cameras.is_empty()) else { return Turn::Done };
         fit.go_on();

@@ -17,9 +17,7 @@ use crate::session::{Extent, union};
 pub struct Basis {
     /// The frame's data; its fit is not looked at.
     pub(crate) scene: FitInputs,
-    /// Where all begin.
     pub(crate) start: Pose,
-    /// What is compared.
     pub(crate) entrants: Vec<Entrant>,
 }
 
@@ -166,7 +164,6 @@ impl Comparison {
         }
     }
 
-    /// Looks at a step.
     pub(crate) fn go_to(&mut self, step: usize) {
         self.cursor = step.min(self.last());
         self.follows = self.cursor == self.last();
@@ -182,7 +179,6 @@ impl Comparison {
         }
     }
 
-    /// Takes in a step of a fit.
     pub(crate) fn add_step(&mut self, index: usize, step: RunStep, predicted: Arc<Predicted>) {
         let Some(fit) = self.contestants.get_mut(index) else { return };
         fit.steps.push(step);
@@ -190,7 +186,6 @@ impl Comparison {
         self.follow();
     }
 
-    /// Takes in that a fit has ended.
     pub(crate) fn end(&mut self, index: usize, ending: RunEnding) {
         if let Some(fit) = self.contestants.get_mut(index) {
             fit.ending = Some(ending);

@@ -30,7 +30,6 @@ pub(super) enum Stepped {
     Waiting(Vec<Racing>),
 }
 
-/// A picture that was drawn.
 #[derive(Debug)]
 pub(super) enum Look {
     /// What a fit predicts at the step that is looked at.
@@ -44,7 +43,6 @@ pub(super) enum Look {
 pub(super) struct Lacking {
     /// Fits, with the poses of the step that is looked at.
     pub(super) steps: Vec<(usize, Pose)>,
-    /// Which pushes.
     pub(super) push: Option<PushKey>,
 }
 
@@ -163,46 +161,25 @@ impl Job<Stepped> for StepJob {
     }
 }
 
-/// What the screen lacks: pictures of the step that is looked at, and what pushes at the start.
-#[derive(Debug)]
-pub(super) struct LookJob {
-    /// Fits, each with its scene, its pose, and a prediction whose data may be reused.
-    steps: Vec<(usize, FitInputs, Pose, Option<Arc<Predicted>>)>,
-    /// Which pushes, and the scenes and starts of all fits.
-    push: Option<(PushKey, Vec<(FitInputs, Pose)>)>,
-}
-
-impl LookJob {
-    /// Draws what is lacking.
-    pub(super) fn new(comparison: &Comparison, lacking: &Lacking) -> Self {
-        let step = |(index, pose): &(usize, Pose)| {
-            let fit = comparison.contestants.get(*index)?;
-            Some((*index, fit.scene.clone(), pose.clone(), fit.shown.clone()))
-        };
-        let starts = comparison.contestants.iter();
-        let starts = starts.map(|fit| (fit.scene.clone(), comparison.basis.start.clone()));
-        Self {
-            steps: lacking.steps.iter().filter_map(step).collect(),
-            push: lacking.push.map(|key| (key, starts.collect())),
-        }
-    }
-}
-
-impl Job<Look> for LookJob {
-    fn step(&mut self, out: &Outbox<Look>) -> Turn {
-        if let Some((index, scene, pose, earlier)) = self.steps.pop() {
+/// Draws what the screen lacks: pictures of the step that is looked at, and what pushes at the start.
+pub(super) fn draw(comparison: &Comparison, lacking: &Lacking) -> impl Job<Look> + use<> {
+    // Each with its scene, its pose, and a prediction whose data may be reused.
+    let step = |(index, pose): &(usize, Pose)| {
+        let fit = comparison.contestants.get(*index)?;
+        Some((*index, fit.scene.clone(), pose.clone(), fit.shown.clone()))
+    };
+    let mut steps: Vec<_> = lacking.steps.iter().filter_map(step).collect();
+    let starts = comparison.contestants.iter();
+    let starts = starts.map(|fit| (fit.scene.clone(), comparison.basis.start.clone()));
+    let mut push: Option<(PushKey, Vec<(FitInputs, Pose)>)> = lacking.push.map(|key| (key, starts.collect()));
+    move |out: &Outbox<Look>| {
+        if let Some((index, scene, pose, earlier)) = steps.pop() {
             let predicted = Predicted::new(&scene, &pose, earlier.as_deref());
             out.send(Look::Step(index, Arc::new(predicted)));
-        } else if let Some((key, starts)) = self.push.take() {
-            let (camera, axis, limb) = key;
-            let look = |(scene, pose): &(FitInputs, Pose)| {
-                let camera = scene.cameras.get(camera)?;
-                let how = (scene.fit.renderer, scene.fit.final_ramp());
-                Some(Push::new(&scene.model, pose, camera, how, (axis, limb)))
-            };
-            let pushes: Vec<Push> = starts.iter().filter_map(look).collect();
-            out.send(Look::Pushes(key, Pushed::all(pushes)));
+        } else if let Some((key, starts)) = push.take() {
+            let pushes = starts.iter().filter_map(|(scene, pose)| Push::new(scene, pose, key));
+            out.send(Look::Pushes(key, Pushed::all(pushes.collect())));
         }
-        if self.steps.is_empty() && self.push.is_none() { Turn::Done } else { Turn::Again }
+        if steps.is_empty() && push.is_none() { Turn::Done } else { Turn::Again }
     }
 }

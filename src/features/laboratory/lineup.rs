@@ -52,9 +52,8 @@ impl From<Variants> for Lineup {
 /// A lineup in words.
 #[derive(Debug)]
 pub struct LineupWords {
-    lineup: Lineup,
     /// On its choice.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// What the laboratory is called.
     pub title: &'static str,
     /// What is the same in all of them and what is not.
@@ -65,53 +64,42 @@ pub struct LineupWords {
     pub all: &'static str,
 }
 
-const LINEUPS: [LineupWords; 4] = [
-    LineupWords {
-        lineup: Lineup::Renderers,
-        name: "Renderers",
-        title: "Renderer laboratory",
-        sentence: "Three renderers, same start, same solver.",
-        tooltip: "Cylinder, capsule and sphere tree with the chosen solver",
-        all: "all three",
-    },
-    LineupWords {
-        lineup: Lineup::Ramps,
-        name: "Ramps",
-        title: "Ramp laboratory",
-        sentence: "Four ramps, same start, same renderer, same solver.",
-        tooltip: "How distance becomes grey: thesis, half, width and distance, each in one stage",
-        all: "all four",
-    },
-    LineupWords {
-        lineup: Lineup::Presets,
-        name: "Presets",
-        title: "Preset laboratory",
-        sentence: "Two presets, same start, same renderer.",
-        tooltip: "The report’s fit beside the robust one, with the chosen renderer",
-        all: "both",
-    },
-    LineupWords {
-        lineup: Lineup::Updates,
-        name: "Updates",
-        title: "Update laboratory",
-        sentence: "Three updates, same start, same renderer, same ramp.",
-        tooltip: "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
-        all: "all three",
-    },
-];
-
 impl Lineup {
-    /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 4] = [
-        (LINEUPS[0].lineup, LINEUPS[0].name),
-        (LINEUPS[1].lineup, LINEUPS[1].name),
-        (LINEUPS[2].lineup, LINEUPS[2].name),
-        (LINEUPS[3].lineup, LINEUPS[3].name),
-    ];
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Renderers, Self::Ramps, Self::Presets, Self::Updates];
 
     /// What is said of it.
-    pub const fn words(self) -> &'static LineupWords {
-        &LINEUPS[self as usize]
+    pub const fn words(self) -> LineupWords {
+        match self {
+            Self::Renderers => LineupWords {
+                name: "Renderers",
+                title: "Renderer laboratory",
+                sentence: "Three renderers, same start, same solver.",
+                tooltip: "Cylinder, capsule and sphere tree with the chosen solver",
+                all: "all three",
+            },
+            Self::Ramps => LineupWords {
+                name: "Ramps",
+                title: "Ramp laboratory",
+                sentence: "Four ramps, same start, same renderer, same solver.",
+                tooltip: "How distance becomes grey: thesis, half, width and distance, each in one stage",
+                all: "all four",
+            },
+            Self::Presets => LineupWords {
+                name: "Presets",
+                title: "Preset laboratory",
+                sentence: "Two presets, same start, same renderer.",
+                tooltip: "The report’s fit beside the robust one, with the chosen renderer",
+                all: "both",
+            },
+            Self::Updates => LineupWords {
+                name: "Updates",
+                title: "Update laboratory",
+                sentence: "Three updates, same start, same renderer, same ramp.",
+                tooltip: "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
+                all: "all three",
+            },
+        }
     }
 
     /// The fits, made from the document's choices.
@@ -182,17 +170,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_words_of_a_lineup_are_its_own() {
-        for (lineup, name) in Lineup::ALL {
-            assert_eq!(lineup.words().name, name);
-        }
-    }
-
-    #[test]
     fn every_fit_is_valid_and_has_a_name_of_its_own() {
         let model = builtin::full_body();
         for preset in Preset::ALL {
-            for (lineup, _) in Lineup::ALL {
+            for lineup in Lineup::ALL {
                 let entrants = lineup.entrants(&FitOptions::preset(preset), &model);
                 for (index, entrant) in entrants.iter().enumerate() {
                     entrant.fit.check().unwrap();

@@ -63,7 +63,6 @@ struct Bench<'a> {
 }
 
 impl Laboratory {
-    /// The centre of its layout.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let room = Room::of(ui.available_rect_before_wrap());
         let mut choices = self.choices;

@@ -6,11 +6,13 @@
 //! derivatives far above all others. A pixel of the ramp (0 < λ < 255) *pushes* from [`LEAST_SHARE`] of it on.
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
-use backlit_tracking::camera::Camera;
-use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, jacobian_along};
+use backlit_tracking::render::{Prediction, View, jacobian_along};
 use backlit_ui::drawing::Derivative;
 use backlit_ui::style::format;
 use glam::DVec3;
+
+use super::comparison::PushKey;
+use crate::session::prediction::FitInputs;
 
 /// A pixel pushes from this share of the scale on.
 pub(crate) const LEAST_SHARE: f64 = 0.01;
@@ -48,7 +50,6 @@ impl PushAxis {
         if model.rotation_count() == 1 { Self::Slide } else { Self::Turn(0) }
     }
 
-    /// Its name in the box.
     pub(crate) fn text(self) -> &'static str {
         Self::ALL.iter().find(|(axis, _)| *axis == self).map_or("", |(_, text)| text)
     }
@@ -97,24 +98,19 @@ impl PushAxis {
 pub(crate) struct Push {
     /// ∂λ/∂v, row by row; zero where the pixel has no gradient.
     pub(crate) values: Vec<f64>,
-    /// The pose's prediction.
     pub(crate) prediction: Prediction,
 }
 
 impl Push {
     /// Looks at a pose in one camera.
-    pub(crate) fn new(
-        model: &Model,
-        pose: &Pose,
-        camera: &Camera,
-        (renderer, ramp): (RendererKind, Ramp),
-        (axis, limb): (PushAxis, usize),
-    ) -> Self {
+    pub(crate) fn new(scene: &FitInputs, pose: &Pose, (camera, axis, limb): PushKey) -> Option<Self> {
+        let FitInputs { model, fit, cameras, .. } = scene;
+        let camera = cameras.get(camera)?;
         let kinematics = Kinematics::new(model, pose);
-        let view = View::new(model, &kinematics, camera, renderer, ramp);
+        let view = View::new(model, &kinematics, camera, fit.renderer, fit.final_ramp());
         let direction = axis.direction(model, &kinematics, limb);
         let values = jacobian_along(&view, &kinematics, camera, Parameters::Tangent, &direction);
-        Self { values, prediction: Prediction::of(&view) }
+        Some(Self { values, prediction: Prediction::of(&view) })
     }
 
     /// The 99th percentile of the magnitudes above rounding; `None` if there is none.
@@ -175,16 +171,22 @@ impl Pushed {
 mod tests {
     use backlit_lab::synthetic::single_limb;
     use backlit_tracking::body::builtin;
+    use backlit_tracking::fit::{FitOptions, Preset};
 
     use super::*;
+    use crate::features::laboratory::comparison::tests::scene;
 
     fn counts(axis: PushAxis, distance_m: f64) -> Vec<(usize, usize)> {
-        let model = builtin::single_limb();
         let camera = single_limb::camera(distance_m, [192, 144]).unwrap();
-        let start = single_limb::start(0.1);
-        let looks = single_limb::RENDERERS
-            .map(|renderer| Push::new(&model, &start, &camera, (renderer, Ramp::Thesis), (axis, 0)));
-        Pushed::all(looks.into()).iter().map(|push| (push.pushing, push.in_ramp)).collect()
+        let look = |renderer| {
+            let fit = FitOptions { renderer, ..FitOptions::preset(Preset::Report) };
+            let scene = scene(builtin::single_limb(), fit, vec![camera.clone()]);
+            Push::new(&scene, &single_limb::start(0.1), (0, axis, 0)).unwrap()
+        };
+        Pushed::all(single_limb::RENDERERS.map(look).into())
+            .iter()
+            .map(|push| (push.pushing, push.in_ramp))
+            .collect()
     }
 
     #[test]

@@ -54,7 +54,6 @@ impl StartChoice {
         all
     }
 
-    /// Its words in the box.
     pub(crate) fn text(self) -> String {
         match self {
             Self::Shown => "Start at shown pose".to_owned(),

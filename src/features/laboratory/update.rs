@@ -11,9 +11,9 @@ use backlit_plot::AsPicture;
 use backlit_tracking::body::Pose;
 use image::{DynamicImage, ImageFormat};
 
-use super::check::{CheckJob, FitCheck};
+use super::check::{FitCheck, check_all};
 use super::comparison::PushKey;
-use super::job::{Lacking, Look, LookJob, StepJob, Stepped};
+use super::job::{Lacking, Look, StepJob, Stepped, draw};
 use super::{Basis, Comparison, Contestant, Laboratory, LaboratoryChoices};
 use crate::context::command::{Command, LaboratoryCommand};
 use crate::context::feature::Feature;
@@ -180,7 +180,13 @@ impl Laboratory {
         }
         // Fits and pictures go before checks: while they come, the pose to check changes with every step.
         match self.lacking(context) {
-            Some(lacking) => self.ask_for_looks(lacking, context.pool),
+            // What is being drawn is shown too while one goes through the steps.
+            Some(_) if self.looks.is_busy() => {}
+            Some(lacking) => {
+                if let Some(comparison) = &self.comparison {
+                    self.looks.need(context.pool, lacking, |lacking| draw(comparison, lacking));
+                }
+            }
             None if self.is_running() => {}
             None => self.ask_for_checks(context.pool),
         }
@@ -249,13 +255,6 @@ impl Laboratory {
         lacking.filter(|lacking| self.looks.failure().is_none() || self.looks.inputs() != Some(lacking))
     }
 
-    fn ask_for_looks(&mut self, lacking: Lacking, pool: &Pool) {
-        // What is being drawn is shown too while one goes through the steps.
-        if let Some(comparison) = self.comparison.as_ref().filter(|_| !self.looks.is_busy()) {
-            self.looks.need(pool, lacking, |lacking| LookJob::new(comparison, lacking));
-        }
-    }
-
     /// The gradients that are still to be checked at the step that is looked at.
     fn to_check(&self) -> Option<Vec<(usize, Pose)>> {
         let comparison = self.comparison.as_ref()?;
@@ -278,7 +277,7 @@ impl Laboratory {
                 let scene = comparison.contestants[*index].scene.clone();
                 FitCheck::new(*index, scene, pose.clone(), order.clone())
             };
-            CheckJob(wanted.iter().map(check).collect())
+            check_all(wanted.iter().map(check).collect())
         });
     }
 

@@ -42,12 +42,9 @@ impl PartialEq for Inputs {
     }
 }
 
-/// A take's motions by name.
 #[derive(Debug)]
 pub(super) struct RecognisedMotions {
-    /// What was learnt.
     pub(super) recognizer: Recognizer,
-    /// How frames were named.
     pub(super) method: Method,
     /// Classes in plain words, by number.
     pub(super) names: Vec<String>,

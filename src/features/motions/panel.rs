@@ -14,18 +14,15 @@ use crate::context::command::{Command, TrackingCommand};
 use crate::context::command_button as command;
 use crate::context::marks::whole_percent;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::pane_title;
-use crate::context::{Context, Requests, SessionRequest};
+use crate::context::{Context, Requests, SessionRequest, pane_title};
 
 /// A pane narrower than this has two rows above the plane.
 const ONE_ROW: f32 = 500.0;
-/// Width of the box of methods.
 const METHODS: f32 = 110.0;
 /// The plane is not made lower than this for the probabilities' sake.
 const LEAST_PLANE: f32 = 110.0;
 /// Height of the line that says what the frame is.
 const TITLE: f32 = 20.0;
-/// Height of a row.
 const ROW: f32 = 17.0;
 /// Width of the longest name and of a percentage.
 const NAME: f32 = 112.0;
@@ -36,7 +33,6 @@ const TWO_COLUMNS: f32 = 430.0;
 const SWATCH: f32 = 9.0;
 
 impl Motions {
-    /// The pane, in all of the space that is left.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
@@ -120,8 +116,7 @@ impl Motions {
         let [above, below] =
             [area.top()..=area.bottom() - room - space::ROW, area.bottom() - room..=area.bottom()];
         let plane = Rect::from_x_y_ranges(area.x_range(), above);
-        let is_stale = self.marks.is_stale;
-        if let Some(frame) = plane::ui(ui, plane, found, self.preferences.plane, context, is_stale)
+        if let Some(frame) = plane::ui(ui, plane, self, context)
             && frame != context.selection.frame
         {
             requests.request(SessionRequest::Frame(frame));

@@ -13,7 +13,7 @@ use super::panel::plane::{Sheet, places};
 use crate::app::App;
 use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::command::{Command, HistoryCommand, TrackingCommand};
-use crate::context::marks::NamedStretch;
+use crate::context::marks::{MotionMarks, NamedStretch};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
@@ -22,8 +22,12 @@ fn open() -> (egui_painter::Headless, App) {
     open_take(Demonstration::Motions, Layout::Pose)
 }
 
+fn marks(app: &App) -> &MotionMarks {
+    &app.inspector.state.published.motions
+}
+
 fn names(app: &App) -> Vec<&str> {
-    app.inspector.state.published.motions.stretches.iter().map(|stretch| &*stretch.name).collect()
+    marks(app).stretches.iter().map(|stretch| &*stretch.name).collect()
 }
 
 #[test]
@@ -32,13 +36,13 @@ fn the_demonstration_opens_with_its_motions_named_and_each_frame_has_its_place()
     assert!(app.inspector.is_open(Pane::Motions) && !app.inspector.document().estimates.is_empty());
     assert!(app.inspector.document().estimates.values().all(|estimate| !estimate.lost));
     // What is done, and when it begins, is known of the simulation.
-    let all = Arc::clone(&app.inspector.state.published.motions.stretches);
+    let all = Arc::clone(&marks(&app).stretches);
     for (frame, name) in [(30, "walking"), (95, "sitting or bending"), (165, "gesturing"), (225, "boxing")] {
-        let found = app.inspector.state.published.motions.at(frame).unwrap();
+        let found = marks(&app).at(frame).unwrap();
         assert_eq!(found.name, name, "frame {frame} of {all:?}");
     }
-    assert!(!app.inspector.state.published.motions.is_stale);
-    let said = app.inspector.state.published.motions.at(30).unwrap().said();
+    assert!(!marks(&app).is_stale);
+    let said = marks(&app).at(30).unwrap().said();
     assert!(said.starts_with("Walking, frames 0 to ") && said.ends_with("% sure"), "{said}");
 
     // A click on the curve is a click on a frame.
@@ -80,12 +84,9 @@ fn another_track_is_named_anew_and_what_is_missing_is_said() {
     };
     keep(&mut app, &|frame| !(50..180).contains(&frame));
     settle(&mut window, &mut app);
-    let found = &app.inspector.state.published.motions.stretches;
-    assert!(
-        app.inspector.state.published.motions.at(100).is_none(),
-        "nobody knows what happened in a gap: {found:?}"
-    );
-    assert_eq!(app.inspector.state.published.motions.at(49).unwrap().name, "walking");
+    let found = &marks(&app).stretches;
+    assert!(marks(&app).at(100).is_none(), "nobody knows what happened in a gap: {found:?}");
+    assert_eq!(marks(&app).at(49).unwrap().name, "walking");
     assert!(found.iter().all(|stretch| *stretch.frames.end() < 50 || *stretch.frames.start() >= 180));
 
     keep(&mut app, &|frame| frame < 5);

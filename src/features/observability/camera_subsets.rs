@@ -3,9 +3,8 @@
 use backlit_document::edit::Edit;
 use backlit_tracking::observability::SubsetFigures;
 use backlit_ui::drawing::joint_name;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{paint_camera_badge, section};
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
@@ -14,7 +13,6 @@ use super::{Observability, Observed};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 
-/// Between two badges.
 const BADGE_GAP: f32 = 3.0;
 /// Width of the column of figures at the right.
 const FIGURE: f32 = 66.0;
@@ -25,7 +23,6 @@ const BAR_HEIGHT: f32 = 5.0;
 const BARS_M: [f64; 2] = [1.0, 0.0005];
 
 impl Observability {
-    /// The Camera subsets section.
     pub(super) fn subsets_section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let open = context.preferences.layout == Layout::Debug;
         let used: Vec<usize> = context.document().used_cameras().collect();

@@ -6,9 +6,8 @@ use backlit_document::observability_words as words;
 use backlit_tracking::observability::{Direction, Observability as Figures};
 use backlit_ui::drawing::FACTORS;
 use backlit_ui::drawing::joint_name;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, SliderRow, checkbox, first_that_fits, icon_button, named_row, section};
 use egui::{Align, ComboBox, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -27,7 +26,6 @@ const LISTED: usize = 3;
 const WORTH_LISTING: f64 = 0.1;
 
 impl Observability {
-    /// The Observability section.
     pub(super) fn section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let open = context.preferences.layout == Layout::Debug;
         section(ui, "Observability", &summary(self), open, |ui| {
@@ -43,7 +41,7 @@ impl Observability {
             }
             chart::ui(ui, self, shown);
             if let Some(direction) = self.picked().and_then(|picked| shown.directions.get(picked)) {
-                title_row(ui, self, shown, direction, requests);
+                title_row(ui, self, shown, requests);
                 words(ui, self.is_stale(), shown, direction);
                 movers(ui, self, shown, direction);
                 sway(ui, context, self, direction, requests);
@@ -84,15 +82,10 @@ pub(super) fn paint_selected(ui: &Ui, row: Rect) {
 }
 
 /// Which direction is looked at, and buttons to its neighbours.
-fn title_row(
-    ui: &mut Ui,
-    observability: &Observability,
-    shown: &Figures,
-    direction: &Direction,
-    requests: &mut Requests,
-) {
+fn title_row(ui: &mut Ui, observability: &Observability, shown: &Figures, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let (at, count) = (observability.picked().unwrap_or_default(), shown.directions.len());
+    let Some(direction) = shown.directions.get(at) else { return };
     let (row, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), size::SLIDER_ROW), Sense::hover());
     let text = format!("{} of {count}: {}", at + 1, words::title(shown, direction));
@@ -199,35 +192,21 @@ fn sway(
 ) {
     let is_swaying = observability.is_swaying();
     let choices = &mut observability.choices;
-    let row = SliderRow {
-        name: "Sway",
-        unit: " mm",
-        decimals: 0,
-        range: AMPLITUDES_MM[0]..=AMPLITUDES_MM[1],
-        limits: None,
-        origin: AMPLITUDES_MM[0],
-        is_held: is_swaying,
-        tooltip: if direction.moves_no_joint() {
-            "How far the body sways; 60 mm stand for 30° where no joint moves"
-        } else {
-            "How far the joint that moves most sways to each side"
-        },
+    let tooltip = if direction.moves_no_joint() {
+        "How far the body sways; 60 mm stand for 30° where no joint moves"
+    } else {
+        "How far the joint that moves most sways to each side"
     };
-    if row.show(ui, &mut choices.amplitude_mm).changed() {
-        choices.amplitude_mm = choices.amplitude_mm.clamp(AMPLITUDES_MM[0], AMPLITUDES_MM[1]);
-    }
-    let row = SliderRow {
-        name: "Speed",
-        unit: " Hz",
-        decimals: 1,
-        range: SPEEDS[0]..=SPEEDS[1],
-        limits: None,
-        origin: SPEEDS[0],
-        is_held: false,
-        tooltip: "Sways a second",
-    };
-    if row.show(ui, &mut choices.speed).changed() {
-        choices.speed = choices.speed.clamp(SPEEDS[0], SPEEDS[1]);
+    let sliders = [
+        (&mut choices.amplitude_mm, "Sway", " mm", 0, AMPLITUDES_MM, is_swaying, tooltip),
+        (&mut choices.speed, "Speed", " Hz", 1, SPEEDS, false, "Sways a second"),
+    ];
+    for (value, name, unit, decimals, [low, high], is_held, tooltip) in sliders {
+        let (range, limits, origin) = (low..=high, None, low);
+        let row = SliderRow { name, unit, decimals, range, limits, origin, is_held, tooltip };
+        if row.show(ui, value).changed() {
+            *value = value.clamp(low, high);
+        }
     }
     ui.horizontal(|ui| {
         let text = if observability.is_playing() { "Hold" } else { "Sway" };

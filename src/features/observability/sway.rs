@@ -29,23 +29,15 @@ const TWISTS: f64 = 0.1;
 /// Longest time between two frames that counts, seconds: after a pause nothing jumps.
 const LONGEST_FRAME: f64 = 0.1;
 
-/// A body that sways.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sway {
     /// Radians of a whole sway of 2π; the body is where it was at zero.
-    phase: f64,
+    pub(super) phase: f64,
     is_paused: bool,
     /// When the phase was moved last, seconds.
     at: Option<f64>,
     /// What it sways along: it ends when this is of the past.
     of: Option<Arc<Observed>>,
-}
-
-impl Sway {
-    /// The body is where it was.
-    pub(super) const fn begin_again(&mut self) {
-        self.phase = 0.0;
-    }
 }
 
 impl Observability {

@@ -34,7 +34,6 @@ pub(super) const STEPS: [(&str, &str); 7] = [
     ("Track forward", "Press Ctrl+Enter. Stop when you like, with Esc; N jumps to the worst frame."),
 ];
 
-/// Width of a card.
 const WIDTH: f32 = 316.0;
 /// What is pointed at, and this much around it, stays free.
 const CLEAR: f32 = 14.0;

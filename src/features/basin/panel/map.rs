@@ -1,17 +1,16 @@
 //! The maps of two directions, one a choice of fit: a click on a cell takes its start.
 
 use backlit_runs::basin::{BasinResult, StartGrid};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{gradient_colour, run_style, size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::choice;
 use backlit_ui::widgets::heat_map::{
     AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
 };
 use backlit_ui::widgets::segmented;
 use egui::{
-    Align, Color32, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
-    pos2, vec2,
+    Align, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
+    vec2,
 };
 
 use crate::features::basin::{BasinResults, MapColour};
@@ -24,15 +23,12 @@ const LEGEND_BELOW: f32 = 168.0;
 const LEAST: f32 = 240.0;
 /// Where several maps would be smaller than this one of them is shown.
 const LEAST_OF_SEVERAL: f32 = 96.0;
-/// Space between two maps.
 const BETWEEN: f32 = 12.0;
-/// Width of the box of fits.
 const CHOICE: f32 = 116.0;
 /// Shares of the sequential map that stand for found and not found.
 const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
 
-/// What is shown of the maps.
 #[derive(Clone, Copy)]
 struct ShownMap<'a> {
     result: &'a BasinResult,
@@ -87,7 +83,6 @@ pub(crate) fn ui(ui: &mut Ui, results: &BasinResults, colour: &mut MapColour) ->
     clicked
 }
 
-/// Which maps are shown.
 pub(crate) fn choice_box(ui: &mut Ui, results: &mut BasinResults) {
     const ALL: &str = "All fits";
     let Some(map) = &results.map else { return };
@@ -164,7 +159,10 @@ fn cells(
             let cell = map.result.trial(choice, place);
             let found = cell.is_some_and(|cell| map.result.is_found(cell));
             let limit = map.result.options.success_mm;
-            let fill = cell.map(|cell| cell_colour(cell.error_mm, found, map.colour, limit));
+            let fill = cell.map(|cell| match map.colour {
+                MapColour::Error => error_colour(cell.error_mm, limit),
+                MapColour::Success => gradient_colour(if found { FOUND } else { NOT_FOUND }),
+            });
             paint_cell(ui.painter(), rect, fill, found, palette);
             let response = ui.interact(rect, Id::unique(("basin cell", choice, place)), Sense::click());
             let label = || cell_text(map, choice, place);
@@ -199,23 +197,13 @@ fn marks(ui: &Ui, map: &ShownMap<'_>, grid: Rect, under: Option<[usize; 2]>) {
     ui.painter().circle_stroke(grid.center(), 5.0, Stroke::new(1.5, theme::data_colours::SELECTED));
 }
 
-fn cell_colour(error: f64, found: bool, colour: MapColour, limit: f64) -> Color32 {
-    match colour {
-        MapColour::Error => error_colour(error, limit),
-        MapColour::Success => gradient_colour(if found { FOUND } else { NOT_FOUND }),
-    }
-}
-
 /// A cell's offsets, and what came of it by a choice of fit.
 fn cell_text(map: &ShownMap<'_>, choice: usize, place: [usize; 2]) -> String {
-    let start = start_text(map, place);
-    match map.result.options.choices.as_slice() {
-        [] | [_] => format!("Start {start}: {}", came_text(map, choice, place)),
-        several => {
-            let name = several.get(choice).map_or("", |choice| &choice.name);
-            format!("Start {start} by {name}: {}", came_text(map, choice, place))
-        }
-    }
+    let by = match map.result.options.choices.as_slice() {
+        [] | [_] => String::new(),
+        several => format!(" by {}", several.get(choice).map_or("", |choice| &choice.name)),
+    };
+    format!("Start {}{by}: {}", start_text(map, place), came_text(map, choice, place))
 }
 
 fn start_text(map: &ShownMap<'_>, place: [usize; 2]) -> String {

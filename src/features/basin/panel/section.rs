@@ -23,11 +23,9 @@ const NAME: f32 = 64.0;
 /// Width of a fit's colour, and of the box of angles.
 const SWATCH: f32 = 10.0;
 const ANGLE: f32 = 94.0;
-/// Width of a number.
 const FIELD: f32 = 62.0;
 
 impl Basin {
-    /// The section of the right panel.
     pub(crate) fn section(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         section(ui, "Basin", &summary(&self.results), false, |ui| {
             let mut settings = self.preferences.settings.clone();
@@ -52,7 +50,6 @@ impl Basin {
     }
 }
 
-/// The state in one line.
 fn summary(basin: &BasinResults) -> String {
     if let Some(running) = basin.running {
         return super::progress_text(running);

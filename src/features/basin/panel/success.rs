@@ -1,10 +1,9 @@
 //! Success over angle: one curve a choice of fit, with bars for how sure each point is, and the counts beside it.
 
 use backlit_runs::basin::{BasinResult, LevelReport, RandomStarts};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{PointMark, mark_points, paint_run_sample, run_line, still_plot};
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
@@ -28,12 +27,13 @@ const CAP: f64 = 0.35;
 /// A point is read out when the pointer is so near.
 const REACH: f32 = 24.0;
 
-/// The plot and the counts.
 pub(crate) fn ui(ui: &mut Ui, result: &BasinResult) {
     let Some(starts) = result.random() else { return };
     let area = ui.available_size() - vec2(0.0, space::WIDGET);
     if area.x < FOLD {
-        let below = if area.y < HIGH { 0.0 } else { counts_height(result, starts).min(0.5 * area.y) };
+        let choices = result.report.choices.len() as f32;
+        let wanted = choices * (size::ROW + 1.0) + (starts.levels.len() as f32) * (ROW + 1.0) + 60.0;
+        let below = if area.y < HIGH { 0.0 } else { wanted.min(0.5 * area.y) };
         plot(ui, result, starts, area - vec2(space::ROW, below));
         if below > 0.0 {
             counts(ui, result, starts);
@@ -45,12 +45,6 @@ pub(crate) fn ui(ui: &mut Ui, result: &BasinResult) {
         let place = vec2(COUNTS - space::WIDGET, area.y);
         ui.allocate_ui_with_layout(place, Direction::top_down(Align::Min), |ui| counts(ui, result, starts));
     });
-}
-
-/// Height that the counts would like to have.
-fn counts_height(result: &BasinResult, starts: &RandomStarts) -> f32 {
-    let choices = result.report.choices.len() as f32;
-    choices * (size::ROW + 1.0) + (starts.levels.len() as f32) * (ROW + 1.0) + 60.0
 }
 
 /// Where a level of a choice stands across.

@@ -1,8 +1,7 @@
 //! The ways as rows, with what each led to.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
     Align, Align2, Color32, Layout as Direction, Rect, RichText, Role, Sense, TextStyle, Ui, UiBuilder,
@@ -16,7 +15,6 @@ use crate::features::beginnings::{AttemptIndex, Beginnings, COMPARED, Method, Me
 
 /// Height of a row of the table.
 const ROW: f32 = 26.0;
-/// Room for a name.
 const NAME: f32 = 96.0;
 
 /// A column: its title, what it says, how wide it is, and what stands in it.
@@ -60,7 +58,6 @@ fn columns(width: f32) -> Vec<Column> {
     columns
 }
 
-/// All rows.
 pub(super) fn ui(ui: &mut Ui, beginnings: &mut Beginnings, context: &Context<'_>, requests: &mut Requests) {
     let columns = columns(ui.available_width());
     ui.scope(|ui| {

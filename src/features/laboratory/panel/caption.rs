@@ -1,18 +1,16 @@
 //! The caption: what was measured of each fit, and what the colours of the pictures mean.
 
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{
     NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL,
 };
 use backlit_ui::style::theme::residual_colour;
+use backlit_ui::style::{format, theme};
 use egui::{Color32, Grid, Label, Rect, RichText, ScrollArea, Sense, Separator, StrokeKind, Ui, vec2};
 
 use super::Bench;
 use crate::features::laboratory::comparison::{ARRIVED_PERCENT, PushKey, percent_text};
 use crate::features::laboratory::{Comparison, Contestant, LaboratoryChoices, Lineup, PushAxis, StartChoice};
 
-/// Size of a swatch.
 const SWATCH: egui::Vec2 = vec2(40.0, 11.0);
 /// Height of a row where there is little room, and of one of the legend with what is between two.
 const COMPACT_LINE: f32 = 17.0;
@@ -150,19 +148,18 @@ fn next(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices) {
     let offered = StartChoice::offered(bench.context.session.demonstration());
     let at = offered.iter().position(|start| *start == chosen.start).unwrap_or(0);
     let start = offered[(at + offered.len() - 1) % offered.len()];
-    let (lineup, name) = Lineup::ALL[(chosen.lineup as usize + 1) % Lineup::ALL.len()];
+    let lineup = Lineup::ALL[(chosen.lineup as usize + 1) % Lineup::ALL.len()];
     ui.horizontal_wrapped(|ui| {
         let palette = theme::palette(ui);
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new("Next:").color(palette.accent_text));
         let link =
             |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
-        let text = start.text();
-        if link(ui, text[..1].to_lowercase() + &text[1..]) {
+        if link(ui, format::uncapitalised(&start.text())) {
             choices.start = start;
         }
         ui.label(RichText::new("or").color(palette.accent_text));
-        if link(ui, format!("compare {}", name.to_lowercase())) {
+        if link(ui, format!("compare {}", lineup.words().name.to_lowercase())) {
             choices.lineup = lineup;
         }
     });

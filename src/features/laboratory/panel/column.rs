@@ -1,9 +1,8 @@
 //! One fit: percent of its start, its two pictures, its counts and the check of its gradient.
 
 use backlit_document::run::RunEnding;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{fitting_label, paint_run_sample};
 use egui::{
     Align, Layout as Direction, Rect, RichText, Role, Sense, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo,
@@ -26,7 +25,6 @@ const NOTE_FROM: f32 = 300.0;
 /// Pixels between the two pictures.
 const BETWEEN: f32 = 2.0;
 
-/// The column.
 pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut LaboratoryChoices) {
     let (rect, fit) = (ui.max_rect(), &bench.comparison.contestants[index]);
     let head_height = if bench.room.is_compact { HEAD_COMPACT } else { HEAD };

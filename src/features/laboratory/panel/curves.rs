@@ -1,10 +1,9 @@
 //! The plot of all fits: percent of the start against the step. A click or a drag goes to that step.
 
 use backlit_plot::marks::{decade_marks, even_marks, step_marks};
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
     PointMark, apart, end_with_room, grid_marks, mark_points, run_line, segmented, still_plot,
 };
@@ -77,7 +76,6 @@ fn y(percent: f64, is_log: bool) -> f64 {
     if is_log { percent.max(LEAST_PERCENT).log10() } else { percent }
 }
 
-/// Ends of both axes.
 fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     let last = (bench.comparison.last() as f64).max(LEAST_STEPS);
     let last = end_with_room(last, width, AXIS, LABEL_ROOM);

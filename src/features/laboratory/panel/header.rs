@@ -1,9 +1,8 @@
 //! What is compared, and the controls of the step.
 
 use backlit_document::fit_words::preset_like;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::choice;
 use backlit_ui::widgets::{Icon, fitting_label, icon_button};
 use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, TextStyle, Ui, vec2};
@@ -15,7 +14,6 @@ use crate::context::{Context, Requests, SessionRequest, unavailable};
 use crate::features::laboratory::{LaboratoryChoices, Lineup, PushAxis, StartChoice};
 use crate::session::selection::Selection;
 
-/// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;
 const ROW: f32 = 28.0;
 /// The toolbar is so much narrower than the window.
@@ -156,6 +154,6 @@ fn camera_box(ui: &mut Ui, context: &Context<'_>, camera: &mut usize) {
 
 /// What is to be compared instead.
 pub(super) fn lineup_box(ui: &mut Ui, lineup: &mut Lineup) {
-    let choices = Lineup::ALL.map(|(lineup, text)| (lineup, text, lineup.words().tooltip.to_owned()));
+    let choices = Lineup::ALL.map(|other| (other, other.words().name, other.words().tooltip.to_owned()));
     *lineup = choice(ui, "Compare", 92.0, lineup.words().name, &choices).unwrap_or(*lineup);
 }

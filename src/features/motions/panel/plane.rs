@@ -1,9 +1,8 @@
 //! The plane of motions: the take is a curve in the colours of its names, over the regions where the model's motions lie.
 
 use backlit_recognition::recognizer::PlaneCloud;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{data_colours, motion_colours, size, tick};
+use backlit_ui::style::{format, theme};
 use egui::{
     Align2, Id, PopupAnchor, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, Vec2,
     WidgetInfo, pos2, vec2,
@@ -12,7 +11,7 @@ use egui::{
 use crate::context::Context;
 use crate::context::marks::whole_percent;
 use crate::features::motions::job::RecognisedMotions;
-use crate::features::motions::{Plane, words};
+use crate::features::motions::{Motions, Plane, words};
 
 /// Most places of a curve that are drawn.
 const MOST_PLACES: usize = 4000;
@@ -34,7 +33,6 @@ const AXIS: f32 = 18.0;
 /// Side of the square about the frame on the screen in which no name stands, points.
 const NOW: f32 = 18.0;
 
-/// A frame on the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Place {
     pub(in super::super) frame: usize,
@@ -115,14 +113,8 @@ fn edge(cloud: &PlaneCloud) -> Vec<[f64; 2]> {
 }
 
 /// The plane; the frame that was clicked.
-pub(super) fn ui(
-    ui: &Ui,
-    area: Rect,
-    found: &RecognisedMotions,
-    plane: Plane,
-    context: &Context<'_>,
-    is_stale: bool,
-) -> Option<usize> {
+pub(super) fn ui(ui: &Ui, area: Rect, motions: &Motions, context: &Context<'_>) -> Option<usize> {
+    let (found, plane) = (motions.found.as_deref()?, motions.preferences.plane);
     let palette = theme::palette(ui);
     let response = ui.interact(area, Id::unique("plane of motions"), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plane of motions"));
@@ -135,7 +127,7 @@ pub(super) fn ui(
     let inner = Rect::from_min_max(area.min + vec2(AXIS, 2.0), area.max - vec2(2.0, AXIS));
     let sheet = Sheet::new(inner, &places, &clouds);
     regions(ui, &sheet, &clouds);
-    let strength = if is_stale { FAR } else { 1.0 };
+    let strength = if motions.marks.is_stale { FAR } else { 1.0 };
     curve(ui, &sheet, &places, context, strength);
     let now = places.iter().find(|place| place.frame == context.selection.frame);
     let now = now.map(|place| Rect::from_center_size(sheet.place(place.at), Vec2::splat(NOW)));

@@ -3,9 +3,8 @@
 
 use backlit_document::observability_words as words;
 use backlit_tracking::observability::Observability as Figures;
-use backlit_ui::style::format;
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align, Align2, Color32, EventFilter, FontId, Key, Painter, Rect, Response, Role, Sense, Shape, Stroke,
@@ -14,7 +13,6 @@ use egui::{
 
 use crate::features::observability::Observability;
 
-/// Height of the chart.
 const HEIGHT: f32 = 124.0;
 /// Room of the numbers at its left.
 const AXIS: f32 = 38.0;
@@ -22,7 +20,6 @@ const AXIS: f32 = 38.0;
 const INSET: f32 = 6.0;
 /// Below the line of rounding.
 const FLOOR: f32 = 12.0;
-/// Widest bar.
 const WIDEST: f32 = 9.0;
 /// Decades between two ticks.
 const TICK_DECADES: i32 = 3;
