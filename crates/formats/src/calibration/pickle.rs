@@ -409,9 +409,13 @@ impl<'a> PickleMachine<'a> {
             };
             sides.push(side as usize);
         }
-        let width = match code {
-            "f8" | "i8" | "u8" => 8,
-            "f4" | "i4" | "u4" => 4,
+        let (width, number): (usize, fn([u8; 8]) -> f64) = match code {
+            "f8" => (8, f64::from_le_bytes),
+            "i8" => (8, |word| i64::from_le_bytes(word) as f64),
+            "u8" => (8, |word| u64::from_le_bytes(word) as f64),
+            "f4" => (4, |[a, b, c, d, ..]| f64::from(f32::from_le_bytes([a, b, c, d]))),
+            "i4" => (4, |[a, b, c, d, ..]| f64::from(i32::from_le_bytes([a, b, c, d]))),
+            "u4" => (4, |[a, b, c, d, ..]| f64::from(u32::from_le_bytes([a, b, c, d]))),
             _ => return Err(self.error(&format!("an array of {code}; expected f8, f4, i8, i4, u8 or u4"))),
         };
         let count = sides.iter().try_fold(1_usize, |count, &side| count.checked_mul(side));
@@ -422,23 +426,15 @@ impl<'a> PickleMachine<'a> {
         if self.numbers + bytes.len() / width > MAX_NUMBERS {
             return Err(self.error(&format!("more than {MAX_NUMBERS} numbers")));
         }
-        let number = |bytes: &[u8]| {
+        let read = |bytes: &[u8]| {
             let mut word = [0; 8];
             word[..width].copy_from_slice(bytes);
             if big {
                 word[..width].reverse();
             }
-            let low = [word[0], word[1], word[2], word[3]];
-            match code {
-                "f8" => f64::from_le_bytes(word),
-                "f4" => f64::from(f32::from_le_bytes(low)),
-                "i8" => i64::from_le_bytes(word) as f64,
-                "i4" => f64::from(i32::from_le_bytes(low)),
-                "u8" => u64::from_le_bytes(word) as f64,
-                _ => f64::from(u32::from_le_bytes(low)),
-            }
+            number(word)
         };
-        let mut numbers: Vec<f64> = bytes.chunks_exact(width).map(number).collect();
+        let mut numbers: Vec<f64> = bytes.chunks_exact(width).map(read).collect();
         if let (true, &[rows, columns]) = (by_column, sides.as_slice()) {
             numbers = (0..rows * columns).map(|at| numbers[at % columns * rows + at / columns]).collect();
         }

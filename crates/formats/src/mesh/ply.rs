@@ -14,32 +14,21 @@ const MAX_LIST: f64 = 65_536.0;
 /// Most properties of a file.
 const MAX_PROPERTIES: usize = 256;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
+/// A kind of number: how many bytes it has, and what they are, lowest first.
+type Kind = (usize, fn([u8; 8]) -> f64);
 
-impl Kind {
-    fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
+fn kind(name: &str) -> Option<Kind> {
+    Some(match name {
+        "char" | "int8" => (1, |[a, ..]| f64::from(a.cast_signed())),
+        "uchar" | "uint8" => (1, |[a, ..]| f64::from(a)),
+        "short" | "int16" => (2, |[a, b, ..]| f64::from(i16::from_le_bytes([a, b]))),
+        "ushort" | "uint16" => (2, |[a, b, ..]| f64::from(u16::from_le_bytes([a, b]))),
+        "int" | "int32" => (4, |[a, b, c, d, ..]| f64::from(i32::from_le_bytes([a, b, c, d]))),
+        "uint" | "uint32" => (4, |[a, b, c, d, ..]| f64::from(u32::from_le_bytes([a, b, c, d]))),
+        "float" | "float32" => (4, |[a, b, c, d, ..]| f64::from(f32::from_le_bytes([a, b, c, d]))),
+        "double" | "float64" => (8, f64::from_le_bytes),
+        _ => return None,
+    })
 }
 
 #[derive(Debug)]
@@ -112,8 +101,8 @@ fn header(path: &Path, head: &str) -> Result<(Encoding, Vec<Element>), FileError
             }
             ["property", .., name] => {
                 let kinds: Option<Vec<Kind>> = match words[1..words.len() - 1] {
-                    ["list", length, kind] => [length, kind].into_iter().map(Kind::from_name).collect(),
-                    [kind] => Kind::from_name(kind).map(|kind| vec![kind]),
+                    ["list", length, of] => [length, of].into_iter().map(kind).collect(),
+                    [of] => kind(of).map(|kind| vec![kind]),
                     _ => None,
                 };
                 properties += 1;
@@ -208,30 +197,14 @@ fn number(words: &mut Words<'_>, what: &dyn Fn() -> String) -> Result<f64, MeshP
 
 fn binary(
     cursor: &mut Cursor<'_>,
-    kind: Kind,
+    (size, number): Kind,
     encoding: Encoding,
     what: &dyn Fn() -> String,
 ) -> Result<f64, MeshProblem> {
     let mut bytes = [0; 8];
-    let size = match kind {
-        Kind::I8 | Kind::U8 => 1,
-        Kind::I16 | Kind::U16 => 2,
-        Kind::I32 | Kind::U32 | Kind::F32 => 4,
-        Kind::F64 => 8,
-    };
     bytes[..size].copy_from_slice(cursor.take(size, what)?);
     if encoding == Encoding::Big {
         bytes[..size].reverse();
     }
-    let [a, b, c, d, ..] = bytes;
-    Ok(match kind {
-        Kind::I8 => f64::from(a.cast_signed()),
-        Kind::U8 => f64::from(a),
-        Kind::I16 => f64::from(i16::from_le_bytes([a, b])),
-        Kind::U16 => f64::from(u16::from_le_bytes([a, b])),
-        Kind::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
-        Kind::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
-        Kind::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
-        Kind::F64 => f64::from_le_bytes(bytes),
-    })
+    Ok(number(bytes))
 }

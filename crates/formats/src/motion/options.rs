@@ -52,21 +52,13 @@ impl Unit {
     /// How many there are in a metre.
     #[must_use]
     pub fn per_metre(self) -> f64 {
-        self.scale_and_symbol().0
+        [1.0, 100.0, 1000.0][self as usize]
     }
 
     /// Its sign.
     #[must_use]
     pub fn symbol(self) -> &'static str {
-        self.scale_and_symbol().1
-    }
-
-    fn scale_and_symbol(self) -> (f64, &'static str) {
-        match self {
-            Self::Metres => (1.0, "m"),
-            Self::Centimetres => (100.0, "cm"),
-            Self::Millimetres => (1000.0, "mm"),
-        }
+        ["m", "cm", "mm"][self as usize]
     }
 }
 

@@ -326,13 +326,14 @@ impl<'a> TakeReader<'a> {
             None => Axes::default(),
         };
         let options = ReferenceOptions {
+            model,
             axes,
             markers: spec.markers.is_some().then_some(&markers),
             first_frame: spec.first_frame.saturating_add(films.begins),
             frame_count: films.frame_count,
             metres_per_unit: take.units.metres(),
         };
-        Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, model, &options)
+        Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, &options)
     }
 
     pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>, FileError> {

@@ -52,6 +52,7 @@ pub struct Reference {
 /// How a table of keypoints is to be understood.
 #[derive(Debug)]
 pub(super) struct ReferenceOptions<'a> {
+    pub(super) model: &'a Model,
     /// Which joint each marker shows; `None`: the marker's name is the joint's.
     pub(super) markers: Option<&'a [(String, Joint)]>,
     /// The table's number of the take's frame 0.
@@ -108,11 +109,10 @@ impl Reference {
     pub(super) fn parse(
         path: &Path,
         bytes: &[u8],
-        model: &Model,
         options: &ReferenceOptions<'_>,
     ) -> Result<Self, FileError> {
         if trc::is_one(bytes) {
-            return Self::of_trc(path, bytes, model, options);
+            return Self::of_trc(path, bytes, options);
         }
         let text = text::decode(path, bytes)?;
         let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -128,13 +128,13 @@ impl Reference {
         for record in table.records() {
             let record = record.map_err(|error| syntax(&error))?;
             let line = record.position().and_then(|position| usize::try_from(position.line()).ok());
-            let row = TableRow { path, line, record: &record };
+            let row = TableRow { path, line, record: &record, columns: &columns };
             let name = record.get(columns.marker).unwrap_or_default();
-            let Some(marker) = reference.marker(&row, name, model, options)? else { continue };
+            let Some(marker) = reference.marker(&row, name, options)? else { continue };
             if let Some(seen) = seen.get_mut(marker) {
                 *seen = true;
             }
-            reference.insert(&row, &columns, marker, name, options)?;
+            reference.insert(&row, marker, options)?;
         }
         match seen.iter().position(|seen| !seen) {
             Some(unseen) => Err(reference.never_seen(path, unseen)),
@@ -148,17 +148,13 @@ impl Reference {
     }
 
     /// Without a map of markers, those count that other tools give a joint of the model.
-    fn of_trc(
-        path: &Path,
-        bytes: &[u8],
-        model: &Model,
-        options: &ReferenceOptions<'_>,
-    ) -> Result<Self, FileError> {
+    fn of_trc(path: &Path, bytes: &[u8], options: &ReferenceOptions<'_>) -> Result<Self, FileError> {
         let table = trc::parse(path, bytes)?;
         let markers = options.markers.map_or_else(
             || {
-                let joint =
-                    |marker: &String| Some((marker.clone(), Joint::named(model, &limb_of_marker(marker)?)?));
+                let joint = |marker: &String| {
+                    Some((marker.clone(), Joint::named(options.model, &limb_of_marker(marker)?)?))
+                };
                 table.markers.iter().filter_map(joint).collect()
             },
             <[_]>::to_vec,
@@ -187,14 +183,13 @@ impl Reference {
         &mut self,
         row: &TableRow<'_>,
         name: &str,
-        model: &Model,
         options: &ReferenceOptions<'_>,
     ) -> Result<Option<usize>, FileError> {
         let known = self.markers.iter().position(|(marker, _)| marker == name);
         if known.is_some() || options.markers.is_some() {
             return Ok(known);
         }
-        let joint = Joint::named(model, name).ok_or_else(|| {
+        let joint = Joint::named(options.model, name).ok_or_else(|| {
             row.problem(FileProblem::UnknownLimb { field: "marker".to_owned(), limb: name.to_owned() })
         })?;
         self.markers.push((name.to_owned(), joint));
@@ -204,26 +199,24 @@ impl Reference {
     fn insert(
         &mut self,
         row: &TableRow<'_>,
-        columns: &Columns,
         marker: usize,
-        name: &str,
         options: &ReferenceOptions<'_>,
     ) -> Result<(), FileError> {
-        let number: u64 = row.parse("frame", columns.frame, "a whole number, 0 or above")?;
+        let number: u64 = row.parse("frame", row.columns.frame, "a whole number, 0 or above")?;
         let mut position = DVec3::ZERO;
         for (axis, field) in ["x", "y", "z"].into_iter().enumerate() {
             let expected = "a finite number";
-            let value: f64 = row.parse(field, columns.position[axis], expected)?;
+            let value: f64 = row.parse(field, row.columns.position[axis], expected)?;
             position[axis] = value * options.metres_per_unit;
             if !position[axis].is_finite() || position[axis].abs() > MAX_COORDINATE {
-                return Err(row.field(field, columns.position[axis], expected));
+                return Err(row.field(field, row.columns.position[axis], expected));
             }
         }
         let frame = number.checked_sub(options.first_frame).and_then(|frame| usize::try_from(frame).ok());
         let Some(frame) = frame.filter(|&frame| frame < options.frame_count) else { return Ok(()) };
         let seen = self.frames.entry(frame).or_default();
         if seen.iter().any(|&(other, _)| other == marker) {
-            let field = format!("frame {number}, marker {name}");
+            let field = format!("frame {number}, marker {}", self.markers[marker].0);
             return Err(row.problem(FileProblem::Duplicate { field }));
         }
         seen.push((marker, options.axes.world(position)));
@@ -257,6 +250,7 @@ impl Columns {
 struct TableRow<'a> {
     path: &'a Path,
     line: Option<usize>,
+    columns: &'a Columns,
     record: &'a csv::StringRecord,
 }
 
@@ -290,13 +284,14 @@ mod tests {
 
     fn parse(text: &str, markers: Option<&[(String, Joint)]>) -> Result<Reference, FileError> {
         let options = ReferenceOptions {
+            model: &builtin::upper_body(),
             markers,
             first_frame: 5,
             frame_count: 3,
             metres_per_unit: 0.001,
             axes: Axes::default(),
         };
-        Reference::parse(Path::new("k.csv"), text.as_bytes(), &builtin::upper_body(), &options)
+        Reference::parse(Path::new("k.csv"), text.as_bytes(), &options)
     }
 
     #[test]

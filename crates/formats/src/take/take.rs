@@ -281,9 +281,10 @@ impl Take {
                 Some(first) => first,
                 None => Reference::first_frame(path, &bytes)?,
             };
-            let (frame_count, markers) = (self.frame_count, None);
-            let options = ReferenceOptions { markers, first_frame, frame_count, metres_per_unit: 1.0, axes };
-            Reference::parse(path, &bytes, &self.model, &options)
+            let (model, frame_count, markers) = (&*self.model, self.frame_count, None);
+            let options =
+                ReferenceOptions { model, markers, first_frame, frame_count, metres_per_unit: 1.0, axes };
+            Reference::parse(path, &bytes, &options)
         };
         let reference = match axes {
             Some(axes) => read(axes)?,
