@@ -7,20 +7,17 @@ use std::sync::Arc;
 
 use tempfile::TempPath;
 
-use super::{FileError, FileProblem};
+use super::{FileError, FileProblem, Result};
 
 /// Writes a file by a closure. On any failure the file is as it was before.
-pub fn write_with(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), FileError> {
+pub fn write_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     let file = NewFile::create(path)?;
     file.fill(write)?;
     file.finish()
 }
 
 /// Writes these bytes as [`write_with`] does.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |out| out.write_all(bytes))
 }
 
@@ -29,7 +26,7 @@ pub type Fill<'a> = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// Writes files into a folder, by name: each is whole before the first takes its place. If one cannot be written, all are as
 /// they were before.
-pub fn write_all(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<(), FileError> {
+pub fn write_all(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<()> {
     let mut written = Vec::with_capacity(files.len());
     for (name, fill) in files {
         let file = NewFile::create(&folder.join(name))?;
@@ -53,7 +50,7 @@ pub struct NewFile {
 
 impl NewFile {
     /// Begins a file.
-    pub fn create(path: &Path) -> Result<Self, FileError> {
+    pub fn create(path: &Path) -> Result<Self> {
         Self::begin(path).map_err(|error| FileError::new(path, FileProblem::Write { error }))
     }
 
@@ -87,7 +84,7 @@ impl NewFile {
         self.file.clone()
     }
 
-    fn fill(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
+    fn fill(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
         let mut out = BufWriter::new(self.writer());
         let written = write(&mut out).and_then(|()| out.flush());
         written.map_err(|error| self.error(error))
@@ -100,7 +97,7 @@ impl NewFile {
     }
 
     /// It is whole: it takes its place.
-    pub fn finish(mut self) -> Result<(), FileError> {
+    pub fn finish(mut self) -> Result<()> {
         let Some(temporary) = self.temporary.take() else { return Ok(()) };
         self.replace(temporary).map_err(|error| self.error(error))
     }

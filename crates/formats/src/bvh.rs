@@ -11,7 +11,7 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 
 use crate::text::{self, Words};
-use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
+use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles};
 
 /// Most joints of a skeleton.
 const MAX_JOINTS: usize = 4096;
@@ -110,7 +110,7 @@ impl BvhMotion {
 }
 
 /// Reads a motion from the disk.
-pub fn read(path: &Path) -> Result<BvhMotion, FileError> {
+pub fn read(path: &Path) -> Result<BvhMotion> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
 
@@ -119,7 +119,7 @@ pub fn read(path: &Path) -> Result<BvhMotion, FileError> {
 /// # Errors
 /// Not such a file, more than 4096 joints, a word that is not a number up to 10⁹, or frames that do not have as many numbers as
 /// there are channels. The error names the line.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion> {
     let mut words = BvhWords { path, words: Words::new(text::decode(path, bytes)?, char::is_whitespace) };
     words.expect("HIERARCHY")?;
     let (joints, after) = hierarchy(&mut words)?;
@@ -153,7 +153,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<BvhMotion, FileError> {
 }
 
 /// The joints of all roots, and the word after them.
-fn hierarchy<'a>(words: &mut BvhWords<'a>) -> Result<(Vec<BvhJoint>, &'a str), FileError> {
+fn hierarchy<'a>(words: &mut BvhWords<'a>) -> Result<(Vec<BvhJoint>, &'a str)> {
     let mut joints: Vec<BvhJoint> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
     loop {
@@ -194,7 +194,7 @@ fn hierarchy<'a>(words: &mut BvhWords<'a>) -> Result<(Vec<BvhJoint>, &'a str), F
     }
 }
 
-fn channels(words: &mut BvhWords<'_>) -> Result<Vec<Channel>, FileError> {
+fn channels(words: &mut BvhWords<'_>) -> Result<Vec<Channel>> {
     const EXPECTED: &str = "0 to 6";
     let text = words.next("CHANNELS")?;
     let count = text.parse().ok().filter(|count| *count <= 6_usize);
@@ -215,22 +215,22 @@ struct BvhWords<'a> {
 }
 
 impl<'a> BvhWords<'a> {
-    fn next(&mut self, field: &str) -> Result<&'a str, FileError> {
+    fn next(&mut self, field: &str) -> Result<&'a str> {
         self.words.after().ok_or_else(|| self.wrong(field, "missing", "more: the text ends too early"))
     }
 
-    fn expect(&mut self, wanted: &str) -> Result<(), FileError> {
+    fn expect(&mut self, wanted: &str) -> Result<()> {
         let word = self.next(wanted)?;
         if word == wanted { Ok(()) } else { Err(self.wrong(wanted, word, &format!("\"{wanted}\""))) }
     }
 
-    fn number(&mut self, field: &str) -> Result<f64, FileError> {
+    fn number(&mut self, field: &str) -> Result<f64> {
         let word = self.next(field)?;
         let number = word.parse::<f64>().ok().filter(|number| number.abs() <= LARGEST);
         number.ok_or_else(|| self.wrong(field, word, "a number, none beyond 1e9"))
     }
 
-    fn rest_of_line(&mut self, what: &str) -> Result<String, FileError> {
+    fn rest_of_line(&mut self, what: &str) -> Result<String> {
         let rest = self.words.left.trim();
         // Some writers put the bracket behind the name.
         let (name, left) = match rest.strip_suffix('{') {

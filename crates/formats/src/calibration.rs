@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use backlit_tracking::camera::{Camera, Rig};
 
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, text};
+use super::{DiskFiles, FileError, FileProblem, Result, TakeFiles, text};
 use partial::PartialCameras;
 use tree::Field;
 
@@ -107,28 +107,24 @@ enum Content {
 /// # Errors
 /// None of the formats, or not valid, or only half a calibration (see [`load_pair`]). The error names line, camera and
 /// field.
-pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig, FileError> {
+pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig> {
     Ok(finish(path, content(path, bytes, options)?, options)?.rig)
 }
 
 /// Reads a calibration of the disk. Where the file has only lenses or only places, the other file is looked for beside
 /// it: `extri.yml` for `intri.yml`, `images.txt` for `cameras.txt`, "extrinsic" for "intrinsic" in the name. Of a folder
 /// the first file of a usual name is read.
-pub fn read(path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
+pub fn read(path: &Path, options: CalibrationOptions) -> Result<Rig> {
     read_from(&DiskFiles, path, options)
 }
 
 /// As [`read`], and tells what was left out.
-pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration, FileError> {
+pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration> {
     load_from(&DiskFiles, path, options)
 }
 
 /// Reads a calibration whose lenses and places are in two files. It is an error if no camera has both.
-pub fn load_pair(
-    intrinsics: &Path,
-    extrinsics: &Path,
-    options: CalibrationOptions,
-) -> Result<Calibration, FileError> {
+pub fn load_pair(intrinsics: &Path, extrinsics: &Path, options: CalibrationOptions) -> Result<Calibration> {
     let parts = |path: &Path| {
         let bytes = DiskFiles.read(path, MAX_BYTES)?;
         match content(path, &bytes, options)? {
@@ -146,15 +142,11 @@ pub fn load_pair(
 }
 
 /// As [`read`], of any files.
-pub fn read_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
+pub fn read_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Rig> {
     Ok(load_from(files, path, options)?.rig)
 }
 
-fn load_from(
-    files: &dyn TakeFiles,
-    path: &Path,
-    options: CalibrationOptions,
-) -> Result<Calibration, FileError> {
+fn load_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Calibration> {
     if !files.exists(path)
         && let Some(inside) = IN_FOLDER.iter().map(|name| path.join(name)).find(|inside| files.exists(inside))
     {
@@ -192,7 +184,7 @@ fn companions(path: &Path) -> Vec<PathBuf> {
     out
 }
 
-fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<Calibration, FileError> {
+fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<Calibration> {
     match content {
         Content::Rig(rig) => Ok(rig.into()),
         Content::Partial(parts) => parts.calibration(path, options),
@@ -200,7 +192,7 @@ fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<
 }
 
 /// What the file is, by its first bytes and then by its keys.
-fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Content, FileError> {
+fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Content> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(FileError::new(path, FileProblem::TooLarge { limit: MAX_BYTES }));
     }
@@ -308,7 +300,7 @@ fn says_its_format(text: &str) -> bool {
 }
 
 /// The rig of these cameras, each for pictures of the size asked for.
-fn rig(path: &Path, cameras: Vec<Camera>, size: Option<[u64; 2]>) -> Result<Rig, FileError> {
+fn rig(path: &Path, cameras: Vec<Camera>, size: Option<[u64; 2]>) -> Result<Rig> {
     let sized = |camera: Camera| match size {
         Some(size) if size != [camera.width() as u64, camera.height() as u64] => resized(path, &camera, size),
         _ => Ok(camera),
@@ -318,7 +310,7 @@ fn rig(path: &Path, cameras: Vec<Camera>, size: Option<[u64; 2]>) -> Result<Rig,
 }
 
 /// The camera for pictures of another size of the same proportions.
-fn resized(path: &Path, camera: &Camera, [width, height]: [u64; 2]) -> Result<Camera, FileError> {
+fn resized(path: &Path, camera: &Camera, [width, height]: [u64; 2]) -> Result<Camera> {
     let stretch = (width as f64 / camera.width() as f64) / (height as f64 / camera.height() as f64);
     if (stretch - 1.0).abs() > PROPORTION_TOLERANCE {
         let found = format!("for pictures of {}×{}", camera.width(), camera.height());

@@ -16,6 +16,9 @@ use crate::video::VideoProblem;
 /// Longest text of what is wrong with a file, letters: a message is read, not searched.
 const LONGEST: usize = 480;
 
+/// What comes of a file.
+pub type Result<T, E = FileError> = std::result::Result<T, E>;
+
 /// What is wrong with a file, and where.
 #[derive(Debug, Error)]
 pub struct FileError {

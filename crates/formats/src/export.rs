@@ -6,7 +6,7 @@ use backlit_tracking::body::Model;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::track::Track;
 
-use super::FileError;
+use super::Result;
 use super::atomic::{self, Fill};
 
 pub mod resume_file;
@@ -53,7 +53,7 @@ fn ending_of_text(text: &str) -> Option<Termination> {
 }
 
 /// Writes `track.json`, `poses.csv`, `joints.csv` and `frames.csv` and these other files into a folder: all of them, or none.
-pub fn write(folder: &Path, export: &TrackExport<'_>, others: &[(&str, &[u8])]) -> Result<(), FileError> {
+pub fn write(folder: &Path, export: &TrackExport<'_>, others: &[(&str, &[u8])]) -> Result<()> {
     let track = track_json::to_text(export);
     let mut files: Vec<(&str, Fill<'_>)> = vec![
         ("track.json", Box::new(|out| out.write_all(track.as_bytes()))),

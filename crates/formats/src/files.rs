@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
-use super::{FileError, FileProblem};
+use super::{FileError, FileProblem, Result};
 
 /// Largest text file that is read, bytes. A minute of keypoints at 60 fps is 4 MB.
 pub const MAX_TEXT_BYTES: u64 = 64 << 20;
@@ -15,7 +15,7 @@ pub const MAX_TEXT_BYTES: u64 = 64 << 20;
 /// A set of files that a take reads from.
 pub trait TakeFiles: Debug + Send + Sync {
     /// All bytes of a file.
-    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError>;
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>>;
 
     /// Whether there is a file (not a folder) at `path`.
     fn exists(&self, path: &Path) -> bool;
@@ -26,7 +26,7 @@ pub trait TakeFiles: Debug + Send + Sync {
     }
 
     /// A file to be read in parts, as videos are. Files that lie on the disk should not be read as a whole for it.
-    fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
+    fn parts(&self, path: &Path) -> Result<FileParts> {
         Ok(FileParts::in_memory(self.read(path, MAX_BYTES_IN_MEMORY)?))
     }
 }
@@ -94,7 +94,7 @@ impl FileParts {
 pub struct DiskFiles;
 
 /// Opens a file of the disk.
-fn open(path: &Path) -> Result<File, FileError> {
+fn open(path: &Path) -> Result<File> {
     // A pipe would block at opening, so look first.
     if !std::fs::metadata(path).map_err(|error| failed(path, error))?.is_file() {
         return Err(FileError::new(path, FileProblem::NotAFile));
@@ -113,7 +113,7 @@ fn failed(path: &Path, error: std::io::Error) -> FileError {
 }
 
 impl TakeFiles for DiskFiles {
-    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let file = open(path)?;
         file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| failed(path, error))?;
@@ -121,7 +121,7 @@ impl TakeFiles for DiskFiles {
         Ok(bytes)
     }
 
-    fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
+    fn parts(&self, path: &Path) -> Result<FileParts> {
         let file = open(path)?;
         let length = file.metadata().map_err(|error| failed(path, error))?.len();
         Ok(FileParts { source: FileBytes::Disk(file), length })
@@ -153,7 +153,7 @@ impl MemoryFiles {
 }
 
 impl TakeFiles for MemoryFiles {
-    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
         let content =
             self.files.get(&plain(path)).ok_or_else(|| FileError::new(path, FileProblem::Missing))?;
         within_limit(path, content.len(), limit)?;
@@ -165,7 +165,7 @@ impl TakeFiles for MemoryFiles {
     }
 }
 
-fn within_limit(path: &Path, bytes: usize, limit: u64) -> Result<(), FileError> {
+fn within_limit(path: &Path, bytes: usize, limit: u64) -> Result<()> {
     if bytes as u64 > limit {
         return Err(FileError::new(path, FileProblem::TooLarge { limit }));
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use backlit_tracking::camera::{MAX_PIXELS, MAX_SIDE};
 use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbImage};
 
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};
+use super::{DiskFiles, FileError, FileProblem, Result, TakeFiles, atomic};
 
 /// Largest picture file that is read, bytes.
 pub const MAX_PICTURE_BYTES: u64 = 256 << 20;
@@ -16,52 +16,52 @@ const MAX_DECODED_BYTES: u64 = 480 << 20;
 const TURNED_BYTES: u64 = 4;
 
 /// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
-pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
 
 /// The alpha channel, row by row: 0 is transparent, 255 opaque. `None` for a picture without one.
-pub fn alpha(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, FileError> {
+pub fn alpha(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>> {
     let picture = decode_any(path, bytes)?;
     let has_alpha = picture.color().has_alpha();
     Ok(has_alpha.then(|| picture.into_rgba8().pixels().map(|pixel| pixel[3]).collect()))
 }
 
 /// Decodes a picture as grey levels.
-pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
+pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage> {
     decode_any(path, bytes).map(DynamicImage::into_luma8)
 }
 
 /// Width and height in pixels, from the head of the file alone.
-pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
+pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2]> {
     let (width, height) =
         reader(path, bytes)?.into_dimensions().map_err(|error| broken(path, &error.to_string()))?;
     Ok([width as usize, height as usize])
 }
 
 /// [`size`], if the file reaches its end.
-pub(crate) fn whole_size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
+pub(crate) fn whole_size(path: &Path, bytes: &[u8]) -> Result<[usize; 2]> {
     check_whole(path, bytes, reader(path, bytes)?.format())?;
     size(path, bytes)
 }
 
 /// Reads a picture of the disk as colour.
-pub fn read(path: &Path) -> Result<RgbImage, FileError> {
+pub fn read(path: &Path) -> Result<RgbImage> {
     decode(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }
 
 /// Reads a picture of the disk as grey levels.
-pub fn read_grey(path: &Path) -> Result<GrayImage, FileError> {
+pub fn read_grey(path: &Path) -> Result<GrayImage> {
     decode_grey(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }
 
 /// All bytes of a picture's file on the disk.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     DiskFiles.read(path, MAX_PICTURE_BYTES)
 }
 
 /// Writes a PNG; see [`atomic`].
-pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
+pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<()> {
     let mut bytes = Cursor::new(Vec::new());
     picture
         .write_to(&mut bytes, ImageFormat::Png)
@@ -69,7 +69,7 @@ pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
     atomic::write(path, bytes.get_ref())
 }
 
-fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>, FileError> {
+fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>> {
     let format = match image::guess_format(bytes) {
         Ok(
             format @ (ImageFormat::Png
@@ -89,7 +89,7 @@ fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8
     Ok(reader)
 }
 
-pub(crate) fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
+pub(crate) fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage> {
     let reader = reader(path, bytes)?;
     check_whole(path, bytes, reader.format())?;
     let decoder = reader.into_decoder().map_err(|error| broken(path, &error.to_string()))?;
@@ -104,7 +104,7 @@ pub(crate) fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, File
 }
 
 /// The decoders fill what is missing at a file's end with grey, silently.
-fn check_whole(path: &Path, bytes: &[u8], format: Option<ImageFormat>) -> Result<(), FileError> {
+fn check_whole(path: &Path, bytes: &[u8], format: Option<ImageFormat>) -> Result<()> {
     let whole = match format {
         Some(ImageFormat::Jpeg) => jpeg_is_whole(bytes),
         Some(ImageFormat::Png) => png_is_whole(bytes),

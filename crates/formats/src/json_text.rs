@@ -13,14 +13,10 @@ use serde::de::{DeserializeOwned, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::text::{decode, line_at};
-use super::{FileError, FileProblem, TextFormat, plain_words};
+use super::{FileError, FileProblem, Result, TextFormat, plain_words};
 
 /// Checks the `format` field, then parses the whole text.
-pub fn parse_versioned<T: DeserializeOwned>(
-    path: &Path,
-    text: &str,
-    expected: &'static str,
-) -> Result<T, FileError> {
+pub fn parse_versioned<T: DeserializeOwned>(path: &Path, text: &str, expected: &'static str) -> Result<T> {
     #[derive(Deserialize)]
     struct FormatOnly {
         format: Option<serde_json::Value>,
@@ -35,7 +31,7 @@ pub fn parse_versioned<T: DeserializeOwned>(
 }
 
 /// Parses a text; `path` is for the error's message.
-pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T, FileError> {
+pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T> {
     serde_json::from_str(text).map_err(|error| {
         let start =
             text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
@@ -55,7 +51,7 @@ pub fn parse<'de, T: Deserialize<'de>>(path: &Path, text: &'de str) -> Result<T,
 }
 
 /// Parses a file's content, for files that are not this crate's own.
-pub fn parse_bytes<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, FileError> {
+pub fn parse_bytes<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
     parse(path, decode(path, bytes)?)
 }
 

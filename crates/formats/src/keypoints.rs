@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use self::joints::KeypointOrder;
 use super::take::{FramePattern, split_number};
-use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_text, text};
+use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, json_text, text};
 
 /// Keypoints with a lower score are not believed to be anywhere.
 const LOWEST_SCORE: f64 = 0.1;
@@ -73,7 +73,7 @@ pub fn to_text(people: &[Person]) -> String {
 }
 
 /// Parses a file of one frame: x, y and score of each keypoint; a zero stands for one that was not found.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>> {
     let frame: OpenPoseFrame = json_text::parse(path, text::decode(path, bytes)?)?;
     let person = |(index, person): (usize, PersonSpec)| {
         let (triples, rest) = person.pose_keypoints_2d.as_chunks::<3>();
@@ -96,13 +96,13 @@ fn keypoint(&[x, y, score]: &[f64; 3]) -> Option<Keypoint> {
 }
 
 /// Reads a file of the disk.
-pub fn read(path: &Path) -> Result<Vec<Person>, FileError> {
+pub fn read(path: &Path) -> Result<Vec<Person>> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
 
 /// The files of a folder by the number of their frame: the last one in their name, as in `cam01.0007.json` and
 /// `cam01_000000000007_keypoints.json`. In order; files without a number are left out.
-pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>, FileError> {
+pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>> {
     let failed = |error| FileError::new(folder, FileProblem::Read { error });
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -119,7 +119,7 @@ pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>, FileError> {
 
 /// The names of a folder's files with `%03d`, or as many digits as they have, in the place of the number, and the first
 /// number. `None` for a folder without such files, or where names differ otherwise.
-pub fn pattern_of(folder: &Path) -> Result<Option<(String, u64)>, FileError> {
+pub fn pattern_of(folder: &Path) -> Result<Option<(String, u64)>> {
     let files = files_of(folder)?;
     let Some((first, path)) = files.first() else { return Ok(None) };
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Ok(None) };

@@ -35,7 +35,7 @@ mod toml_text;
 pub mod trc;
 pub mod video;
 
-pub use error::{FileError, FileProblem, TextFormat, reason};
+pub use error::{FileError, FileProblem, Result, TextFormat, reason};
 pub use files::{DiskFiles, FileParts, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
 pub use footage::{Footage, FootageError};
 pub use take::{Take, TakeError};

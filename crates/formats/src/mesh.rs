@@ -15,7 +15,7 @@ use backlit_tracking::body_spheres::Skin;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
+use crate::{DiskFiles, FileError, FileProblem, Result, TakeFiles};
 
 /// Largest mesh file that is read, bytes.
 pub const MAX_BYTES: u64 = 512 << 20;
@@ -94,36 +94,32 @@ fn wrong(path: &Path, error: MeshProblem) -> FileError {
 }
 
 /// Reads a mesh by its content, or by its name's ending where the content does not tell.
-pub fn read(path: &Path) -> Result<ClosedMesh, FileError> {
+pub fn read(path: &Path) -> Result<ClosedMesh> {
     let beside = |name: &str| DiskFiles.read(&path.with_file_name(name), MAX_BYTES);
     parse_with(path, &DiskFiles.read(path, MAX_BYTES)?, &beside)
 }
 
 /// The same from bytes; `path` is for the error's message and the ending. Files beside it are not read.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<ClosedMesh, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<ClosedMesh> {
     parse_with(path, bytes, &nothing_beside)
 }
 
 /// Reads the first skinned mesh of a .gltf or .glb file, with its skeleton, in the pose in which the file has it.
-pub fn read_skin(path: &Path) -> Result<Skin, FileError> {
+pub fn read_skin(path: &Path) -> Result<Skin> {
     let beside = |name: &str| DiskFiles.read(&path.with_file_name(name), MAX_BYTES);
     gltf::parse_skin(path, &DiskFiles.read(path, MAX_BYTES)?, &beside)
 }
 
 /// The same from bytes; files beside it are not read.
-pub fn parse_skin(path: &Path, bytes: &[u8]) -> Result<Skin, FileError> {
+pub fn parse_skin(path: &Path, bytes: &[u8]) -> Result<Skin> {
     gltf::parse_skin(path, bytes, &nothing_beside)
 }
 
-fn nothing_beside(name: &str) -> Result<Vec<u8>, FileError> {
+fn nothing_beside(name: &str) -> Result<Vec<u8>> {
     Err(FileError::new(&PathBuf::from(name), FileProblem::Missing))
 }
 
-fn parse_with(
-    path: &Path,
-    bytes: &[u8],
-    beside: &dyn Fn(&str) -> Result<Vec<u8>, FileError>,
-) -> Result<ClosedMesh, FileError> {
+fn parse_with(path: &Path, bytes: &[u8], beside: &dyn Fn(&str) -> Result<Vec<u8>>) -> Result<ClosedMesh> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let soup = if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         ply::parse(path, bytes)?

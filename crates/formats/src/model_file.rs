@@ -5,13 +5,13 @@ use std::path::Path;
 use backlit_tracking::body::{FORMAT, Model, ModelError, ModelSpec, builtin};
 
 use super::toml_text::{self, TomlStep};
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, text};
+use super::{DiskFiles, FileError, FileProblem, Result, TakeFiles, atomic, text};
 
 /// Largest model file that is read, bytes. The largest body is a tenth of it.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Parses the content of a model file; `path` is for the error's message.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<Model, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Model> {
     let text = text::decode(path, bytes)?;
     let spec: ModelSpec = toml_text::parse_versioned(path, text, FORMAT)?;
     Model::new(&spec).map_err(|error| {
@@ -48,7 +48,7 @@ fn place(error: &ModelError) -> Option<(&str, &str)> {
 }
 
 /// Reads a model file of the disk.
-pub fn read(path: &Path) -> Result<Model, FileError> {
+pub fn read(path: &Path) -> Result<Model> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?)
 }
 
@@ -58,12 +58,12 @@ pub(super) fn is_built_in(argument: &str) -> bool {
 }
 
 /// The model that a `--model` argument means: a built-in name ([`builtin::NAMES`]), else a path.
-pub fn resolve(argument: &str) -> Result<Model, FileError> {
+pub fn resolve(argument: &str) -> Result<Model> {
     resolve_in(&DiskFiles, Path::new(""), argument)
 }
 
 /// The same with paths relative to `folder` among `files`.
-pub(super) fn resolve_in(files: &dyn TakeFiles, folder: &Path, argument: &str) -> Result<Model, FileError> {
+pub(super) fn resolve_in(files: &dyn TakeFiles, folder: &Path, argument: &str) -> Result<Model> {
     if let Some(text) = builtin::text(argument) {
         return parse(Path::new(argument), text.as_bytes());
     }
@@ -86,7 +86,7 @@ pub fn to_text(model: &Model) -> String {
 }
 
 /// Writes a model file; see [`atomic`].
-pub fn write(path: &Path, model: &Model) -> Result<(), FileError> {
+pub fn write(path: &Path, model: &Model) -> Result<()> {
     atomic::write(path, to_text(model).as_bytes())
 }
 
@@ -111,7 +111,7 @@ length = 0.5
 radius = 0.1
 "#;
 
-    fn read_text(text: &str) -> Result<Model, FileError> {
+    fn read_text(text: &str) -> Result<Model> {
         parse(Path::new("body.toml"), text.as_bytes())
     }
 

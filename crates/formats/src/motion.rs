@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::export::TrackExport;
 use super::export::track_read::WrittenTrack;
-use super::{FileError, FileProblem, atomic};
+use super::{FileProblem, Result, atomic};
 
 mod bones;
 mod bvh;
@@ -183,12 +183,7 @@ pub fn to_bytes(
 }
 
 /// Writes a motion, whole or not at all.
-pub fn write(
-    path: &Path,
-    format: MotionFormat,
-    motion: &Motion,
-    options: &MotionOptions,
-) -> Result<(), FileError> {
+pub fn write(path: &Path, format: MotionFormat, motion: &Motion, options: &MotionOptions) -> Result<()> {
     let bytes = to_bytes(format, motion, options).map_err(|problem| problem.at(path, None))?;
     atomic::write(path, &bytes)
 }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use npyz::WriterBuilder;
 
-use super::{FileError, atomic};
+use super::{Result, atomic};
 
 /// Writes an array, row-major (the last index runs fastest).
-pub fn write(path: &Path, shape: &[usize], values: &[f64]) -> Result<(), FileError> {
+pub fn write(path: &Path, shape: &[usize], values: &[f64]) -> Result<()> {
     atomic::write_with(path, |out| {
         let count = shape.iter().try_fold(1_usize, |product, &side| product.checked_mul(side));
         if count != Some(values.len()) {

@@ -9,7 +9,7 @@ use backlit_tracking::silhouette::Label;
 use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
 
 use crate::take::Known;
-use crate::{FileError, images};
+use crate::{Result, images};
 
 pub use without_body::{PlateError, plate_without_body};
 
@@ -51,7 +51,7 @@ impl Plate {
     }
 
     /// Writes it as a PNG whose alpha channel says what is known.
-    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+    pub fn write(&self, path: &Path) -> Result<()> {
         let mut picture = RgbaImage::new(self.picture.width(), self.picture.height());
         for ((pixel, seen), known) in picture.pixels_mut().zip(self.picture.pixels()).zip(&self.known) {
             let [r, g, b] = seen.0;

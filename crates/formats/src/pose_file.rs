@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::json_text::{self, Entries};
-use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, atomic, text};
+use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, atomic, text};
 
 /// Name and version of the pose file's format.
 pub const FORMAT: &str = "backlit-pose 1";
@@ -40,7 +40,7 @@ struct PoseSpec {
 /// # Errors
 /// Not such a file, a limb that the model does not have or that has no rotation of its own, or a number that
 /// is not one. The error names the line and the limb.
-pub fn parse(path: &Path, bytes: &[u8], model: &Model, quaternions: Quaternions) -> Result<Pose, FileError> {
+pub fn parse(path: &Path, bytes: &[u8], model: &Model, quaternions: Quaternions) -> Result<Pose> {
     let text = text::decode(path, bytes)?;
     let spec: PoseSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let fail = |limb: &str, problem| {
@@ -109,7 +109,7 @@ fn normalised(pose: &Pose) -> Pose {
 }
 
 /// Reads a pose file of the disk.
-pub fn read(path: &Path, model: &Model, quaternions: Quaternions) -> Result<Pose, FileError> {
+pub fn read(path: &Path, model: &Model, quaternions: Quaternions) -> Result<Pose> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?, model, quaternions)
 }
 
@@ -130,7 +130,7 @@ pub fn to_text(model: &Model, pose: &Pose) -> String {
 }
 
 /// Writes a pose file; see [`atomic`].
-pub fn write(path: &Path, model: &Model, pose: &Pose) -> Result<(), FileError> {
+pub fn write(path: &Path, model: &Model, pose: &Pose) -> Result<()> {
     pose.check(model).map_err(|error| FileError::new(path, FileProblem::Pose { error }))?;
     atomic::write(path, to_text(model, pose).as_bytes())
 }
@@ -142,7 +142,7 @@ mod tests {
     use super::*;
     use crate::damaged::assert_refused;
 
-    fn parse_text(text: &str, quaternions: Quaternions) -> Result<Pose, FileError> {
+    fn parse_text(text: &str, quaternions: Quaternions) -> Result<Pose> {
         parse(Path::new("start.json"), text.as_bytes(), &builtin::upper_body(), quaternions)
     }
 

@@ -7,7 +7,7 @@ use backlit_tracking::prior::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, bvh, json_text, text};
+use super::{DiskFiles, FileError, FileProblem, Result, TakeFiles, atomic, bvh, json_text, text};
 
 /// Name and version of the file's format.
 pub const FORMAT: &str = "backlit-prior 1";
@@ -46,17 +46,17 @@ pub fn people() -> PosePrior {
 }
 
 /// Reads a prior from the disk, or the built-in one by its name, [`PEOPLE`].
-pub fn read_or_built_in(path: &Path) -> Result<PosePrior, FileError> {
+pub fn read_or_built_in(path: &Path) -> Result<PosePrior> {
     if path == Path::new(PEOPLE) { Ok(people()) } else { read(path) }
 }
 
 /// Reads a prior from the disk.
-pub fn read(path: &Path) -> Result<PosePrior, FileError> {
+pub fn read(path: &Path) -> Result<PosePrior> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?)
 }
 
 /// Parses the content of a prior's file; `path` is for the error's message.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior> {
     let text = text::decode(path, bytes)?;
     let spec: PriorSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let wrong = |error: PriorError| {
@@ -120,14 +120,14 @@ fn short_all(numbers: &[f64]) -> Vec<f64> {
 }
 
 /// Writes a prior, whole or not at all.
-pub fn write(path: &Path, prior: &PosePrior) -> Result<(), FileError> {
+pub fn write(path: &Path, prior: &PosePrior) -> Result<()> {
     let text = to_text(prior)
         .map_err(|error| FileError::new(path, FileProblem::Write { error: std::io::Error::other(error) }))?;
     atomic::write(path, text.as_bytes())
 }
 
 /// The people in the BVH files of a folder and its folders, in the order of their names, to be learnt from.
-pub fn clips(folder: &Path) -> Result<Vec<Clip>, FileError> {
+pub fn clips(folder: &Path) -> Result<Vec<Clip>> {
     let mut open = vec![folder.to_owned()];
     let mut files = Vec::new();
     while let Some(folder) = open.pop() {

@@ -5,7 +5,7 @@ use std::path::Path;
 use backlit_sphere_tree::{Level, SphereTree};
 use serde::Serialize;
 
-use crate::{FileError, atomic};
+use crate::{Result, atomic};
 
 #[derive(Serialize)]
 struct TreeJson {
@@ -65,6 +65,6 @@ pub fn to_text(tree: &SphereTree) -> String {
 }
 
 /// Writes a tree's file; see [`atomic`].
-pub fn write(path: &Path, tree: &SphereTree) -> Result<(), FileError> {
+pub fn write(path: &Path, tree: &SphereTree) -> Result<()> {
     atomic::write(path, to_text(tree).as_bytes())
 }

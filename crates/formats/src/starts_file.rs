@@ -24,7 +24,7 @@ use serde::de::IgnoredAny;
 use crate::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
 use crate::json_text::{self, Entries};
 use crate::text::decode;
-use crate::{FileError, FileProblem, base64};
+use crate::{FileProblem, Result, base64};
 
 /// Bits behind a mask's last pixel: up to 7 fill its byte, up to 4 the last character.
 const PADDING_BITS: usize = 12;
@@ -107,12 +107,12 @@ struct StartJson {
 type Cameras = BTreeMap<usize, Vec<Arc<Camera>>>;
 
 /// Reads all starts.
-pub fn read(path: &Path) -> Result<Vec<Start>, FileError> {
+pub fn read(path: &Path) -> Result<Vec<Start>> {
     parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
 
 /// The same from bytes; `path` is for the error's message.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>> {
     let file: StartsJson = json_text::parse(path, decode(path, bytes)?)?;
     file.starts().map_err(|problem| problem.at(path, None))
 }
@@ -278,7 +278,7 @@ mod tests {
         "starts": [{"angle_deg": 5, "truth": [0, 0, 0, 1, 0, 0, 0], "start": [0, 0, 0, 1, 0, 0, 0],
             "masks": {"1": ["Bg=="]}}]}"#;
 
-    fn read_text(text: &str) -> Result<Vec<Start>, FileError> {
+    fn read_text(text: &str) -> Result<Vec<Start>> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         read(file.path())

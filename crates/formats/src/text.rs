@@ -5,13 +5,13 @@ use std::path::Path;
 
 use backlit_tracking::names::is_unsafe;
 
-use super::{FileError, FileProblem};
+use super::{FileError, FileProblem, Result};
 
 /// Most letters of a name, a number or a word of a file that a message repeats.
 pub const MOST_SHOWN: usize = 60;
 
 /// The bytes as text, without a byte order mark.
-pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
+pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str> {
     match str::from_utf8(bytes) {
         Ok(text) => Ok(text.strip_prefix('\u{feff}').unwrap_or(text)),
         Err(error) => {

@@ -6,14 +6,14 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 use super::text::line_at;
-use super::{FileError, FileProblem, TextFormat, plain_words};
+use super::{FileError, FileProblem, Result, TextFormat, plain_words};
 
 /// Checks the `format` key, then parses the whole text.
 pub(super) fn parse_versioned<T: DeserializeOwned>(
     path: &Path,
     text: &str,
     expected: &'static str,
-) -> Result<T, FileError> {
+) -> Result<T> {
     let failed = |error: &toml::de::Error, field: Option<String>| {
         let problem = plain_words::problem(TextFormat::Toml, field, error.message());
         FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::{FileError, FileProblem, text};
+use super::{FileProblem, Result, text};
 
 /// Coordinates beyond this, metres, are a mistake of units.
 const MAX_COORDINATE: f64 = 1e6;
@@ -110,7 +110,7 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 }
 
 /// Parses a table. Of its numbers of frames and markers none is believed: the rows and columns that are there count.
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<MarkerTable, FileError> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<MarkerTable> {
     let content = text::decode(path, bytes)?;
     let mut lines = content.lines().enumerate().map(|(index, line)| (index + 1, line));
     let expected =

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::BvhMotion;
 use std::path::Path;
 
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Names of joints without their side, the first that a file has: those of the CMU database's conversions, of Mixamo, and of
 /// the two that Backlit writes.
@@ -35,7 +35,7 @@ struct JointIndices {
 
 impl BvhMotion {
     /// The motion of a person's joints. `path` is for the error's message.
-    pub fn body_points(&self, path: &Path) -> Result<Clip, FileError> {
+    pub fn body_points(&self, path: &Path) -> Result<Clip> {
         let places = JointIndices::of(self).map_err(|problem| FileError::new(path, problem))?;
         let at = |frame: usize| {
             let joints = self.joints_at(frame);

@@ -9,12 +9,12 @@
 use super::opencv;
 use super::partial::PartialCameras;
 use super::tree::Field;
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Metres in a millimetre.
 const MILLIMETRE: f64 = 0.001;
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let mut parts = PartialCameras::new(metres_per_unit(root)?);
     for (key, table) in root.children() {
         if key == "metadata" || table.node.entries().is_empty() {
@@ -37,7 +37,7 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     Ok(parts)
 }
 
-fn metres_per_unit(root: &Field<'_>) -> Result<Option<f64>, FileError> {
+fn metres_per_unit(root: &Field<'_>) -> Result<Option<f64>> {
     let square = root.find(&["metadata"]).and_then(|metadata| metadata.find(&["charuco_square_size"]));
     let Some(square) = square else { return Ok(None) };
     Ok((square.number()? != 1.0).then_some(MILLIMETRE))

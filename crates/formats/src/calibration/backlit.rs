@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::{CalibrationOptions, rig};
-use crate::{FileError, FileProblem, atomic, json_text};
+use crate::{FileError, FileProblem, Result, atomic, json_text};
 
 /// Name and version of the format.
 pub const FORMAT: &str = "backlit-cameras 1";
@@ -123,7 +123,7 @@ impl DistortionSpec {
 }
 
 /// Parses the content of such a file; `path` is for the error's message.
-pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
+pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig> {
     let spec: RigSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let mut cameras = Vec::with_capacity(spec.cameras.len());
     for (index, spec) in spec.cameras.iter().enumerate() {
@@ -179,7 +179,7 @@ pub fn to_text(rig: &Rig) -> String {
 }
 
 /// Writes such a file; see [`atomic`].
-pub fn write(path: &Path, rig: &Rig) -> Result<(), FileError> {
+pub fn write(path: &Path, rig: &Rig) -> Result<()> {
     atomic::write(path, to_text(rig).as_bytes())
 }
 

@@ -7,7 +7,7 @@
 use super::opencv;
 use super::partial::PartialCameras;
 use super::tree::{Field, Tree};
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Whether the tables are Caliscope's: of older releases only the port tells.
 pub(super) fn is_one(node: &Tree) -> bool {
@@ -20,7 +20,7 @@ pub(super) fn is_one(node: &Tree) -> bool {
     node.get("cameras").is_some_and(is_array) || is_array(node)
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let cameras = root.find(&["cameras"]).unwrap_or_else(|| root.clone());
     let mut parts = PartialCameras::new(Some(1.0));
     for (key, table) in cameras.children() {

@@ -11,7 +11,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::lens;
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Which of the two files a text is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(super) fn which(text: &str) -> Option<Which> {
     (words.len() >= 10 && numbers == 9).then_some(Which::Images)
 }
 
-pub(super) fn parts(path: &Path, text: &str, which: Which) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(path: &Path, text: &str, which: Which) -> Result<PartialCameras> {
     let mut parts = PartialCameras::new(None);
     let mut is_points = false;
     for (index, line) in text.lines().enumerate() {
@@ -72,18 +72,18 @@ impl ColmapLine<'_> {
         FileProblem::field(field, found, expected).at(self.path, self.line)
     }
 
-    fn word(&self, index: usize, field: &str) -> Result<&str, FileError> {
+    fn word(&self, index: usize, field: &str) -> Result<&str> {
         self.words.get(index).copied().ok_or_else(|| self.error(field, "missing", "more words in the line"))
     }
 
-    fn number(&self, index: usize, field: &str) -> Result<f64, FileError> {
+    fn number(&self, index: usize, field: &str) -> Result<f64> {
         let word = self.word(index, field)?;
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         number.ok_or_else(|| self.error(field, word, "a finite number"))
     }
 
     /// `CAMERA_ID MODEL WIDTH HEIGHT PARAMS`.
-    fn lens(&self) -> Result<PartialCamera, FileError> {
+    fn lens(&self) -> Result<PartialCamera> {
         let side = |index, field| {
             let word = self.word(index, field)?;
             word.parse::<u64>().ok().ok_or_else(|| self.error(field, word, "a whole number of pixels"))
@@ -126,7 +126,7 @@ impl ColmapLine<'_> {
     }
 
     /// `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; a name may have spaces in it.
-    fn image(&self, line: &str) -> Result<PartialCamera, FileError> {
+    fn image(&self, line: &str) -> Result<PartialCamera> {
         const NUMBERS: [&str; 7] = ["QW", "QX", "QY", "QZ", "TX", "TY", "TZ"];
         let mut numbers = [0.0; 7];
         for (index, number) in numbers.iter_mut().enumerate() {

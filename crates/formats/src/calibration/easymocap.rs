@@ -11,7 +11,7 @@ use backlit_tracking::camera::{CameraFromWorld, Distortion};
 use super::partial::{PartialCamera, PartialCameras};
 use super::tree::Field;
 use super::{MAX_CAMERAS, lens, opencv};
-use crate::FileError;
+use crate::Result;
 
 const PREFIXES: [&str; 3] = ["K_", "Rot_", "R_"];
 
@@ -21,7 +21,7 @@ pub(super) fn is_one(root: &Field<'_>) -> bool {
     named("K_") || (named("Rot_") || named("R_")) && named("T_")
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let mut names: Vec<&str> = Vec::new();
     for name in root.find(&["names"]).map(|names| names.items()).unwrap_or_default() {
         names.push(match name.node.value {

@@ -11,7 +11,7 @@ use super::lens;
 use super::opencv::size;
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use super::tree::{Field, Tree};
-use crate::FileError;
+use crate::Result;
 
 /// Whether a table has Kalibr's `camera_model` and `intrinsics`.
 pub(super) fn is_one(node: &Tree) -> bool {
@@ -20,7 +20,7 @@ pub(super) fn is_one(node: &Tree) -> bool {
         .any(|(_, table)| table.get("camera_model").is_some() && table.get("intrinsics").is_some())
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let mut parts = PartialCameras::new(Some(1.0));
     let mut place = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for (index, (name, table)) in root.children().enumerate() {
@@ -53,7 +53,7 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
     Ok(parts)
 }
 
-fn distortion(table: &Field<'_>) -> Result<Option<Distortion>, FileError> {
+fn distortion(table: &Field<'_>) -> Result<Option<Distortion>> {
     let model = table.need(&["distortion_model"], "radtan, equidistant or none")?.text()?;
     let coefficients = || table.need(&["distortion_coeffs"], "four coefficients");
     Ok(Some(match model {

@@ -4,10 +4,10 @@ use backlit_tracking::camera::Distortion;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::tree::Field;
-use crate::FileError;
+use crate::Result;
 
 /// Coefficients k1 k2 p1 p2 k3 k4 k5 k6 of OpenCV, or fewer; those of a thin prism or a tilted sensor must be 0.
-pub(super) fn opencv(field: &Field<'_>) -> Result<Distortion, FileError> {
+pub(super) fn opencv(field: &Field<'_>) -> Result<Distortion> {
     let numbers = field.numbers()?;
     match opencv_lens(&numbers) {
         Some(lens) => Ok(lens),
@@ -42,7 +42,7 @@ pub(super) fn opencv_lens(numbers: &[f64]) -> Option<Distortion> {
 }
 
 /// The four coefficients of a fisheye; fewer are followed by zeros. A fisheye without any is still none of a pinhole.
-pub(super) fn fisheye(field: &Field<'_>) -> Result<Distortion, FileError> {
+pub(super) fn fisheye(field: &Field<'_>) -> Result<Distortion> {
     let numbers = field.numbers()?;
     // Tools that keep five write zeros after the fourth.
     if numbers.is_empty() || numbers.iter().skip(4).any(|&value| value != 0.0) {

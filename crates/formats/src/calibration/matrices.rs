@@ -11,7 +11,7 @@ use backlit_tracking::camera::CameraFromWorld;
 use super::partial::{PartialCamera, PartialCameras};
 use super::tree::{Field, Tree, Value};
 use super::{lens, opencv};
-use crate::FileError;
+use crate::Result;
 
 /// Whether `cameras` is a map as this reader knows it: `OpenCV`'s own matrices are objects, not lists.
 pub(super) fn is_one(cameras: &Tree) -> bool {
@@ -22,7 +22,7 @@ pub(super) fn is_one(cameras: &Tree) -> bool {
 }
 
 /// The cameras, with the matrices for pictures of `size` where the file has them.
-pub(super) fn parts(root: &Field<'_>, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>, size: Option<[u64; 2]>) -> Result<PartialCameras> {
     let mut parts = PartialCameras::new(None);
     for (name, camera) in root.need(&["cameras"], "a table of cameras")?.children() {
         parts.push(root.path, partial(name, &camera, size)?)?;
@@ -30,7 +30,7 @@ pub(super) fn parts(root: &Field<'_>, size: Option<[u64; 2]>) -> Result<PartialC
     Ok(parts)
 }
 
-fn partial(name: &str, camera: &Field<'_>, wanted: Option<[u64; 2]>) -> Result<PartialCamera, FileError> {
+fn partial(name: &str, camera: &Field<'_>, wanted: Option<[u64; 2]>) -> Result<PartialCamera> {
     const LENS: &str = "[k1, k2, p1, p2] or [k1, k2, p1, p2, k3]";
     const ROWS: &str = "three rows of three numbers";
     let sides = camera.need(&["size"], "[width, height] in pixels")?;

@@ -10,14 +10,14 @@ use std::path::Path;
 use super::partial::PartialCameras;
 use super::tree::{Field, Tree, Value};
 use super::{opencv, pickle, stem};
-use crate::FileError;
+use crate::Result;
 
 /// What `OpenCap` calls its files.
 const ENDINGS: [&str; 2] = ["cameraIntrinsicsExtrinsics", "cameraIntrinsics"];
 /// Metres in a millimetre.
 const MILLIMETRE: f64 = 0.001;
 
-pub(super) fn parts(path: &Path, bytes: &[u8]) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(path: &Path, bytes: &[u8]) -> Result<PartialCameras> {
     let mut entries = Vec::new();
     for (key, array) in pickle::arrays(path, bytes)? {
         let mut numbers = array.numbers;

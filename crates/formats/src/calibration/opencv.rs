@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use super::tree::{Field, Value};
 use super::{easymocap, lens, stem};
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Words between spaces.
 const MATRIX: &str = "camera_matrix Camera_Matrix cameraMatrix CameraMatrix K intrinsic_matrix intrinsics intrinsic mtx matrix M \
@@ -30,7 +30,7 @@ const FIRST_LENS: [[&str; 4]; 2] =
     [["D1", "dist1", "distCoeffs1", "dist_coeffs_1"], ["D2", "dist2", "distCoeffs2", "dist_coeffs_2"]];
 
 /// What a tree with such keys says of cameras.
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     if easymocap::is_one(root) {
         return easymocap::parts(root);
     }
@@ -87,7 +87,7 @@ fn name_of(field: &Field<'_>, otherwise: &str) -> String {
 }
 
 /// One camera with its keys in a map.
-pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera, FileError> {
+pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera> {
     let mut part = PartialCamera::new(name, field.node.line);
     part.size = size(field)?;
     part.lens = Some(match matrix_of(field) {
@@ -99,7 +99,7 @@ pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera, Fil
 }
 
 /// Where the camera stands, if both numbers are there.
-pub(super) fn place(field: &Field<'_>) -> Result<Option<CameraFromWorld>, FileError> {
+pub(super) fn place(field: &Field<'_>) -> Result<Option<CameraFromWorld>> {
     let (rotation, translation) = match (field.find(&ROTATION), field.find(&TRANSLATION)) {
         (None, None) => return Ok(None),
         (Some(rotation), None) if rotation.numbers().is_ok_and(|numbers| numbers.is_empty()) => {
@@ -115,7 +115,7 @@ pub(super) fn place(field: &Field<'_>) -> Result<Option<CameraFromWorld>, FileEr
 }
 
 /// Of a stereo pair the first camera is the world.
-fn stereo_place(root: &Field<'_>, index: usize) -> Result<CameraFromWorld, FileError> {
+fn stereo_place(root: &Field<'_>, index: usize) -> Result<CameraFromWorld> {
     if index == 0 {
         return Ok(CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO });
     }
@@ -125,7 +125,7 @@ fn stereo_place(root: &Field<'_>, index: usize) -> Result<CameraFromWorld, FileE
 }
 
 /// The pinhole of a camera matrix.
-pub(super) fn pinhole(field: &Field<'_>) -> Result<Pinhole, FileError> {
+pub(super) fn pinhole(field: &Field<'_>) -> Result<Pinhole> {
     let matrix = field.matrix()?;
     let intrinsics =
         Intrinsics { fx: matrix.x_axis.x, fy: matrix.y_axis.y, cx: matrix.z_axis.x, cy: matrix.z_axis.y };
@@ -136,7 +136,7 @@ pub(super) fn pinhole(field: &Field<'_>) -> Result<Pinhole, FileError> {
     Ok(Pinhole::Pixels(intrinsics))
 }
 
-fn coefficients(field: &Field<'_>, keys: &[&str]) -> Result<Distortion, FileError> {
+fn coefficients(field: &Field<'_>, keys: &[&str]) -> Result<Distortion> {
     match field.find(keys) {
         None if field.flag(&FISHEYE) => Err(field.missing(keys[0], "the four coefficients of a fisheye")),
         None => Ok(Distortion::None),
@@ -146,7 +146,7 @@ fn coefficients(field: &Field<'_>, keys: &[&str]) -> Result<Distortion, FileErro
 }
 
 /// `fx`, `fy`, `cx`, `cy` and coefficients by their names.
-fn flat(field: &Field<'_>) -> Result<(Pinhole, Distortion), FileError> {
+fn flat(field: &Field<'_>) -> Result<(Pinhole, Distortion)> {
     let number = |key| field.need(&[key], "a number")?.number();
     let intrinsics =
         Intrinsics { fx: number("fx")?, fy: number("fy")?, cx: number("cx")?, cy: number("cy")? };
@@ -154,7 +154,7 @@ fn flat(field: &Field<'_>) -> Result<(Pinhole, Distortion), FileError> {
 }
 
 /// The lens of coefficients that have names; those left out are 0.
-pub(super) fn named_lens(field: &Field<'_>, is_fisheye: bool) -> Result<Distortion, FileError> {
+pub(super) fn named_lens(field: &Field<'_>, is_fisheye: bool) -> Result<Distortion> {
     let lens = |key| field.find(&[key]).map_or(Ok(0.0), |value| value.number());
     if is_fisheye {
         return Ok(Distortion::Fisheye {
@@ -172,7 +172,7 @@ pub(super) fn named_lens(field: &Field<'_>, is_fisheye: bool) -> Result<Distorti
 }
 
 /// The pictures' size: two keys, or [width, height], or the [height, width, channels] of an array.
-pub(super) fn size(field: &Field<'_>) -> Result<Option<[u64; 2]>, FileError> {
+pub(super) fn size(field: &Field<'_>) -> Result<Option<[u64; 2]>> {
     if let (Some(width), Some(height)) = (field.find(&WIDTH), field.find(&HEIGHT)) {
         return Ok(Some([width.pixels()?, height.pixels()?]));
     }

@@ -6,7 +6,7 @@ use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, 
 use glam::{DMat3, DVec3};
 
 use super::{Calibration, CalibrationOptions, MAX_CAMERAS, SkippedCamera, rig};
-use crate::{FileError, FileProblem};
+use crate::{FileProblem, Result};
 
 /// Focal lengths and principal point, as a file has them.
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +63,7 @@ impl PartialCameras {
         Self { cameras: Vec::new(), left_out: Vec::new(), metres_per_unit }
     }
 
-    pub(super) fn push(&mut self, path: &Path, camera: PartialCamera) -> Result<(), FileError> {
+    pub(super) fn push(&mut self, path: &Path, camera: PartialCamera) -> Result<()> {
         if self.cameras.len() >= MAX_CAMERAS {
             let problem = FileProblem::field("cameras", format!("more than {MAX_CAMERAS}"), "fewer");
             return Err(problem.at(path, camera.line));
@@ -125,11 +125,7 @@ impl PartialCameras {
     }
 
     /// The cameras that have all they need. A single camera without a place stands at the origin.
-    pub(super) fn calibration(
-        self,
-        path: &Path,
-        options: CalibrationOptions,
-    ) -> Result<Calibration, FileError> {
+    pub(super) fn calibration(self, path: &Path, options: CalibrationOptions) -> Result<Calibration> {
         let Self { cameras, mut left_out, metres_per_unit } = self;
         let missing = |line: Option<usize>, camera: &str, key: &str, expected: &str| {
             Err(FileProblem::field(format!("cameras.{camera}{key}"), "missing", expected).at(path, line))

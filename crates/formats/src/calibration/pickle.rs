@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use crate::{FileError, FileProblem, TextFormat};
+use crate::{FileError, FileProblem, Result, TextFormat};
 
 /// Most instructions that are followed.
 const MAX_INSTRUCTIONS: usize = 1_000_000;
@@ -61,7 +61,7 @@ pub(super) struct Array {
 }
 
 /// The arrays of a pickled dict by their keys; other values of it are passed over.
-pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<(String, Array)>, FileError> {
+pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<(String, Array)>> {
     let mut machine = PickleMachine {
         path,
         bytes,
@@ -109,7 +109,7 @@ impl<'a> PickleMachine<'a> {
         FileProblem::syntax(TextFormat::Pickle, message).at(self.path, None)
     }
 
-    fn take(&mut self, count: usize) -> Result<&'a [u8], FileError> {
+    fn take(&mut self, count: usize) -> Result<&'a [u8]> {
         let end = self.at.checked_add(count).filter(|end| *end <= self.bytes.len());
         let Some(end) = end else { return Err(self.error("the file ends too early")) };
         let taken = &self.bytes[self.at..end];
@@ -118,12 +118,12 @@ impl<'a> PickleMachine<'a> {
     }
 
     /// A number of `count` bytes, the lowest first.
-    fn unsigned(&mut self, count: usize) -> Result<usize, FileError> {
+    fn unsigned(&mut self, count: usize) -> Result<usize> {
         let value = self.take(count)?.iter().rev().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
         usize::try_from(value).ok().ok_or_else(|| self.error("a number is too large"))
     }
 
-    fn line(&mut self) -> Result<String, FileError> {
+    fn line(&mut self) -> Result<String> {
         let rest = &self.bytes[self.at..];
         let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
             return Err(self.error("the file ends too early"));
@@ -137,7 +137,7 @@ impl<'a> PickleMachine<'a> {
         self.stack.push(self.objects.len() - 1);
     }
 
-    fn pop(&mut self) -> Result<usize, FileError> {
+    fn pop(&mut self) -> Result<usize> {
         match self.stack.pop() {
             Some(index) if !matches!(self.objects[index], Object::Mark) => Ok(index),
             _ => Err(self.error("a value is missing")),
@@ -145,7 +145,7 @@ impl<'a> PickleMachine<'a> {
     }
 
     /// All values down to the last mark, which goes too.
-    fn pop_marked(&mut self) -> Result<Vec<usize>, FileError> {
+    fn pop_marked(&mut self) -> Result<Vec<usize>> {
         let mark = self.stack.iter().rposition(|&index| matches!(self.objects[index], Object::Mark));
         let Some(mark) = mark else { return Err(self.error("a mark is missing")) };
         let values = self.stack.split_off(mark + 1);
@@ -153,13 +153,13 @@ impl<'a> PickleMachine<'a> {
         Ok(values)
     }
 
-    fn text(&mut self, count: usize) -> Result<(), FileError> {
+    fn text(&mut self, count: usize) -> Result<()> {
         let text = String::from_utf8_lossy(self.take(count)?).into_owned();
         self.push(Object::Text(text));
         Ok(())
     }
 
-    fn run(&mut self) -> Result<usize, FileError> {
+    fn run(&mut self) -> Result<usize> {
         for _ in 0..MAX_INSTRUCTIONS {
             let code = self.take(1)?[0];
             match code {
@@ -202,7 +202,7 @@ impl<'a> PickleMachine<'a> {
         Err(self.error(&format!("more than {MAX_INSTRUCTIONS} instructions")))
     }
 
-    fn global(&mut self, module: &str, name: &str) -> Result<(), FileError> {
+    fn global(&mut self, module: &str, name: &str) -> Result<()> {
         let Some(found) = callable(module, name) else {
             let named: String = format!("{module}.{name}").chars().take(80).collect();
             let message =
@@ -213,7 +213,7 @@ impl<'a> PickleMachine<'a> {
         Ok(())
     }
 
-    fn scalar(&mut self, code: u8) -> Result<(), FileError> {
+    fn scalar(&mut self, code: u8) -> Result<()> {
         let object = match code {
             b'N' => Object::Nothing,
             0x88 | 0x89 => Object::Bool(code == 0x88),
@@ -242,7 +242,7 @@ impl<'a> PickleMachine<'a> {
     }
 
     /// Texts and bytes, whose length stands before them.
-    fn long(&mut self, code: u8) -> Result<(), FileError> {
+    fn long(&mut self, code: u8) -> Result<()> {
         let width = match code {
             0x8c | b'C' | b'U' => 1,
             0x8d | 0x8e => 8,
@@ -257,7 +257,7 @@ impl<'a> PickleMachine<'a> {
         Ok(())
     }
 
-    fn collection(&mut self, code: u8) -> Result<(), FileError> {
+    fn collection(&mut self, code: u8) -> Result<()> {
         match code {
             b'}' => self.push(Object::Dict(Vec::new())),
             b']' | b')' => self.push(Object::Sequence(Vec::new())),
@@ -298,7 +298,7 @@ impl<'a> PickleMachine<'a> {
     }
 
     /// Keys and values in turn, into the dict on top.
-    fn set(&mut self, entries: &[usize]) -> Result<(), FileError> {
+    fn set(&mut self, entries: &[usize]) -> Result<()> {
         let (pairs, rest) = entries.as_chunks::<2>();
         match self.stack.last().map(|&index| &mut self.objects[index]) {
             Some(Object::Dict(dict)) if rest.is_empty() => {
@@ -309,7 +309,7 @@ impl<'a> PickleMachine<'a> {
         }
     }
 
-    fn remember(&mut self, code: u8) -> Result<(), FileError> {
+    fn remember(&mut self, code: u8) -> Result<()> {
         let slot = match code {
             0x94 => self.memo.len(),
             b'q' | b'h' => self.unsigned(1)?,
@@ -333,7 +333,7 @@ impl<'a> PickleMachine<'a> {
         Ok(())
     }
 
-    fn call(&mut self) -> Result<(), FileError> {
+    fn call(&mut self) -> Result<()> {
         let (arguments, target) = (self.pop()?, self.pop()?);
         let (Object::Callable(target), Object::Sequence(arguments)) =
             (&self.objects[target], &self.objects[arguments])
@@ -364,7 +364,7 @@ impl<'a> PickleMachine<'a> {
     }
 
     /// Fills in the array or kind of number below the state on top.
-    fn build(&mut self) -> Result<(), FileError> {
+    fn build(&mut self) -> Result<()> {
         let state = self.pop()?;
         let Some(&target) = self.stack.last() else { return Err(self.error("a value is missing")) };
         let Object::Sequence(state) = &self.objects[state] else {
@@ -401,7 +401,7 @@ impl<'a> PickleMachine<'a> {
         (code, big): (&str, bool),
         by_column: bool,
         bytes: &[u8],
-    ) -> Result<Array, FileError> {
+    ) -> Result<Array> {
         let mut sides = Vec::with_capacity(shape.len());
         for &side in shape {
             let Object::Integer(side @ 0..) = self.objects[side] else {

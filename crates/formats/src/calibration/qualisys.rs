@@ -18,13 +18,13 @@ use glam::{DMat3, DVec3};
 
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use super::xml::{self, Element};
-use crate::FileError;
+use crate::{FileError, Result};
 
 /// The file's pixel numbers in one pixel.
 const PER_PIXEL: f64 = 64.0;
 
 /// The cameras that film, turned as pictures of this size are.
-pub(super) fn parts(path: &Path, text: &str, size: Option<[u64; 2]>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(path: &Path, text: &str, size: Option<[u64; 2]>) -> Result<PartialCameras> {
     let document = xml::document(path, text)?;
     let mut parts = PartialCameras::new(Some(1.0));
     for node in document.descendants().filter(|node| node.has_tag_name("camera")) {
@@ -43,8 +43,8 @@ fn films(camera: Element<'_, '_>) -> bool {
     camera.attribute("active") != Some("0") && takes_video
 }
 
-fn camera(element: Element<'_, '_>, pictures: Option<[u64; 2]>) -> Result<PartialCamera, FileError> {
-    let side = |first, last| -> Result<(u64, f64), FileError> {
+fn camera(element: Element<'_, '_>, pictures: Option<[u64; 2]>) -> Result<PartialCamera> {
+    let side = |first, last| -> Result<(u64, f64)> {
         let [first, last]: [i32; 2] =
             [element.child_number("fov_video", first)?, element.child_number("fov_video", last)?];
         Ok(((i64::from(last) - i64::from(first) + 1).max(0).unsigned_abs(), f64::from(first)))
@@ -87,7 +87,7 @@ fn camera(element: Element<'_, '_>, pictures: Option<[u64; 2]>) -> Result<Partia
 }
 
 /// Clockwise, from the sensor's picture to the upright one.
-fn quarter_turns(camera: Element<'_, '_>) -> Result<u32, FileError> {
+fn quarter_turns(camera: Element<'_, '_>) -> Result<u32> {
     match camera.attribute("viewrotation").map(str::trim) {
         None | Some("" | "0") => Ok(0),
         Some("90") => Ok(1),

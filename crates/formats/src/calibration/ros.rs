@@ -9,13 +9,13 @@ use backlit_tracking::camera::Distortion;
 use super::partial::{PartialCamera, PartialCameras};
 use super::tree::{Field, Tree};
 use super::{lens, opencv, stem};
-use crate::FileError;
+use crate::Result;
 
 pub(super) fn is_one(node: &Tree) -> bool {
     node.get("distortion_model").is_some()
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let header = root.find(&["header"]).and_then(|header| header.find(&["frame_id"]));
     let name = match root.find(&["camera_name"]).or(header) {
         Some(name) => name.text()?.to_owned(),

@@ -11,13 +11,13 @@ use glam::{DMat3, DVec3};
 use super::opencv::{named_lens, size};
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use super::tree::{Field, Tree};
-use crate::FileError;
+use crate::Result;
 
 pub(super) fn is_one(node: &Tree) -> bool {
     node.get("frames").is_some()
 }
 
-pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     let mut parts = PartialCameras::new(None);
     for frame in root.need(&["frames"], "a list of frames")?.items() {
         let name = frame.need(&["file_path"], "the picture's path")?.text()?;
@@ -31,13 +31,13 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras, FileError> {
 }
 
 /// The frame's own value, else that of all.
-fn either<'a>(root: &Field<'a>, frame: &Field<'a>, key: &str) -> Result<Option<f64>, FileError> {
+fn either<'a>(root: &Field<'a>, frame: &Field<'a>, key: &str) -> Result<Option<f64>> {
     frame.find(&[key]).or_else(|| root.find(&[key])).map(|field| field.number()).transpose()
 }
 
-fn pinhole(root: &Field<'_>, frame: &Field<'_>, size: Option<[u64; 2]>) -> Result<Pinhole, FileError> {
+fn pinhole(root: &Field<'_>, frame: &Field<'_>, size: Option<[u64; 2]>) -> Result<Pinhole> {
     let number = |key| either(root, frame, key);
-    let half = |key| -> Result<Option<f64>, FileError> {
+    let half = |key| -> Result<Option<f64>> {
         let Some(angle) = number(key)? else { return Ok(None) };
         if !(angle > 0.0 && angle < std::f64::consts::PI) {
             let field = frame.find(&[key]).or_else(|| root.find(&[key])).unwrap_or_else(|| root.clone());
@@ -73,7 +73,7 @@ fn pinhole(root: &Field<'_>, frame: &Field<'_>, size: Option<[u64; 2]>) -> Resul
     }))
 }
 
-fn distortion(root: &Field<'_>, frame: &Field<'_>) -> Result<Distortion, FileError> {
+fn distortion(root: &Field<'_>, frame: &Field<'_>) -> Result<Distortion> {
     let model = frame.find(&["camera_model"]).or_else(|| root.find(&["camera_model"]));
     let is_fisheye = match &model {
         None => root.flag(&["is_fisheye"]),
@@ -87,7 +87,7 @@ fn distortion(root: &Field<'_>, frame: &Field<'_>) -> Result<Distortion, FileErr
     named_lens(if own { frame } else { root }, is_fisheye)
 }
 
-fn place(frame: &Field<'_>) -> Result<CameraFromWorld, FileError> {
+fn place(frame: &Field<'_>) -> Result<CameraFromWorld> {
     let matrix = frame.need(&["transform_matrix"], "4 × 4 numbers")?;
     let numbers = matrix.numbers()?;
     if numbers.len() != 16 && numbers.len() != 12 {

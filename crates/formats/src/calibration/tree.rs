@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::lens::rotation_from_vector;
 use crate::json_text::{self, Entries};
 use crate::text::line_at;
-use crate::{FileError, FileProblem, TextFormat, plain_words};
+use crate::{FileError, FileProblem, Result, TextFormat, plain_words};
 
 /// Deepest nesting that is read.
 pub(super) const MAX_DEPTH: usize = 32;
@@ -112,7 +112,7 @@ impl<'a> Field<'a> {
     }
 
     /// As [`find`](Self::find); the error names the first of the keys.
-    pub(super) fn need(&self, keys: &[&str], expected: &str) -> Result<Self, FileError> {
+    pub(super) fn need(&self, keys: &[&str], expected: &str) -> Result<Self> {
         self.find(keys).ok_or_else(|| self.missing(keys.first().copied().unwrap_or_default(), expected))
     }
 
@@ -130,7 +130,7 @@ impl<'a> Field<'a> {
         self.error(&self.node.describe(), expected)
     }
 
-    pub(super) fn number(&self) -> Result<f64, FileError> {
+    pub(super) fn number(&self) -> Result<f64> {
         let number = match &self.node.value {
             Value::Plain(text) => text.parse::<f64>().ok().filter(|number| number.is_finite()),
             _ => None,
@@ -139,7 +139,7 @@ impl<'a> Field<'a> {
     }
 
     /// A whole number of pixels; files may write it as 1088.0.
-    pub(super) fn pixels(&self) -> Result<u64, FileError> {
+    pub(super) fn pixels(&self) -> Result<u64> {
         let number = self.number()?;
         if number < 0.0 || number.fract() != 0.0 || number > f64::from(u32::MAX) {
             return Err(self.unexpected("a whole number of pixels"));
@@ -148,7 +148,7 @@ impl<'a> Field<'a> {
     }
 
     /// A name: text, or a number as it stands.
-    pub(super) fn text(&self) -> Result<&'a str, FileError> {
+    pub(super) fn text(&self) -> Result<&'a str> {
         match &self.node.value {
             Value::Plain(text) | Value::Text(text) => Ok(text),
             _ => Err(self.unexpected("a text")),
@@ -163,7 +163,7 @@ impl<'a> Field<'a> {
     }
 
     /// All numbers of a list, of lists of lists, or of an OpenCV matrix with `rows`, `cols` and `data`.
-    pub(super) fn numbers(&self) -> Result<Vec<f64>, FileError> {
+    pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         if let Some(data) = self.find(&["data"]) {
             let numbers = data.numbers()?;
             let side = |key| self.find(&[key]).map(|side| side.pixels()).transpose();
@@ -180,7 +180,7 @@ impl<'a> Field<'a> {
         Ok(numbers)
     }
 
-    fn collect(&self, numbers: &mut Vec<f64>) -> Result<(), FileError> {
+    fn collect(&self, numbers: &mut Vec<f64>) -> Result<()> {
         match &self.node.value {
             Value::List(_) => self.items().iter().try_for_each(|item| item.collect(numbers)),
             _ => {
@@ -191,7 +191,7 @@ impl<'a> Field<'a> {
     }
 
     /// Exactly `N` numbers.
-    pub(super) fn array<const N: usize>(&self) -> Result<[f64; N], FileError> {
+    pub(super) fn array<const N: usize>(&self) -> Result<[f64; N]> {
         let numbers = self.numbers()?;
         let count = numbers.len();
         let array: Option<[f64; N]> = numbers.try_into().ok();
@@ -199,12 +199,12 @@ impl<'a> Field<'a> {
     }
 
     /// Three by three, row after row.
-    pub(super) fn matrix(&self) -> Result<DMat3, FileError> {
+    pub(super) fn matrix(&self) -> Result<DMat3> {
         Ok(DMat3::from_cols_array(&self.array::<9>()?).transpose())
     }
 
     /// A rotation as a matrix or as a vector along the axis with the angle's length.
-    pub(super) fn rotation(&self) -> Result<DMat3, FileError> {
+    pub(super) fn rotation(&self) -> Result<DMat3> {
         let numbers = self.numbers()?;
         match *numbers.as_slice() {
             [x, y, z] => Ok(rotation_from_vector([x, y, z])),
@@ -218,7 +218,7 @@ impl<'a> Field<'a> {
 }
 
 /// The tree of a TOML text, tables in the order of the file.
-pub(super) fn from_toml(path: &Path, text: &str) -> Result<Tree, FileError> {
+pub(super) fn from_toml(path: &Path, text: &str) -> Result<Tree> {
     let table = DeTable::parse(text).map_err(|error| {
         let problem = plain_words::problem(TextFormat::Toml, None, error.message());
         problem.at(path, error.span().map(|span| line_at(text, span.start)))
@@ -227,7 +227,7 @@ pub(super) fn from_toml(path: &Path, text: &str) -> Result<Tree, FileError> {
 }
 
 /// The tree of a JSON text, which is known to be one.
-pub(super) fn from_json(path: &Path, text: &str) -> Result<Tree, FileError> {
+pub(super) fn from_json(path: &Path, text: &str) -> Result<Tree> {
     TextLines::new(path, text).json(json_text::parse(path, text)?, 0)
 }
 
@@ -248,7 +248,7 @@ impl<'a> TextLines<'a> {
         1 + self.ends.partition_point(|end| *end < offset)
     }
 
-    fn json(&self, raw: &'a RawValue, depth: usize) -> Result<Tree, FileError> {
+    fn json(&self, raw: &'a RawValue, depth: usize) -> Result<Tree> {
         let text = raw.get();
         let line = self.line_at(text.as_ptr() as usize - self.text.as_ptr() as usize);
         self.check(TextFormat::Json, line, depth, 0)?;
@@ -267,7 +267,7 @@ impl<'a> TextLines<'a> {
                 let entries: Entries<&RawValue> = serde_json::from_str(text).map_err(failed)?;
                 self.check(TextFormat::Json, line, depth, entries.0.len())?;
                 let entry = |(key, value): (String, &'a RawValue)| Ok((key, self.json(value, depth + 1)?));
-                Value::Map(entries.0.into_iter().map(entry).collect::<Result<_, FileError>>()?)
+                Value::Map(entries.0.into_iter().map(entry).collect::<Result<_>>()?)
             }
             Some(b'[') => {
                 let items: Vec<&RawValue> = serde_json::from_str(text).map_err(failed)?;
@@ -283,7 +283,7 @@ impl<'a> TextLines<'a> {
     }
 
     /// Whether a table is no deeper and has no more keys than is allowed.
-    fn check(&self, format: TextFormat, line: usize, depth: usize, keys: usize) -> Result<(), FileError> {
+    fn check(&self, format: TextFormat, line: usize, depth: usize, keys: usize) -> Result<()> {
         let message = if depth > MAX_DEPTH {
             format!("more than {MAX_DEPTH} levels")
         } else if keys > MAX_KEYS {
@@ -294,7 +294,7 @@ impl<'a> TextLines<'a> {
         Err(FileProblem::syntax(format, message).at(self.path, line))
     }
 
-    fn toml_table(&self, line: usize, table: &DeTable<'_>, depth: usize) -> Result<Tree, FileError> {
+    fn toml_table(&self, line: usize, table: &DeTable<'_>, depth: usize) -> Result<Tree> {
         self.check(TextFormat::Toml, line, depth, table.len())?;
         let mut keys: Vec<_> = table.iter().collect();
         keys.sort_by_key(|(key, _)| key.span().start);
@@ -305,10 +305,10 @@ impl<'a> TextLines<'a> {
                 self.toml_value(self.line_at(key.span().start), value.get_ref(), depth + 1)?,
             ))
         };
-        Ok(Tree { line, value: Value::Map(keys.into_iter().map(entry).collect::<Result<_, FileError>>()?) })
+        Ok(Tree { line, value: Value::Map(keys.into_iter().map(entry).collect::<Result<_>>()?) })
     }
 
-    fn toml_value(&self, line: usize, value: &DeValue<'_>, depth: usize) -> Result<Tree, FileError> {
+    fn toml_value(&self, line: usize, value: &DeValue<'_>, depth: usize) -> Result<Tree> {
         let value = match value {
             DeValue::String(text) => Value::Text(text.to_string()),
             // Without underscores already; numbers of another radix are not expected in a calibration.

@@ -15,14 +15,14 @@ use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 
 use super::partial::{PartialCamera, PartialCameras, Pinhole};
 use super::xml::{Element, document};
-use crate::FileError;
+use crate::Result;
 
 /// Radii at which the lens is fitted.
 const SAMPLES: u32 = 400;
 /// A fit that is off by more anywhere in the picture is refused.
 const WORST_FIT_PX: f64 = 2.0;
 
-pub(super) fn parts(path: &Path, text: &str) -> Result<PartialCameras, FileError> {
+pub(super) fn parts(path: &Path, text: &str) -> Result<PartialCameras> {
     let document = document(path, text)?;
     let mut parts = PartialCameras::new(Some(0.001));
     for node in document.descendants().filter(|node| node.has_tag_name("Camera")) {
@@ -40,7 +40,7 @@ pub(super) fn parts(path: &Path, text: &str) -> Result<PartialCameras, FileError
     Ok(parts)
 }
 
-fn partial(camera: Element<'_, '_>, name: &str, frame: Element<'_, '_>) -> Result<PartialCamera, FileError> {
+fn partial(camera: Element<'_, '_>, name: &str, frame: Element<'_, '_>) -> Result<PartialCamera> {
     let mut part = PartialCamera::new(name, camera.line());
     let size: [f64; 2] = camera.numbers("SENSOR_SIZE")?;
     if let Some(side) = size.iter().find(|side| !(**side >= 0.0 && side.fract() == 0.0 && **side < 1e6)) {
@@ -67,7 +67,7 @@ fn partial(camera: Element<'_, '_>, name: &str, frame: Element<'_, '_>) -> Resul
     Ok(part)
 }
 
-fn lens(frame: Element<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion, FileError> {
+fn lens(frame: Element<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion> {
     const RADIAL2: &str = "VICON_RADIAL2";
     let (centre, k) = if let Some(text) = frame.attribute(RADIAL2) {
         let rest = text.trim().strip_prefix("Vicon3Parameter");

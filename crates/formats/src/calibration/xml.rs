@@ -7,7 +7,7 @@ use std::str::FromStr;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::tree::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Tree, Value};
-use crate::{FileError, FileProblem, TextFormat};
+use crate::{FileError, FileProblem, Result, TextFormat};
 
 /// Most XML nodes that are read.
 const MAX_XML_NODES: u32 = 200_000;
@@ -16,7 +16,7 @@ const MAX_XML_NODES: u32 = 200_000;
 const MAX_ATTRIBUTES: usize = 256;
 
 /// The document of an XML text.
-pub(super) fn document<'a>(path: &Path, text: &'a str) -> Result<Document<'a>, FileError> {
+pub(super) fn document<'a>(path: &Path, text: &'a str) -> Result<Document<'a>> {
     // No tag and no attribute holds a `<`.
     let mut line = 1;
     for tag in text.split('<') {
@@ -57,7 +57,7 @@ impl<'a> Element<'a, '_> {
     }
 
     /// The number in an attribute of the first child of this name.
-    pub(super) fn child_number<T: FromStr>(&self, child: &str, attribute: &str) -> Result<T, FileError> {
+    pub(super) fn child_number<T: FromStr>(&self, child: &str, attribute: &str) -> Result<T> {
         let node = self.node.children().find(|node| node.has_tag_name(child));
         let text = node.and_then(|node| node.attribute(attribute));
         text.and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
@@ -68,18 +68,14 @@ impl<'a> Element<'a, '_> {
     }
 
     /// The `N` finite numbers of an attribute.
-    pub(super) fn numbers<const N: usize>(&self, attribute: &str) -> Result<[f64; N], FileError> {
+    pub(super) fn numbers<const N: usize>(&self, attribute: &str) -> Result<[f64; N]> {
         let text = self.attribute(attribute);
         let text = text.ok_or_else(|| self.error(attribute, "missing", &format!("{N} numbers")))?;
         self.numbers_in(attribute, text)
     }
 
     /// The same from a part of the attribute's text.
-    pub(super) fn numbers_in<const N: usize>(
-        &self,
-        attribute: &str,
-        text: &str,
-    ) -> Result<[f64; N], FileError> {
+    pub(super) fn numbers_in<const N: usize>(&self, attribute: &str, text: &str) -> Result<[f64; N]> {
         let words = text.split_ascii_whitespace();
         let numbers: Option<Vec<f64>> =
             words.map(|word| word.parse::<f64>().ok().filter(|number| number.is_finite())).collect();
@@ -105,12 +101,12 @@ pub(super) fn root_name(text: &str) -> &str {
 }
 
 /// The tree of a `FileStorage`.
-pub(super) fn parse(path: &Path, text: &str) -> Result<Tree, FileError> {
+pub(super) fn parse(path: &Path, text: &str) -> Result<Tree> {
     let document = document(path, text)?;
     tree(Element { path, node: document.root_element() }, 0, &mut 0)
 }
 
-fn tree(element: Element<'_, '_>, depth: usize, words: &mut usize) -> Result<Tree, FileError> {
+fn tree(element: Element<'_, '_>, depth: usize, words: &mut usize) -> Result<Tree> {
     let Element { path, node } = element;
     let line = element.line();
     let too_many = |most: usize, what: &str| Err(syntax(path, line, format!("more than {most} {what}")));

@@ -9,10 +9,10 @@ use std::path::Path;
 use saphyr_parser::{Event, Parser, ScalarStyle, ScanError, Span};
 
 use super::tree::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Tree, Value};
-use crate::{FileError, FileProblem, TextFormat};
+use crate::{FileProblem, Result, TextFormat};
 
 /// Parses a text.
-pub(super) fn parse(path: &Path, text: &str) -> Result<Tree, FileError> {
+pub(super) fn parse(path: &Path, text: &str) -> Result<Tree> {
     let mut open = OpenValues { path, open: Vec::new(), nodes: 0 };
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error: ScanError| {
@@ -43,12 +43,12 @@ struct OpenValue {
 }
 
 impl OpenValues<'_> {
-    fn error<T>(&self, line: usize, message: impl Into<String>) -> Result<T, FileError> {
+    fn error<T>(&self, line: usize, message: impl Into<String>) -> Result<T> {
         Err(FileProblem::syntax(TextFormat::Yaml, message).at(self.path, line))
     }
 
     /// The whole document, once it has ended.
-    fn event(&mut self, event: Event<'_>, span: Span) -> Result<Option<Tree>, FileError> {
+    fn event(&mut self, event: Event<'_>, span: Span) -> Result<Option<Tree>> {
         const ANCHOR: &str = "anchors are not read here";
         const LINES: &str =
             "texts over several lines are not read here; expected `key: value`, in line with the key above";
@@ -81,7 +81,7 @@ impl OpenValues<'_> {
         }
     }
 
-    fn begin(&mut self, line: usize, value: Value) -> Result<Option<Tree>, FileError> {
+    fn begin(&mut self, line: usize, value: Value) -> Result<Option<Tree>> {
         if self.open.len() >= MAX_DEPTH {
             return self.error(line, format!("more than {MAX_DEPTH} levels"));
         }
@@ -90,7 +90,7 @@ impl OpenValues<'_> {
     }
 
     /// Puts a value where it belongs; the outermost one is given back.
-    fn push(&mut self, tree: Tree) -> Result<Option<Tree>, FileError> {
+    fn push(&mut self, tree: Tree) -> Result<Option<Tree>> {
         self.nodes += 1;
         if self.nodes > MAX_NODES {
             return self.error(tree.line, format!("more than {MAX_NODES} values"));

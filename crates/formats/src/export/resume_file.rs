@@ -12,7 +12,7 @@ use backlit_tracking::track::{
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles, json_text, text};
+use crate::{DiskFiles, FileError, FileProblem, Result, TakeFiles, json_text, text};
 
 /// Name and version of the format.
 pub const FORMAT: &str = "backlit-resume 1";
@@ -171,12 +171,12 @@ pub fn to_text(resume: &Resume) -> String {
 }
 
 /// Reads what was left for a track of this body.
-pub fn read(path: &Path, model: &Model) -> Result<Resume, FileError> {
+pub fn read(path: &Path, model: &Model) -> Result<Resume> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?, model)
 }
 
 /// The same from bytes; `path` is for the error's message.
-pub fn parse(path: &Path, bytes: &[u8], model: &Model) -> Result<Resume, FileError> {
+pub fn parse(path: &Path, bytes: &[u8], model: &Model) -> Result<Resume> {
     let spec: ResumeSpec = json_text::parse_versioned(path, text::decode(path, bytes)?, FORMAT)?;
     resume(spec, model).map_err(|problem| FileError::new(path, problem))
 }

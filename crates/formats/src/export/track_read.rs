@@ -13,7 +13,7 @@ use super::track_json::FORMAT;
 use super::{ROOT, ending_of_text};
 use crate::json_text::{self, Entries};
 use crate::pose_file::set_rotation;
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles, text};
+use crate::{DiskFiles, FileError, FileProblem, Result, TakeFiles, text};
 
 /// Largest track that is read, bytes: an hour of a full body.
 const MAX_BYTES: u64 = 1 << 30;
@@ -87,12 +87,12 @@ struct FrameSpec {
 /// # Errors
 /// No such file, not a track, a frame given twice, numbers that are no pose, or a body that is not the track's: its name
 /// is unknown, limbs differ, or joints lie elsewhere. The error names the file, the field, and the line where there is one.
-pub fn read(path: &Path, model: Option<&Model>) -> Result<WrittenTrack, FileError> {
+pub fn read(path: &Path, model: Option<&Model>) -> Result<WrittenTrack> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?, model)
 }
 
 /// The same from bytes; `path` is for the error's message.
-pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<WrittenTrack, FileError> {
+pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<WrittenTrack> {
     let text = text::decode(path, bytes)?;
     let spec: TrackSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let line = |field| json_text::line_of(text, &[field]);

@@ -6,7 +6,7 @@ use super::matching::MatchedBy;
 use super::matching::{FootageCandidate, best_group};
 use super::pictures::Pictures;
 use super::{ImportCamera, ImportError, plates};
-use crate::FileError;
+use crate::Result;
 use crate::masks::{self, MaskSequence, MaskValues, Numbers};
 
 /// Words of names that masks have.
@@ -131,7 +131,7 @@ fn found(
 }
 
 /// The numbers of one of some pictures.
-fn numbers(pictures: &Pictures, index: usize) -> Result<Numbers, FileError> {
+fn numbers(pictures: &Pictures, index: usize) -> Result<Numbers> {
     match pictures {
         Pictures::Video(video) => Ok(Numbers::of_picture(&*video.frame(index)?)),
         Pictures::Numbered { .. } => {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::pictures::Pictures;
 use super::scan::{Listing, Sequence};
-use crate::FileError;
+use crate::Result;
 use crate::video::Video;
 
 /// By what a file was given to a camera.
@@ -106,7 +106,7 @@ pub(super) enum FootageFiles {
 
 impl FootageFiles {
     /// Opens it.
-    pub(super) fn open(&self) -> Result<Pictures, FileError> {
+    pub(super) fn open(&self) -> Result<Pictures> {
         Ok(match self {
             Self::Video(path) => Pictures::Video(Video::open(path)?),
             Self::Numbered(sequence) => Pictures::Numbered(sequence.clone()),

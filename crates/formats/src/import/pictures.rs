@@ -10,7 +10,7 @@ use image::RgbImage;
 
 use super::scan::Sequence;
 use crate::video::Video;
-use crate::{FileError, images};
+use crate::{FileError, Result, images};
 
 /// Where a camera's pictures are.
 #[derive(Debug, Clone)]
@@ -46,12 +46,12 @@ impl Pictures {
     }
 
     /// One of them, counted from 0.
-    pub fn picture(&self, index: usize) -> Result<RgbImage, FileError> {
+    pub fn picture(&self, index: usize) -> Result<RgbImage> {
         self.reduced(index, 1)
     }
 
     /// The same, [reduced](images::reduced).
-    pub fn reduced(&self, index: usize, divisor: usize) -> Result<RgbImage, FileError> {
+    pub fn reduced(&self, index: usize, divisor: usize) -> Result<RgbImage> {
         match self {
             Self::Video(video) => video.frame_reduced(index, divisor).map(Arc::unwrap_or_clone),
             Self::Numbered(sequence) => match sequence.path(index) {

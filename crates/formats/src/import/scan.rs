@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::take::{FramePattern, PatternError, split_number};
-use crate::{FileError, FileProblem, keypoints};
+use crate::{FileError, FileProblem, Result, keypoints};
 
 /// How deep folders are searched.
 const MAX_DEPTH: usize = 7;
@@ -70,7 +70,7 @@ pub(super) struct Listing {
 }
 
 /// Looks through folders and at single files. Hidden folders and links to folders are left out.
-pub(super) fn scan(paths: &[PathBuf]) -> Result<Listing, FileError> {
+pub(super) fn scan(paths: &[PathBuf]) -> Result<Listing> {
     let mut found = Listing::default();
     let mut single = Vec::new();
     for path in paths {
@@ -90,7 +90,7 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 }
 
 impl Listing {
-    fn folder(&mut self, folder: &Path, depth: usize) -> Result<(), FileError> {
+    fn folder(&mut self, folder: &Path, depth: usize) -> Result<()> {
         let failed = |error| FileError::new(folder, FileProblem::Read { error });
         let (mut files, mut folders) = (Vec::new(), Vec::new());
         for entry in std::fs::read_dir(folder).map_err(failed)? {

@@ -7,7 +7,7 @@ use backlit_tracking::silhouette::MAX_PIXELS;
 use image::{DynamicImage, RgbImage};
 use png::{BitDepth, ColorType};
 
-use crate::{FileError, images};
+use crate::{Result, images};
 
 /// Channels that differ by more make a colour: videos and JPEG leave grey a little coloured.
 const COLOURED: u8 = 24;
@@ -46,7 +46,7 @@ impl Numbers {
 
 impl Numbers {
     /// Of a picture's file.
-    pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
+    pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<Self> {
         if bytes.starts_with(&PNG_SIGNATURE)
             && let Some(packed) = packed(path, bytes)?
         {
@@ -108,7 +108,7 @@ fn is_coloured(picture: &RgbImage) -> bool {
 
 /// The numbers of a PNG that the image library would turn into colours or spread over more bits: palettes, and grey of less
 /// than a byte. A palette of greys is grey. `None` for all others.
-fn packed(path: &Path, bytes: &[u8]) -> Result<Option<Numbers>, FileError> {
+fn packed(path: &Path, bytes: &[u8]) -> Result<Option<Numbers>> {
     let broken = |error: png::DecodingError| images::broken(path, &error.to_string());
     let [width, height] = images::whole_size(path, bytes)?;
     if width.checked_mul(height).is_none_or(|pixels| pixels > MAX_PIXELS) {

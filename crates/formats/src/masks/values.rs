@@ -14,7 +14,7 @@ use toml::Value;
 
 use super::Numbers;
 use crate::plate::spread;
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Masks that are looked at to tell what their numbers mean.
 const LOOKED_AT: usize = 9;
@@ -102,7 +102,7 @@ impl fmt::Display for MaskValues {
 pub(crate) struct MaskSequence<'a> {
     pub(crate) count: usize,
     pub(crate) path: &'a dyn Fn(usize) -> PathBuf,
-    pub(crate) read: &'a dyn Fn(usize) -> Result<Numbers, FileError>,
+    pub(crate) read: &'a dyn Fn(usize) -> Result<Numbers>,
 }
 
 /// What the numbers of a camera's masks mean: what is said, if the masks are so; else what masks that are spread over the

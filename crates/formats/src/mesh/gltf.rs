@@ -14,7 +14,7 @@ use skin::SkinJson;
 
 use super::{Cursor, MeshProblem, Soup, room, wrong};
 use crate::json_text::parse_bytes;
-use crate::{FileError, base64};
+use crate::{Result, base64};
 
 /// What a GLB begins with.
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -108,10 +108,10 @@ struct Buffer {
     uri: Option<String>,
 }
 
-type Beside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, FileError>;
+type Beside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>>;
 
 /// All triangles of a document or a GLB.
-pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup> {
     read(path, bytes, beside, |reader| {
         reader.scene()?;
         Ok(std::mem::take(&mut reader.soup))
@@ -119,7 +119,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Sou
 }
 
 /// The first skinned mesh of a document or a GLB.
-pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Skin, FileError> {
+pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Skin> {
     read(path, bytes, beside, |reader| reader.skin())
 }
 
@@ -128,7 +128,7 @@ fn read<T>(
     bytes: &[u8],
     beside: Beside<'_>,
     what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
-) -> Result<T, FileError> {
+) -> Result<T> {
     if !bytes.starts_with(MAGIC) {
         return read_document(path, bytes, &[], beside, what);
     }
@@ -167,7 +167,7 @@ fn read_document<T>(
     binary: &[u8],
     beside: Beside<'_>,
     what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
-) -> Result<T, FileError> {
+) -> Result<T> {
     let document: Gltf = parse_bytes(path, json)?;
     if let Some(first) = document.extensions_required.first() {
         return Err(wrong(path, MeshProblem::unsupported("a required extension", first)));

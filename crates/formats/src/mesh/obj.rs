@@ -5,14 +5,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{MeshProblem, Soup, wrong};
-use crate::FileError;
+use crate::Result;
 use crate::text::decode;
 
 /// Most corners of a face.
 const MAX_CORNERS: usize = 4096;
 
 /// Vertices and faces of the text.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup> {
     let mut soup = Soup::default();
     let mut corners = Vec::new();
     for (index, line) in decode(path, bytes)?.lines().enumerate() {

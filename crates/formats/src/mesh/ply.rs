@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{Cursor, MeshProblem, Soup, wrong};
-use crate::FileError;
+use crate::Result;
 use crate::text::{Words, decode};
 
 /// Most corners of a face, and entries of other lists.
@@ -54,7 +54,7 @@ enum Encoding {
 }
 
 /// Vertices and faces of the file.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup> {
     const END: &[u8] = b"end_header";
     let end = bytes.windows(END.len()).position(|window| window == END);
     let Some(end) = end else { return Err(wrong(path, MeshProblem::Lacks { what: "end_header" })) };
@@ -76,7 +76,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
     }
 }
 
-fn header(path: &Path, head: &str) -> Result<(Encoding, Vec<Element>), FileError> {
+fn header(path: &Path, head: &str) -> Result<(Encoding, Vec<Element>)> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     let mut properties = 0;

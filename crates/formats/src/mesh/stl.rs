@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{Cursor, MeshProblem, Soup, obj, wrong};
-use crate::FileError;
+use crate::Result;
 use crate::text::decode;
 
 /// Title and count of a binary file, bytes; and a triangle.
@@ -13,7 +13,7 @@ const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 
 /// Triangles of the file. It is binary if its length is that of the count that it says.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Soup> {
     let said = bytes.get(80..HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let length = said.map(|count| HEAD as u64 + TRIANGLE as u64 * u64::from(count));
     let is_text = bytes.trim_ascii_start().starts_with(b"solid") && length != Some(bytes.len() as u64);
@@ -43,7 +43,7 @@ fn binary(bytes: &[u8]) -> Result<Soup, MeshProblem> {
     Ok(soup)
 }
 
-fn text(path: &Path, bytes: &[u8]) -> Result<Soup, FileError> {
+fn text(path: &Path, bytes: &[u8]) -> Result<Soup> {
     let mut soup = Soup::default();
     let mut corners = Vec::new();
     for (index, line) in decode(path, bytes)?.lines().enumerate() {

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::Motion;
 use crate::bvh;
 use crate::export::track_read;
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
+use crate::{DiskFiles, FileProblem, Result, TakeFiles};
 
 /// Most places that a file is read to: 400 MB.
 const MAX_PLACES: usize = 1 << 24;
@@ -92,10 +92,7 @@ fn with_own_names(mut track: JointTrack) -> JointTrack {
 }
 
 /// Reads a BVH file, or a `track.json` of a built-in body or of `model`: which of both, the name's end says.
-pub fn read_joints(
-    path: &Path,
-    model: Option<&backlit_tracking::body::Model>,
-) -> Result<JointTrack, FileError> {
+pub fn read_joints(path: &Path, model: Option<&backlit_tracking::body::Model>) -> Result<JointTrack> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
         return parse_bvh(path, &DiskFiles.read(path, MAX_BYTES)?);
     }
@@ -104,7 +101,7 @@ pub fn read_joints(
 
 /// Parses a BVH file; `path` is for the error's message. Frames count from 0. Joints of a BVH that this program wrote have the names
 /// that tracks have.
-pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack, FileError> {
+pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack> {
     let motion = bvh::parse(path, bytes)?;
     let (joints, frames) = (motion.joints(), motion.frame_count());
     if joints.len().saturating_mul(frames) > MAX_PLACES {

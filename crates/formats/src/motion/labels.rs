@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::text::decode;
-use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, TextFormat};
+use crate::{DiskFiles, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, TextFormat};
 
 /// A row: a file and its class.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -22,13 +22,13 @@ pub struct MotionLabel {
 }
 
 /// Reads the `labels.csv` of a folder.
-pub fn read_labels(path: &Path) -> Result<Vec<MotionLabel>, FileError> {
+pub fn read_labels(path: &Path) -> Result<Vec<MotionLabel>> {
     parse_labels(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
 }
 
 /// Parses such a table; `path` is for the error's message. Its columns are `file`, `class`, `subject` and, where there is one, `description`, in any
 /// order; others are not looked at.
-pub fn parse_labels(path: &Path, bytes: &[u8]) -> Result<Vec<MotionLabel>, FileError> {
+pub fn parse_labels(path: &Path, bytes: &[u8]) -> Result<Vec<MotionLabel>> {
     let text = decode(path, bytes)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut labels: Vec<MotionLabel> = Vec::new();

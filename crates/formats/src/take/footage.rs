@@ -8,7 +8,7 @@ use super::keypoints::CameraKeypoints;
 use super::masks::CameraMasks;
 use super::{FramePattern, TakeError};
 use crate::video::Video;
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, Result};
 
 /// Most frames a take may have: hours at any rate.
 pub const MAX_FRAMES: usize = 1_000_000;
@@ -232,11 +232,7 @@ impl AlignedFootage {
 }
 
 /// The frames of a video of the empty scene: those that are asked for, else some that are spread over it.
-pub(super) fn background(
-    video: Video,
-    first: u64,
-    wanted: Option<usize>,
-) -> Result<BackgroundSource, FileError> {
+pub(super) fn background(video: Video, first: u64, wanted: Option<usize>) -> Result<BackgroundSource> {
     let there = video.frame_count();
     let first = usize::try_from(first).unwrap_or(usize::MAX);
     let Some(left) = there.checked_sub(first).filter(|&left| left > 0) else {

@@ -14,7 +14,7 @@ use super::{CameraFootage, FramePattern, Take, TakeError};
 use crate::keypoints::joints::{KeypointOrder, body_of, cues_of, joints_of};
 use crate::keypoints::{self, Person, tallest};
 use crate::plate;
-use crate::{FileError, MAX_TEXT_BYTES};
+use crate::{MAX_TEXT_BYTES, Result};
 
 /// Frames whose keypoints are looked at to tell their order.
 const MOST_LOOKED_AT: usize = 12;
@@ -36,7 +36,7 @@ impl CameraKeypoints {
 }
 
 impl TakeReader<'_> {
-    pub(super) fn keypoints(&self, view: &ViewSpec) -> Result<Option<CameraKeypoints>, FileError> {
+    pub(super) fn keypoints(&self, view: &ViewSpec) -> Result<Option<CameraKeypoints>> {
         let pattern = |keypoints: &Spanned<String>| self.pattern(keypoints, "camera.keypoints");
         let Some(pattern) = view.keypoints.as_ref().map(pattern).transpose()? else { return Ok(None) };
         let first = [view.first, view.keypoints_first.unwrap_or(view.first)];

@@ -12,7 +12,7 @@ use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, TakeError};
 use crate::masks::{MaskValues, Numbers};
 use crate::video::VideoProblem;
-use crate::{FileError, FileProblem, TakeFiles};
+use crate::{FileError, FileProblem, Result, TakeFiles};
 
 /// Where one camera's masks are.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ pub(super) struct CameraMasks {
 }
 
 /// Opens the video or the numbered pictures that a field of a take file names.
-type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<FrameSource, FileError> + 'a;
+type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<FrameSource> + 'a;
 
 impl CameraMasks {
     /// The number of the mask that belongs to a frame of the camera's own number.
@@ -42,12 +42,7 @@ impl CameraMasks {
     }
 
     /// The mask of a frame of the camera's own number; its size is checked before it is decoded.
-    pub(super) fn read(
-        &self,
-        files: &dyn TakeFiles,
-        frame: u64,
-        check: &SizeCheck<'_>,
-    ) -> Result<Numbers, FileError> {
+    pub(super) fn read(&self, files: &dyn TakeFiles, frame: u64, check: &SizeCheck<'_>) -> Result<Numbers> {
         match &self.source {
             FrameSource::Video(video) => {
                 check(video.path(), video.size())?;
@@ -61,12 +56,7 @@ impl CameraMasks {
     }
 
     /// Only checks the size of that mask.
-    pub(super) fn check_size(
-        &self,
-        files: &dyn TakeFiles,
-        frame: u64,
-        check: &SizeCheck<'_>,
-    ) -> Result<(), FileError> {
+    pub(super) fn check_size(&self, files: &dyn TakeFiles, frame: u64, check: &SizeCheck<'_>) -> Result<()> {
         match &self.source {
             FrameSource::Video(video) => check(video.path(), video.size()),
             FrameSource::Pictures { .. } => sized(files, &self.path(frame), check).map(drop),
@@ -74,7 +64,7 @@ impl CameraMasks {
     }
 
     /// Whether the mask of a frame of the camera's own number is there.
-    fn check_there(&self, files: &dyn TakeFiles, frame: u64) -> Result<(), FileError> {
+    fn check_there(&self, files: &dyn TakeFiles, frame: u64) -> Result<()> {
         let path = self.path(frame);
         let problem = match &self.source {
             FrameSource::Pictures { .. } if files.exists(&path) => return Ok(()),

@@ -7,7 +7,7 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use super::spec::{FORMAT, TakeSpec};
 use super::take::{MAX_BYTES, file_of};
 use crate::text::{decode, line_at};
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles, TextFormat, atomic, toml_text};
+use crate::{DiskFiles, FileProblem, Result, TakeFiles, TextFormat, atomic, toml_text};
 
 /// By how much a camera is to be shifted beside what its take says now.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ pub struct OffsetShift {
 
 /// Shifts cameras in a take file: `offset` and `offset_seconds` grow by the shift, and where there is neither, `offset` is
 /// written, counted from `first`. Cameras whose shift is 0 frames stay as they are. Returns whether the file changed.
-pub fn shift_offsets(take: &Path, shifts: &[OffsetShift]) -> Result<bool, FileError> {
+pub fn shift_offsets(take: &Path, shifts: &[OffsetShift]) -> Result<bool> {
     let path = file_of(take);
     let bytes = DiskFiles.read(&path, MAX_BYTES)?;
     let old = decode(&path, &bytes)?;
@@ -35,7 +35,7 @@ pub fn shift_offsets(take: &Path, shifts: &[OffsetShift]) -> Result<bool, FileEr
 }
 
 /// The text of a take file with its cameras shifted.
-fn shifted(path: &Path, text: &str, shifts: &[OffsetShift]) -> Result<String, FileError> {
+fn shifted(path: &Path, text: &str, shifts: &[OffsetShift]) -> Result<String> {
     // What is not a take is not written to, and what is one afterwards too.
     let _: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::reader::TakeReader;
 use super::spec::{CalibrationSpec, ReferenceSpec, TakeSpec, ViewSpec};
 use crate::files::plain;
-use crate::{FileError, model_file};
+use crate::{Result, model_file};
 
 /// Most digits that a number is filled up to.
 const MAX_DIGITS: usize = 20;
@@ -173,7 +173,7 @@ struct NamedPath<'a> {
 
 impl TakeReader<'_> {
     /// What the take file names outside its folder.
-    pub(super) fn outside(&self, spec: &TakeSpec) -> Result<Option<Outside>, FileError> {
+    pub(super) fn outside(&self, spec: &TakeSpec) -> Result<Option<Outside>> {
         let own = self.real(&self.folder);
         let mut found: Vec<PathBuf> = Vec::new();
         for NamedPath { below, value, field, first } in self.named(spec) {

@@ -11,7 +11,7 @@ use super::{BackgroundSource, CameraFootage, Known, Take, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::masks::{self, MaskSequence, MaskValues};
 use crate::video::Video;
-use crate::{FileError, FileProblem, TakeFiles};
+use crate::{FileError, FileProblem, Result, TakeFiles};
 
 impl Take {
     /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
@@ -68,7 +68,7 @@ impl Take {
         footage: &CameraFootage,
         number: u64,
         divisor: usize,
-    ) -> Result<RgbImage, FileError> {
+    ) -> Result<RgbImage> {
         match footage.video() {
             Some(video) => self.video_frame(camera, video, number as usize, divisor),
             None => {
@@ -131,7 +131,7 @@ impl Take {
     }
 
     /// Masks are of the pictures' size, or reduced already.
-    fn check_mask(&self, camera: usize) -> impl Fn(&Path, [usize; 2]) -> Result<(), FileError> {
+    fn check_mask(&self, camera: usize) -> impl Fn(&Path, [usize; 2]) -> Result<()> {
         let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
         move |path, found| check_size(path, found, small).or_else(|_| check_size(path, found, full))
     }
@@ -141,7 +141,7 @@ impl Take {
     pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
         let footage = self.footage_of(camera)?;
         let divisor = self.reduction as usize;
-        let pictures: Result<Vec<RgbImage>, FileError> = match &footage.background {
+        let pictures: Result<Vec<RgbImage>> = match &footage.background {
             None => return Ok(Vec::new()),
             Some(BackgroundSource::Video { video, frames }) => {
                 frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
@@ -194,13 +194,13 @@ impl Take {
         self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
     }
 
-    fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+    fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage> {
         let full = &self.full_rig.cameras()[camera];
         images::decode(path, &sized(&*self.files, path, &|path, found| check_size(path, found, full))?)
     }
 
     /// A picture of a background, of the full size or of the reduced one already, reduced.
-    fn plate(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+    fn plate(&self, camera: usize, path: &Path) -> Result<RgbImage> {
         let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
         let found = images::size(path, &bytes)?;
         if check_size(path, found, &self.rig.cameras()[camera]).is_ok() {
@@ -210,13 +210,7 @@ impl Take {
         Ok(images::reduced(images::decode(path, &bytes)?, self.reduction as usize))
     }
 
-    fn video_frame(
-        &self,
-        camera: usize,
-        video: &Video,
-        frame: usize,
-        divisor: usize,
-    ) -> Result<RgbImage, FileError> {
+    fn video_frame(&self, camera: usize, video: &Video, frame: usize, divisor: usize) -> Result<RgbImage> {
         check_size(video.path(), video.size(), &self.full_rig.cameras()[camera])?;
         video.frame_reduced(frame, divisor).map(Arc::unwrap_or_clone)
     }
@@ -241,16 +235,16 @@ impl Take {
 }
 
 /// Asked whether the size of a file's picture is right.
-pub(super) type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
+pub(super) type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<()> + 'a;
 
 /// The bytes of a picture of the right size: a wrong one need not be decoded.
-pub(super) fn sized(files: &dyn TakeFiles, path: &Path, check: &SizeCheck<'_>) -> Result<Vec<u8>, FileError> {
+pub(super) fn sized(files: &dyn TakeFiles, path: &Path, check: &SizeCheck<'_>) -> Result<Vec<u8>> {
     let bytes = files.read(path, MAX_PICTURE_BYTES)?;
     check(path, images::size(path, &bytes)?)?;
     Ok(bytes)
 }
 
-fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {
+fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<()> {
     let expected = [camera.width(), camera.height()];
     if found == expected {
         return Ok(());

@@ -23,7 +23,7 @@ use crate::text::line_at;
 use crate::toml_text::{self, TomlStep};
 use crate::trc::Axes;
 use crate::video::{Video, VideoProblem};
-use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
+use crate::{FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles};
 
 /// Pictures are reduced by no more than this.
 const MAX_REDUCTION: u32 = 64;
@@ -52,7 +52,7 @@ impl<'a> TakeReader<'a> {
         path: &'a Path,
         text: &'a str,
         spec: &TakeSpec,
-    ) -> Result<Self, FileError> {
+    ) -> Result<Self> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let mut reader = Self { files, path, text, footage: folder.clone(), folder };
         if let Some(footage) = &spec.footage {
@@ -75,13 +75,13 @@ impl<'a> TakeReader<'a> {
         self.problem(value.span(), FileProblem::field(field, found, expected))
     }
 
-    pub(super) fn expand(&self, value: &Spanned<String>, field: &str) -> Result<String, FileError> {
+    pub(super) fn expand(&self, value: &Spanned<String>, field: &str) -> Result<String> {
         expand_variables(value.get_ref(), &variable).map_err(|variable| {
             self.problem(value.span(), FileProblem::Variable { field: field.to_owned(), variable })
         })
     }
 
-    pub(super) fn rig(&self, spec: &TakeSpec) -> Result<Rig, FileError> {
+    pub(super) fn rig(&self, spec: &TakeSpec) -> Result<Rig> {
         let path = self.footage.join(self.expand(&spec.cameras.calibration, "cameras.calibration")?);
         let options = CalibrationOptions { size: spec.cameras.size, metres_per_unit: spec.units.metres() };
         let all =
@@ -105,7 +105,7 @@ impl<'a> TakeReader<'a> {
     }
 
     /// By how much pictures are reduced before anything is done with them.
-    pub(super) fn reduction(&self, spec: &TakeSpec) -> Result<u32, FileError> {
+    pub(super) fn reduction(&self, spec: &TakeSpec) -> Result<u32> {
         let Some(value) = &spec.reduction else { return Ok(1) };
         let reduction = u32::try_from(*value.get_ref()).ok().filter(|by| (1..=MAX_REDUCTION).contains(by));
         let expected = || format!("a whole number from 1 to {MAX_REDUCTION}");
@@ -173,7 +173,7 @@ impl<'a> TakeReader<'a> {
     }
 
     /// A video, or numbered pictures.
-    fn frames(&self, value: &Spanned<String>, field: &str, cache: &Cache) -> Result<FrameSource, FileError> {
+    fn frames(&self, value: &Spanned<String>, field: &str, cache: &Cache) -> Result<FrameSource> {
         let text = self.expand(value, field)?;
         Ok(match self.video(&text, cache)? {
             Some(video) => FrameSource::Video(video),
@@ -184,7 +184,7 @@ impl<'a> TakeReader<'a> {
     }
 
     /// The video of a path, if the file there is one by its content.
-    fn video(&self, text: &str, cache: &Cache) -> Result<Option<Video>, FileError> {
+    fn video(&self, text: &str, cache: &Cache) -> Result<Option<Video>> {
         let path = self.footage.join(text);
         if !self.files.exists(&path) {
             // A name without a number can be nothing else than a file that is not there.
@@ -198,7 +198,7 @@ impl<'a> TakeReader<'a> {
     }
 
     /// The number of the camera's frame that belongs to the take's frame 0.
-    fn offset(&self, view: &ViewSpec, footage: &CameraFootage, frame_rate: f64) -> Result<i64, FileError> {
+    fn offset(&self, view: &ViewSpec, footage: &CameraFootage, frame_rate: f64) -> Result<i64> {
         match (&view.offset, &view.offset_seconds) {
             (Some(_), Some(seconds)) => {
                 let expected = "either `offset` or `offset_seconds`".to_owned();
@@ -217,7 +217,7 @@ impl<'a> TakeReader<'a> {
         }
     }
 
-    pub(super) fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern, FileError> {
+    pub(super) fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern> {
         let text = self.expand(value, field)?;
         FramePattern::new(&text).map_err(|error| {
             let (found, expected) = (format!("{text:?}"), format!("a pattern of file names: it has {error}"));
@@ -302,7 +302,7 @@ impl<'a> TakeReader<'a> {
         model: &Model,
         films: &AlignedFootage,
         take: &TakeSpec,
-    ) -> Result<Reference, FileError> {
+    ) -> Result<Reference> {
         let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
         if let Some(count) = spec.markers.as_ref().map(BTreeMap::len).filter(|&count| count > MAX_MARKERS) {
             let (found, expected) = (format!("a table of {count}"), format!("at most {MAX_MARKERS} markers"));
@@ -336,7 +336,7 @@ impl<'a> TakeReader<'a> {
         Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, &options)
     }
 
-    pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>, FileError> {
+    pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>> {
         let options = |table: &Table, steps: &[TomlStep<'_>]| {
             measurement::options(table).map_err(|problem| {
                 let steps: Vec<TomlStep<'_>> = steps

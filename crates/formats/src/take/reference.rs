@@ -9,7 +9,7 @@ use backlit_tracking::metrics::ReferenceJoints;
 use glam::{DVec2, DVec3};
 
 use crate::trc::{self, Axes, limb_of_marker};
-use crate::{FileError, FileProblem, TextFormat, text};
+use crate::{FileError, FileProblem, Result, TextFormat, text};
 
 /// The word for the root where a limb's name stands for its second joint.
 pub const ROOT: &str = "root";
@@ -85,7 +85,7 @@ impl Reference {
     }
 
     /// The number of a table's first row; 0 for a table without rows, and for CSV, whose rows may be in any order.
-    pub(super) fn first_frame(path: &Path, bytes: &[u8]) -> Result<u64, FileError> {
+    pub(super) fn first_frame(path: &Path, bytes: &[u8]) -> Result<u64> {
         if !trc::is_one(bytes) {
             return Ok(0);
         }
@@ -106,11 +106,7 @@ impl Reference {
     }
 
     /// Parses a TRC, whose unit is its own, or a table `frame,marker,x,y,z` (`joint` may stand for `marker`); further columns are not read.
-    pub(super) fn parse(
-        path: &Path,
-        bytes: &[u8],
-        options: &ReferenceOptions<'_>,
-    ) -> Result<Self, FileError> {
+    pub(super) fn parse(path: &Path, bytes: &[u8], options: &ReferenceOptions<'_>) -> Result<Self> {
         if trc::is_one(bytes) {
             return Self::of_trc(path, bytes, options);
         }
@@ -148,7 +144,7 @@ impl Reference {
     }
 
     /// Without a map of markers, those count that other tools give a joint of the model.
-    fn of_trc(path: &Path, bytes: &[u8], options: &ReferenceOptions<'_>) -> Result<Self, FileError> {
+    fn of_trc(path: &Path, bytes: &[u8], options: &ReferenceOptions<'_>) -> Result<Self> {
         let table = trc::parse(path, bytes)?;
         let markers = options.markers.map_or_else(
             || {
@@ -184,7 +180,7 @@ impl Reference {
         row: &TableRow<'_>,
         name: &str,
         options: &ReferenceOptions<'_>,
-    ) -> Result<Option<usize>, FileError> {
+    ) -> Result<Option<usize>> {
         let known = self.markers.iter().position(|(marker, _)| marker == name);
         if known.is_some() || options.markers.is_some() {
             return Ok(known);
@@ -196,12 +192,7 @@ impl Reference {
         Ok(Some(self.markers.len() - 1))
     }
 
-    fn insert(
-        &mut self,
-        row: &TableRow<'_>,
-        marker: usize,
-        options: &ReferenceOptions<'_>,
-    ) -> Result<(), FileError> {
+    fn insert(&mut self, row: &TableRow<'_>, marker: usize, options: &ReferenceOptions<'_>) -> Result<()> {
         let number: u64 = row.parse("frame", row.columns.frame, "a whole number, 0 or above")?;
         let mut position = DVec3::ZERO;
         for (axis, field) in ["x", "y", "z"].into_iter().enumerate() {
@@ -232,7 +223,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn new(path: &Path, header: &csv::StringRecord) -> Result<Self, FileError> {
+    fn new(path: &Path, header: &csv::StringRecord) -> Result<Self> {
         let find = |names: &[&str]| {
             header.iter().position(|column| names.contains(&column)).ok_or_else(|| {
                 let expected = "the columns frame,marker,x,y,z";
@@ -255,12 +246,7 @@ struct TableRow<'a> {
 }
 
 impl TableRow<'_> {
-    fn parse<T: std::str::FromStr>(
-        &self,
-        field: &str,
-        column: usize,
-        expected: &str,
-    ) -> Result<T, FileError> {
+    fn parse<T: std::str::FromStr>(&self, field: &str, column: usize, expected: &str) -> Result<T> {
         let text = self.record.get(column).unwrap_or_default();
         text.parse().ok().ok_or_else(|| self.field(field, column, expected))
     }
@@ -282,7 +268,7 @@ mod tests {
     use super::*;
     use crate::damaged::assert_refused;
 
-    fn parse(text: &str, markers: Option<&[(String, Joint)]>) -> Result<Reference, FileError> {
+    fn parse(text: &str, markers: Option<&[(String, Joint)]>) -> Result<Reference> {
         let options = ReferenceOptions {
             model: &builtin::upper_body(),
             markers,

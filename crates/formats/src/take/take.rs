@@ -17,7 +17,7 @@ use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;
 use crate::video::{FrameCache, Video};
-use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, model_file, toml_text};
+use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, model_file, toml_text};
 
 /// The take file in a take's folder.
 pub const FILE_NAME: &str = "take.toml";
@@ -269,12 +269,7 @@ impl Take {
     /// The same take with other keypoints to compare with: a TRC, or a table whose markers have joints' names. Where no `axes`
     /// are given, those are taken that put most markers into the cameras' pictures: the file's own, or those of a file for
     /// `OpenSim`, Y up. The first row belongs to the first frame unless `first_frame` gives its number.
-    pub fn with_reference(
-        &self,
-        path: &Path,
-        axes: Option<Axes>,
-        first_frame: Option<u64>,
-    ) -> Result<Self, FileError> {
+    pub fn with_reference(&self, path: &Path, axes: Option<Axes>, first_frame: Option<u64>) -> Result<Self> {
         let bytes = self.files.read(path, MAX_TEXT_BYTES)?;
         let read = |axes: Axes| {
             let first_frame = match first_frame {

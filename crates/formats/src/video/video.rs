@@ -14,7 +14,7 @@ use super::index::{Codec, Container, Index};
 use super::probe::Probed;
 use super::{FrameRequest, Sink, VideoProblem, avi, boxes, mp4};
 use crate::files::FileParts;
-use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
+use crate::{DiskFiles, FileError, FileProblem, Result, TakeFiles};
 
 /// Bytes at a file's head that tell what it is.
 const HEAD_BYTES: usize = 256;
@@ -68,25 +68,25 @@ impl Drop for Inner {
 
 impl Video {
     /// Opens a video of the disk, with a cache of its own.
-    pub fn open(path: &Path) -> Result<Self, FileError> {
+    pub fn open(path: &Path) -> Result<Self> {
         Self::from_files(&DiskFiles, path, Arc::default())
     }
 
     /// Opens a video whose frames are kept in a cache that it may share with others.
-    pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self, FileError> {
+    pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self> {
         let parts = files.parts(path)?;
         Self::with_programs(parts, path, cache, Some(&Programs::default()))
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))
     }
 
     /// Opens a video that is decoded here, without any other program.
-    pub fn decoded_here(parts: FileParts, path: &Path) -> Result<Self, FileError> {
+    pub fn decoded_here(parts: FileParts, path: &Path) -> Result<Self> {
         Self::with_programs(parts, path, Arc::default(), None)
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))
     }
 
     /// Whether a file's content is that of a video; its name does not matter.
-    pub fn is_video(files: &dyn TakeFiles, path: &Path) -> Result<bool, FileError> {
+    pub fn is_video(files: &dyn TakeFiles, path: &Path) -> Result<bool> {
         let head = files.parts(path)?.read_up_to(0, HEAD_BYTES);
         let head = head.map_err(|error| FileError::new(path, FileProblem::Read { error }))?;
         Ok(Container::of(&head).is_some())
@@ -220,13 +220,13 @@ impl Video {
     }
 
     /// A frame, counted from 0 in the order in which they are shown.
-    pub fn frame(&self, frame: usize) -> Result<Arc<RgbImage>, FileError> {
+    pub fn frame(&self, frame: usize) -> Result<Arc<RgbImage>> {
         self.frame_reduced(frame, 1)
     }
 
     /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
     /// rows at the bottom that fill no square are left out; a divisor larger than a side counts as that side.
-    pub fn frame_reduced(&self, frame: usize, divisor: usize) -> Result<Arc<RgbImage>, FileError> {
+    pub fn frame_reduced(&self, frame: usize, divisor: usize) -> Result<Arc<RgbImage>> {
         let divisor = divisor.clamp(1, self.0.size[0].min(self.0.size[1]));
         let picture = self.0.frame(frame, divisor);
         let before = self.0.last.swap(frame, Ordering::Relaxed);
