@@ -55,11 +55,6 @@ pub fn read_grey(path: &Path) -> Result<GrayImage> {
     decode_grey(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }
 
-/// All bytes of a picture's file on the disk.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    DiskFiles.read(path, MAX_PICTURE_BYTES)
-}
-
 /// Writes a PNG; see [`atomic`].
 pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<()> {
     let mut bytes = Cursor::new(Vec::new());

@@ -52,11 +52,6 @@ pub fn read(path: &Path) -> Result<Model> {
     parse(path, &DiskFiles.read(path, MAX_BYTES)?)
 }
 
-/// Whether this names a body that comes with the program.
-pub(super) fn is_built_in(argument: &str) -> bool {
-    builtin::text(argument).is_some()
-}
-
 /// The model that a `--model` argument means: a built-in name ([`builtin::NAMES`]), else a path.
 pub fn resolve(argument: &str) -> Result<Model> {
     resolve_in(&DiskFiles, Path::new(""), argument)

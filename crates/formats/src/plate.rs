@@ -5,7 +5,6 @@ mod without_body;
 use std::path::Path;
 
 use backlit_tracking::segment::{BackgroundError, LearningFrame, LearningOptions, learn_plate};
-use backlit_tracking::silhouette::Label;
 use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
 
 use crate::take::Known;
@@ -95,9 +94,4 @@ pub fn file_name(camera: &str) -> String {
     let allowed = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_' | '.' | ' ');
     let stem: String = camera.chars().map(|letter| if allowed(letter) { letter } else { '_' }).collect();
     format!("{stem}.png")
-}
-
-/// Which pixels are subject.
-pub(crate) fn are_subject(labels: &[Label]) -> impl ExactSizeIterator<Item = bool> + '_ {
-    labels.iter().map(|label| *label == Label::Subject)
 }

@@ -1,11 +1,11 @@
 //! The joints of a person among those of a skeleton, by name.
 
+use std::path::Path;
+
 use backlit_tracking::prior::{BodyPoints, Clip};
 use glam::DVec3;
 
 use super::BvhMotion;
-use std::path::Path;
-
 use crate::{FileError, FileProblem, Result};
 
 /// Names of joints without their side, the first that a file has: those of the CMU database's conversions, of Mixamo, and of

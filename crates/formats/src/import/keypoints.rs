@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::plates::{Keypoints, spread};
 use super::{ImportError, ImportSurvey};
 use crate::keypoints::joints::{KeypointBody, LOWEST_SCORE, body_of, meeting_point};
-use crate::keypoints::{self, Person, tallest};
+use crate::keypoints::{Person, tallest};
 
 /// Frames whose keypoints are used.
 const MOST_FRAMES: usize = 100;
@@ -60,13 +60,8 @@ pub(super) fn adjusted_rig(found: &ImportSurvey) -> Result<Option<Adjusted>, Imp
 pub(super) fn start(found: &ImportSurvey) -> Result<Option<KeypointBody>, ImportError> {
     let mut people = Vec::new();
     for camera in &found.cameras {
-        let Some(folder) = &camera.keypoints else { continue };
-        let files = keypoints::files_of(folder)?;
-        let Some((first, _)) = files.first() else { continue };
-        let Some((_, path)) = files.iter().find(|(number, _)| *number == first + found.first as u64) else {
-            continue;
-        };
-        people.extend(tallest(&keypoints::read(path)?).map(|person| (&camera.camera, person.clone())));
+        let seen = Keypoints::of(camera)?.people(found.first)?;
+        people.extend(tallest(&seen).map(|person| (&camera.camera, person.clone())));
     }
     Ok(body_of(&people))
 }

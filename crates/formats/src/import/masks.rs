@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::matching::MatchedBy;
-use super::matching::{FootageCandidate, best_group};
+use super::matching::{FootageCandidate, MatchedBy, best_group};
 use super::pictures::Pictures;
 use super::{ImportCamera, ImportError, plates};
-use crate::Result;
+use crate::images::MAX_PICTURE_BYTES;
 use crate::masks::{self, MaskSequence, MaskValues, Numbers};
+use crate::{DiskFiles, Result, TakeFiles};
 
 /// Words of names that masks have.
 const WORDS: &str =
@@ -88,18 +88,13 @@ pub(super) fn of_cameras<'a>(
 pub(super) fn add(camera: &mut ImportCamera, masks: Option<&FootageCandidate>, are_alone: bool) {
     let Some(candidate) = masks else { return };
     let place = candidate.footage.path().display().to_string();
-    let (found, pictures) = match found(camera, candidate, are_alone) {
-        Ok(found) => found,
-        Err(reason) => return camera.notes.push(format!("masks at {place} are not used: {reason}")),
-    };
-    let values = match found {
-        Ok(values) => Some(values),
-        Err(reason) => {
-            camera.notes.push(format!("masks: {reason}"));
-            None
+    match found(camera, candidate, are_alone) {
+        Err(reason) => camera.notes.push(format!("masks at {place} are not used: {reason}")),
+        Ok((values, pictures)) => {
+            camera.notes.extend(values.as_ref().err().map(|reason| format!("masks: {reason}")));
+            camera.masks = Some(ImportMasks { pictures, values: values.ok(), are_alone });
         }
-    };
-    camera.masks = Some(ImportMasks { pictures, values, are_alone });
+    }
 }
 
 type Values = Result<MaskValues, String>;
@@ -136,7 +131,7 @@ fn numbers(pictures: &Pictures, index: usize) -> Result<Numbers> {
         Pictures::Video(video) => Ok(Numbers::of_picture(&*video.frame(index)?)),
         Pictures::Numbered { .. } => {
             let path = pictures.path_of(index);
-            Numbers::decode(&path, &crate::images::read_bytes(&path)?)
+            Numbers::decode(&path, &DiskFiles.read(&path, MAX_PICTURE_BYTES)?)
         }
     }
 }

@@ -7,8 +7,7 @@ use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
 use super::{ImportCamera, ImportError, ImportSurvey};
-use crate::keypoints;
-use crate::keypoints::Person;
+use crate::keypoints::{self, Person};
 use crate::plate::{self, Covered, MOST_FRAMES, Plate};
 
 /// Frames that tell how tall the person is in the picture.
@@ -111,7 +110,7 @@ fn learn_from(
         let people = keypoints.people(frame)?;
         masks.push(keypoints::generous_mask(&people, size, divisor));
         if let Some(mask) = keypoints::sure_mask(&people, size, divisor) {
-            sure.add(plate::are_subject(mask.labels()));
+            sure.add(mask.labels().iter().map(|label| *label == Label::Subject));
         }
     }
     let frames: Vec<LearningFrame<'_>> = pictures

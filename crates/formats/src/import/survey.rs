@@ -6,10 +6,10 @@ use backlit_tracking::camera::{Camera, CameraError};
 use thiserror::Error;
 
 use super::masks::{self, ImportMasks};
-use super::matching::{FootageCandidate, FootageFiles, PLATES, best_group, footage_of, is_plate};
-use super::matching::{MatchedBy, matched};
-use super::pictures::PictureSize;
-use super::pictures::Pictures;
+use super::matching::{
+    FootageCandidate, FootageFiles, MatchedBy, PLATES, best_group, footage_of, is_plate, matched,
+};
+use super::pictures::{PictureSize, Pictures};
 use super::project::{self, Project};
 use super::scan::{Listing, scan};
 use crate::FileError;

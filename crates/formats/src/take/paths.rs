@@ -4,13 +4,14 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 
+use backlit_tracking::body::builtin;
 use thiserror::Error;
 use toml::Spanned;
 
 use super::reader::TakeReader;
 use super::spec::{CalibrationSpec, ReferenceSpec, TakeSpec, ViewSpec};
+use crate::Result;
 use crate::files::plain;
-use crate::{Result, model_file};
 
 /// Most digits that a number is filled up to.
 const MAX_DIGITS: usize = 20;
@@ -178,7 +179,7 @@ impl TakeReader<'_> {
         let mut found: Vec<PathBuf> = Vec::new();
         for NamedPath { below, value, field, first } in self.named(spec) {
             let text = self.expand(value, field)?;
-            if field == "model" && model_file::is_built_in(&text) {
+            if field == "model" && builtin::text(&text).is_some() {
                 continue;
             }
             let path = below.join(&text);
