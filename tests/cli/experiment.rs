@@ -68,6 +68,8 @@ fn sequences_run_on_a_take() {
 fn senseless_experiments_are_explained() {
     let scene = Scene::new();
     scene.fails("experiment fig9.9", 2, &["fig9.9"]);
+    let help = scene.ok("experiment --help");
+    assert!(help.contains("One limb seen from the side") && !help.contains("its files go"), "{help}");
     scene.fails("experiment fig5.1 --offset nan", 1, &["offset_m", "finite"]);
     scene.fails("experiment fig5.1 --distance 0", 1, &["fx"]);
     scene.fails("experiment fig5.2 --starts 0", 1, &["starts", "1 or more"]);

@@ -12,7 +12,6 @@ mod fig51;
 mod fig52;
 mod fig54;
 mod fig55;
-mod files;
 mod footage;
 mod frame_basin;
 mod measures;
@@ -21,13 +20,12 @@ mod sequence;
 mod sizes;
 mod sync;
 mod track;
-mod waiting;
 
-use anyhow::ensure;
-use backlit_plot::Drawn;
+use anyhow::{Context, ensure};
+use backlit_plot::{AsPicture, Drawn, png};
 use backlit_tracking::cancel::CancelToken;
 use clap::{ArgMatches, Args, FromArgMatches, Subcommand};
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use self::arguments::OutputArguments;
@@ -54,7 +52,15 @@ pub(crate) trait Experiment: Serialize {
         Vec::new()
     }
 
-    /// Runs it, writes its files and prints.
+    /// What `--json` prints: the file with the numbers.
+    ///
+    /// # Errors
+    /// The report cannot be written as JSON.
+    fn printed(&self, _report: &Self::Report, numbers: &str) -> anyhow::Result<String> {
+        Ok(numbers.to_owned())
+    }
+
+    /// Runs it, writes its numbers to `NAME.json` and its pictures to their files, and prints.
     ///
     /// # Errors
     /// It cannot run, or a file cannot be written.
@@ -62,12 +68,29 @@ pub(crate) trait Experiment: Serialize {
     where
         Self: Sized,
     {
-        let run = Run { cancel: interrupt::listen()?, bar: waiting::bar() };
+        let run = Run::listening()?;
         let report = self.run(&run)?;
-        run.bar.finish_and_clear();
-        let (pictures, table) = (self.pictures(&report), self.table(&report));
-        files::finish(output, Self::NAME, self, &report, &pictures, &table)
+        run.end()?;
+        let document = Document { format: FORMAT, experiment: Self::NAME, options: self, report: &report };
+        let numbers = serde_json::to_string_pretty(&document).context("the numbers")? + "\n";
+        let mut files = vec![(format!("{}.json", Self::NAME), numbers.clone().into_bytes())];
+        for (name, picture) in self.pictures(&report) {
+            files.push((format!("{name}.png"), png(picture.picture(output.theme.into()))?));
+        }
+        output.finish(files, &self.printed(&report, &numbers)?, &self.table(&report))
     }
+}
+
+/// Name and version of the files with the numbers.
+const FORMAT: &str = "backlit-experiment 1";
+
+/// An experiment's file.
+#[derive(Debug, Serialize)]
+struct Document<'a, O, R> {
+    format: &'static str,
+    experiment: &'a str,
+    options: &'a O,
+    report: &'a R,
 }
 
 /// A run of an experiment: how far it is, and whether it is to stop.
@@ -79,6 +102,27 @@ pub(crate) struct Run {
 }
 
 impl Run {
+    /// A bar on the terminal that waits for the first number, and a token that Ctrl+C cancels.
+    ///
+    /// # Errors
+    /// Ctrl+C cannot be listened to.
+    pub(crate) fn listening() -> anyhow::Result<Self> {
+        let bar = ProgressBar::new(1);
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} fits, {eta} left") {
+            bar.set_style(style);
+        }
+        Ok(Self { cancel: interrupt::listen()?, bar })
+    }
+
+    /// Takes the bar away.
+    ///
+    /// # Errors
+    /// Ctrl+C was pressed.
+    pub(crate) fn end(&self) -> Result<(), Interrupted> {
+        self.bar.finish_and_clear();
+        self.check()
+    }
+
     /// Tells that this many of all are done.
     ///
     /// # Errors
@@ -116,7 +160,7 @@ trait ExperimentArguments: Args {
     fn run(self) -> anyhow::Result<()>;
 }
 
-/// An experiment's options, and where its files go.
+// An experiment's options, and where its files go. A doc comment would be the help of every experiment.
 #[derive(Debug, Args)]
 struct WithOutput<E: Args> {
     #[command(flatten)]
@@ -150,20 +194,6 @@ impl Registration {
         }
     }
 }
-
-/// Those that write and print by themselves.
-macro_rules! by_themselves {
-    ($($module:ident)*) => {$(
-        impl ExperimentArguments for $module::Arguments {
-            const NAME: &'static str = stringify!($module);
-            fn run(self) -> anyhow::Result<()> {
-                $module::run(&self)
-            }
-        }
-    )*};
-}
-
-by_themselves!(acquire basin begin);
 
 /// All experiments, in the order of the help.
 const EXPERIMENTS: &[Registration] = &[

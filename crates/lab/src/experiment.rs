@@ -1,22 +1,44 @@
-//! Experiments on ways to begin, and the data of those that are the command line's own.
+//! Data of experiments.
 //!
 //! | file | holds |
 //! |---|---|
 //! | [`sequence`] | a sequence, simulated or a take's, in the report's small pictures |
-//! | [`acquire`] | first bodies, grown from nothing known, beside fitted ones |
-//! | [`begin`] | ways to begin: downhill, particles, templates, the search, from given starts and without |
-//! | [`no_start`] | sets of a take's cameras, and what a fit from the keypoints is worth |
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
-//! | [`progress`] | how far an experiment is, and why one cannot run |
 
-pub mod acquire;
-pub mod begin;
-pub mod no_start;
-pub mod progress;
 pub mod scene;
 pub mod sequence;
 pub mod starts;
 
-pub use progress::{ExperimentError, Progress};
+use backlit_formats::FootageError;
+use backlit_tracking::camera::CameraError;
+use backlit_tracking::silhouette::{MaskError, MeasurementError};
+use thiserror::Error;
+
 pub use scene::Simulation;
+
+use crate::synthetic::upper_body::CamerasError;
+
+/// Why there are no data.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ExperimentError {
+    #[error("`{option}` is {value}; expected {expected}")]
+    Option { option: &'static str, value: f64, expected: &'static str },
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    #[error(transparent)]
+    Cameras(#[from] CamerasError),
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+    #[error(transparent)]
+    Measurement(#[from] MeasurementError),
+    #[error("{0}")]
+    Footage(String),
+}
+
+impl From<FootageError> for ExperimentError {
+    fn from(error: FootageError) -> Self {
+        Self::Footage(error.to_string())
+    }
+}

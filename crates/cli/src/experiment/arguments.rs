@@ -1,8 +1,9 @@
-//! Options that all experiments share.
+//! Options that all experiments share, and the files that they write.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use backlit_formats::atomic;
 use backlit_lab::experiment::Simulation;
 use backlit_plot::Theme;
 use backlit_tracking::body::{Model, Pose};
@@ -10,9 +11,10 @@ use backlit_tracking::search::start::perturb;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use crate::output;
 use crate::take_options::StartNoise;
 
-/// Where the results go, and how they look.
+// Where the results go, and how they look; a doc comment would be the help of the experiment.
 #[derive(Debug, Args)]
 pub(crate) struct OutputArguments {
     /// Folder to write numbers and plots to; made if it is not there
@@ -24,6 +26,31 @@ pub(crate) struct OutputArguments {
     /// Colours of the plots
     #[arg(long, value_enum, default_value_t = ThemeWord::Light)]
     pub(crate) theme: ThemeWord,
+}
+
+impl OutputArguments {
+    /// Writes files, then prints the table and their names, or the numbers.
+    ///
+    /// # Errors
+    /// The folder or a file cannot be written.
+    pub(crate) fn finish(
+        &self,
+        files: impl IntoIterator<Item = (String, Vec<u8>)>,
+        numbers: &str,
+        table: &str,
+    ) -> anyhow::Result<()> {
+        output::make_folder(&self.out)?;
+        let mut written = Vec::new();
+        for (name, bytes) in files {
+            let path = self.out.join(name);
+            atomic::write(&path, &bytes)?;
+            written.push(path.display().to_string());
+        }
+        if self.json {
+            return output::print(numbers);
+        }
+        output::print(&format!("{table}\nWritten: {}\n", written.join(", ")))
+    }
 }
 
 /// The random starts of an experiment, which gives them defaults of its own by `mut_arg`.

@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, Result, ensure};
 use backlit_formats::starts_file::{self, Start};
-use backlit_lab::experiment::Progress;
 use backlit_lab::experiment::starts::Draw;
-use backlit_plot::{Axis, Figure, Line};
+use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_runs::basin::{Basin, FitChoice, SUCCESS_MM, Subject, SuccessRate};
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::SearchOptions;
@@ -19,10 +17,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
-use super::files;
-use super::frame_basin::{self, FrameArguments};
-use super::waiting;
-use crate::output;
+use super::frame_basin::FrameArguments;
+use super::{Experiment, ExperimentArguments, Run};
+use crate::output::number;
 use crate::table::Table;
 
 /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
@@ -65,17 +62,21 @@ pub(crate) struct Arguments {
     output: OutputArguments,
 }
 
-/// What was done, for the file with the numbers.
+/// Drawn scenes, or those of a file of starts.
 #[derive(Debug, Serialize)]
-struct BasinConditions<'a> {
-    cameras: &'a [usize],
+struct Basins {
+    cameras: Vec<usize>,
     preset: Preset,
     renderer: RendererKind,
     scaled: bool,
-    hypotheses: Option<&'a SearchOptions>,
+    hypotheses: Option<SearchOptions>,
     no_start: bool,
-    starts: &'a str,
-    draw: Option<&'a Draw>,
+    starts: String,
+    draw: Option<Draw>,
+    #[serde(skip)]
+    given: Vec<Start>,
+    #[serde(skip)]
+    choice: FitChoice,
 }
 
 /// One entry a number of cameras.
@@ -96,92 +97,114 @@ struct CameraBasin {
     ms_per_start: f64,
 }
 
-/// Runs the experiment, writes and prints. `--json` prints one object a number of cameras: by itself if there
-/// is one, else a list.
-///
-/// # Errors
-/// Returns an error if an option is out of range, or if a file cannot be read or written.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut choice = FitChoice::best_of(arguments.preset);
-    choice.fit.renderer = arguments.renderer;
-    let scaled = arguments.preset == Preset::Robust && !arguments.unscaled;
-    choice.fit.to_scale &= scaled;
-    choice.ignores_start = arguments.no_start;
-    if arguments.downhill {
-        choice.hypotheses = None;
-    }
-    if let Some(take) = &arguments.frame.take {
-        let draw = (arguments.angles.as_slice(), arguments.starts.as_str(), arguments.seed);
-        return frame_basin::run(&arguments.frame, take, draw, choice, &arguments.output);
-    }
-    let (starts, draw) = starts(arguments)?;
-    let report = Report { basins: basins(&arguments.cameras, &starts, &choice)? };
-    let conditions = BasinConditions {
-        cameras: &arguments.cameras,
-        preset: arguments.preset,
-        renderer: arguments.renderer,
-        scaled,
-        hypotheses: choice.hypotheses.as_ref(),
-        no_start: arguments.no_start,
-        starts: &arguments.starts,
-        draw: draw.as_ref(),
-    };
-    let figures = [("basin".to_owned(), figure(&report, starts.len()))];
-    // The numbers that are printed are those of the basins alone.
-    let files = OutputArguments { json: false, out: arguments.output.out.clone(), ..arguments.output };
-    if !arguments.output.json {
-        return files::finish(&files, "basin", &conditions, &report, &figures, &table(&report));
-    }
-    files::write(&files, "basin", &conditions, &report, &figures)?;
-    match report.basins.as_slice() {
-        [one] => output::print_json(one),
-        several => output::print_json(&several),
-    }
-}
+impl ExperimentArguments for Arguments {
+    const NAME: &'static str = Basins::NAME;
 
-/// Fits all starts with each number of cameras, one after the other on one core; without starts on all cores.
-fn basins(cameras: &[usize], starts: &[Start], choice: &FitChoice) -> anyhow::Result<Vec<CameraBasin>> {
-    let (mut listener, total) = (waiting::listener(), cameras.len() * starts.len());
-    let mut found = Vec::with_capacity(cameras.len());
-    for (index, &cameras) in cameras.iter().enumerate() {
-        let subject = |start: &Start| {
-            let views = start.views.get(&cameras).cloned();
-            let views = views.with_context(|| {
-                format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
-            })?;
-            let subject = Subject { model: start.model.clone(), views, reference: start.truth.clone() };
-            anyhow::Ok((subject, start.start.clone()))
-        };
-        let subjects = starts.iter().map(subject).collect::<Result<_, _>>()?;
-        let basin = Basin::from_starts(subjects, choice.clone());
-        let mut errors: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-        let mut seconds = 0.0;
-        for (trial, start) in starts.iter().enumerate() {
-            listener(Progress { done: index * starts.len() + trial, total });
-            let began = Instant::now();
-            let error_mm = basin.run(trial, &CancelToken::new())?.error_mm;
-            seconds += began.elapsed().as_secs_f64();
-            errors.entry(start.degrees).or_default().push(error_mm);
+    fn run(self) -> Result<()> {
+        let (preset, renderer) = (self.preset, self.renderer);
+        let mut choice = FitChoice::best_of(preset);
+        choice.fit.renderer = renderer;
+        let scaled = preset == Preset::Robust && !self.unscaled;
+        choice.fit.to_scale &= scaled;
+        choice.ignores_start = self.no_start;
+        if self.downhill {
+            choice.hypotheses = None;
         }
-        let rate = |(degrees, errors)| (degrees, SuccessRate::of(errors, SUCCESS_MM));
-        let rates: Vec<(u32, SuccessRate)> = errors.into_iter().map(rate).collect();
-        let by_degrees = |value: fn(&SuccessRate) -> Option<f64>| {
-            rates.iter().map(|(degrees, rate)| (*degrees, value(rate).unwrap_or_default())).collect()
-        };
-        found.push(CameraBasin {
-            cameras,
-            success: by_degrees(|rate| rate.success),
-            median_mm: by_degrees(|rate| rate.median_mm),
-            ms_per_start: 1e3 * seconds / starts.len().max(1) as f64,
-        });
+        if let Some(take) = &self.frame.take {
+            return self.frame.run(take, (&self.angles, &self.starts, self.seed), choice, &self.output);
+        }
+        let (given, draw) = starts_of(&self.starts, &self.angles, (&self.cameras, self.size.0, self.seed))?;
+        let (cameras, no_start, starts) = (self.cameras, self.no_start, self.starts);
+        let hypotheses = choice.hypotheses.clone();
+        Basins { cameras, preset, renderer, scaled, hypotheses, no_start, starts, draw, given, choice }
+            .perform(&self.output)
     }
-    listener(Progress { done: total, total });
-    Ok(found)
 }
 
-fn starts(arguments: &Arguments) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
-    let scenes = (arguments.cameras.as_slice(), arguments.size.0, arguments.seed);
-    starts_of(&arguments.starts, &arguments.angles, scenes)
+impl Experiment for Basins {
+    const NAME: &'static str = "basin";
+    type Report = Report;
+
+    /// Fits all starts with each number of cameras, one after the other on one core; without starts on all cores.
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        let total = self.cameras.len() * self.given.len();
+        let mut basins = Vec::with_capacity(self.cameras.len());
+        for (index, &cameras) in self.cameras.iter().enumerate() {
+            let subject = |start: &Start| {
+                let views = start.views.get(&cameras).cloned();
+                let views = views.with_context(|| {
+                    format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
+                })?;
+                let subject = Subject { model: start.model.clone(), views, reference: start.truth.clone() };
+                Ok((subject, start.start.clone()))
+            };
+            let subjects = self.given.iter().map(subject).collect::<Result<_>>()?;
+            let basin = Basin::from_starts(subjects, self.choice.clone());
+            let mut errors: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+            let mut seconds = 0.0;
+            for (trial, start) in self.given.iter().enumerate() {
+                run.progress(index * self.given.len() + trial, total)?;
+                let began = Instant::now();
+                let error_mm = basin.run(trial, &run.cancel)?.error_mm;
+                seconds += began.elapsed().as_secs_f64();
+                run.check()?;
+                errors.entry(start.degrees).or_default().push(error_mm);
+            }
+            let rate = |(degrees, errors)| (degrees, SuccessRate::of(errors, SUCCESS_MM));
+            let rates: Vec<(u32, SuccessRate)> = errors.into_iter().map(rate).collect();
+            let by_degrees = |value: fn(&SuccessRate) -> Option<f64>| {
+                rates.iter().map(|(degrees, rate)| (*degrees, value(rate).unwrap_or_default())).collect()
+            };
+            basins.push(CameraBasin {
+                cameras,
+                success: by_degrees(|rate| rate.success),
+                median_mm: by_degrees(|rate| rate.median_mm),
+                ms_per_start: 1e3 * seconds / self.given.len().max(1) as f64,
+            });
+        }
+        Ok(Report { basins })
+    }
+
+    fn table(&self, report: &Report) -> String {
+        let row = |basin| move |(degrees, success)| (basin, degrees, success);
+        Table::of(
+            report.basins.iter().flat_map(|basin| basin.success.iter().map(row(basin))),
+            &[
+                ("cameras, start off by", &|(basin, degrees, _): &(&CameraBasin, &u32, &f64)| {
+                    format!("{}, {degrees}°", basin.cameras)
+                }),
+                ("found, %", &|(_, _, success)| number(100.0 * **success, 1)),
+                ("median, mm", &|(basin, degrees, _)| {
+                    number(basin.median_mm.get(degrees).copied().unwrap_or_default(), 1)
+                }),
+                ("ms a start", &|(basin, ..)| number(basin.ms_per_start, 1)),
+            ],
+        )
+    }
+
+    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+        let line = |(style, basin): (usize, &CameraBasin)| {
+            let name = if basin.cameras == 1 { "one camera" } else { &format!("{} cameras", basin.cameras) };
+            let points = basin.success.iter().map(|(&degrees, &found)| [f64::from(degrees), 100.0 * found]);
+            Line::of_points(name, style, points.collect())
+        };
+        let figure = Figure {
+            title: "Basin: starts that end within 20 mm of the truth".to_owned(),
+            subtitle: format!("upper body, {} starts", self.given.len()),
+            x: Axis::linear("degrees that every joint of the start is off"),
+            y: Axis::linear("found, %"),
+            lines: report.basins.iter().enumerate().map(line).collect(),
+        };
+        vec![("basin".to_owned(), Drawn::Figure(figure))]
+    }
+
+    /// One object a number of cameras: by itself if there is one, else a list.
+    fn printed(&self, report: &Report, _numbers: &str) -> Result<String> {
+        Ok(match report.basins.as_slice() {
+            [one] => serde_json::to_string_pretty(one)?,
+            several => serde_json::to_string_pretty(several)?,
+        } + "\n")
+    }
 }
 
 /// Starts by number or from a file, of some angles (none: of all). `scenes` has the cameras, pixels and seed of drawn ones.
@@ -192,49 +215,24 @@ pub(super) fn starts_of(
     starts: &str,
     angles: &[u32],
     scenes: (&[usize], [u64; 2], u64),
-) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
+) -> Result<(Vec<Start>, Option<Draw>)> {
     let (cameras, size_px, seed) = scenes;
     let wanted = |degrees: u32| angles.is_empty() || angles.contains(&degrees);
     let Ok(count) = starts.parse() else {
         let mut found = starts_file::read(&PathBuf::from(starts))?;
         found.retain(|start| wanted(start.degrees));
-        anyhow::ensure!(!found.is_empty(), "{starts} has no start of --angles");
+        ensure!(!found.is_empty(), "{starts} has no start of --angles");
         return Ok((found, None));
     };
-    let levels: Vec<Level> = LEVELS.into_iter().filter(|level| wanted(level.degrees)).collect();
-    anyhow::ensure!(!levels.is_empty(), "--angles: expected some of 5, 10, 20, 30 and 45");
+    let levels = if angles.is_empty() { LEVELS.to_vec() } else { levels_of(angles)? };
     let draw = Draw { starts: count, levels, cameras: cameras.to_vec(), size_px, seed };
     Ok((draw.draw()?, Some(draw)))
 }
 
-fn table(report: &Report) -> String {
-    let mut table = Table::new(["cameras, start off by", "found, %", "median, mm", "ms a start"]);
-    for basin in &report.basins {
-        for (degrees, success) in &basin.success {
-            let median = basin.median_mm.get(degrees).copied().unwrap_or_default();
-            table.row([
-                format!("{}, {degrees}°", basin.cameras),
-                format!("{:.1}", 100.0 * success),
-                format!("{median:.1}"),
-                format!("{:.1}", basin.ms_per_start),
-            ]);
-        }
-    }
-    table.to_text()
-}
-
-fn figure(report: &Report, starts: usize) -> Figure {
-    let line = |(style, basin): (usize, &CameraBasin)| Line {
-        name: if basin.cameras == 1 { "one camera".to_owned() } else { format!("{} cameras", basin.cameras) },
-        points: basin.success.iter().map(|(&degrees, &found)| [f64::from(degrees), 100.0 * found]).collect(),
-        style,
-        ..Line::default()
-    };
-    Figure {
-        title: "Basin: starts that end within 20 mm of the truth".to_owned(),
-        subtitle: format!("upper body, {starts} starts"),
-        x: Axis::linear("degrees that every joint of the start is off"),
-        y: Axis::linear("found, %"),
-        lines: report.basins.iter().enumerate().map(line).collect(),
-    }
+/// How far starts of these angles are off.
+pub(super) fn levels_of(angles: &[u32]) -> Result<Vec<Level>> {
+    let wanted = |level: &Level| angles.contains(&level.degrees);
+    let levels: Vec<Level> = LEVELS.into_iter().filter(wanted).collect();
+    ensure!(!levels.is_empty(), "--angles: expected some of 5, 10, 20, 30 and 45");
+    Ok(levels)
 }

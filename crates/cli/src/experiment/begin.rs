@@ -1,22 +1,35 @@
-//! `backlit experiment begin`: ways to begin, one beside another.
+//! Ways to begin ([`initialisation`](backlit_tracking::initialisation)): where a fit is to start when the pose is hardly known or
+//! not at all (the report's 6.4), one beside another.
+//!
+//! They begin at drawn starts, or on frames of a take with keypoints by all sets of this many cameras. There a given start is the
+//! pose of the fit that begins at the keypoints, with every joint turned and the root moved, and a pose is judged beside that fit.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
 
-use backlit_lab::experiment::begin::{self, MethodRow, Options, Report, footage};
+use anyhow::{Context, Result};
+use backlit_formats::starts_file::Start;
 use backlit_lab::experiment::starts::Draw;
-use backlit_plot::{Axis, Figure, Line};
-use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::initialisation::{InitialisationMethod, InitialisationOptions};
-use backlit_tracking::search::start::{LEVELS, Level};
+use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_tracking::body::Pose;
+use backlit_tracking::initialisation::{InitialisationInputs, InitialisationMethod, InitialisationOptions};
+use backlit_tracking::metrics::leaf_error_mm;
+use backlit_tracking::search::start::{Level, perturb};
+use backlit_tracking::statistics::{Statistics, Z_95, wilson};
 use clap::Args;
 use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
-use super::basin;
-use super::files;
-use super::waiting::listener;
+use super::basin::{levels_of, starts_of};
+use super::no_start::{KeypointFrame, error_mm, sets};
+use super::{Experiment, ExperimentArguments, Run};
+use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
+
+/// Below this mean distance a fit has found its truth, millimetres.
+const SUCCESS_MM: f64 = 20.0;
 
 /// Ways to begin, side by side: downhill, particles, templates, the search; what they find, evaluations of Λ, time
 #[derive(Debug, Args)]
@@ -65,113 +78,315 @@ pub(crate) struct Arguments {
     output: OutputArguments,
 }
 
-/// What was done, for the file with the numbers.
+/// What is tried.
 #[derive(Debug, Serialize)]
-struct BeginConditions<'a> {
+struct Beginnings {
+    methods: Vec<InitialisationMethod>,
+    /// Numbers of cameras.
+    cameras: Vec<usize>,
+    /// Whether the starts are ignored.
+    no_start: bool,
     #[serde(flatten)]
-    options: &'a Options,
-    starts: Option<&'a str>,
-    draw: Option<&'a Draw>,
-    frames: Option<&'a footage::Frames>,
+    choices: InitialisationOptions,
+    starts: Option<String>,
+    draw: Option<Draw>,
+    frames: Option<Frames>,
+    /// The starts themselves, if not [`Self::frames`].
+    #[serde(skip)]
+    given: Vec<Start>,
 }
 
-/// Runs the experiment, writes and prints.
-///
-/// # Errors
-/// Returns an error if an option is out of range, or if a file cannot be read or written.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let options = options(arguments);
-    let (cancel, listener) = (CancelToken::new(), listener());
-    if let Some(take) = &arguments.take {
-        let frames = frames(arguments)?;
-        let report = on_footage(take, &options, &frames, &cancel, listener)?;
-        let conditions =
-            BeginConditions { options: &options, starts: None, draw: None, frames: Some(&frames) };
-        return finish(arguments, &conditions, &report);
+/// Frames of a take, and how far off their starts are.
+#[derive(Debug, Serialize)]
+struct Frames {
+    #[serde(skip)]
+    take: PathBuf,
+    frames: Vec<usize>,
+    /// Each is tried once a frame and set of cameras.
+    levels: Vec<Level>,
+    /// A pose whose mean joint error is at most so much larger than that of the fit from the keypoints is found, mm.
+    within_mm: f64,
+    seed: u64,
+}
+
+impl ExperimentArguments for Arguments {
+    const NAME: &'static str = Beginnings::NAME;
+
+    fn run(self) -> Result<()> {
+        let mut choices = InitialisationOptions { heads: self.heads, ..InitialisationOptions::default() };
+        for chosen in [&mut choices.particles, &mut choices.particles_no_start] {
+            chosen.particles = self.particles.unwrap_or(chosen.particles);
+            chosen.layers = self.layers.unwrap_or(chosen.layers);
+            chosen.seed = self.seed;
+        }
+        let (methods, cameras, no_start) = (self.methods, self.cameras, self.no_start);
+        let (mut starts, mut draw, mut frames, mut given) = (None, None, None, Vec::new());
+        if let Some(take) = self.take {
+            let (levels, within_mm, seed) = (levels_of(&self.angles)?, self.within_mm, self.seed);
+            frames = Some(Frames { take, frames: self.frames, levels, within_mm, seed });
+        } else {
+            (given, draw) = starts_of(&self.starts, &self.angles, (&cameras, self.size.0, self.seed))?;
+            starts = Some(self.starts);
+        }
+        Beginnings { methods, cameras, no_start, choices, starts, draw, frames, given }.perform(&self.output)
     }
-    let scenes = (arguments.cameras.as_slice(), arguments.size.0, arguments.seed);
-    let (starts, draw) = basin::starts_of(&arguments.starts, &arguments.angles, scenes)?;
-    let report = begin::run(&options, &starts, &cancel, listener)?;
-    let conditions = BeginConditions {
-        options: &options,
-        starts: Some(&arguments.starts),
-        draw: draw.as_ref(),
-        frames: None,
-    };
-    finish(arguments, &conditions, &report)
 }
 
-fn on_footage(
-    take: &Path,
-    options: &Options,
-    frames: &footage::Frames,
-    cancel: &CancelToken,
-    listener: impl FnMut(backlit_lab::experiment::Progress),
-) -> anyhow::Result<Report> {
-    let footage = take_options::open(take)?;
-    Ok(footage::run(&footage, options, frames, cancel, listener)?)
+#[derive(Debug, Serialize)]
+struct Report {
+    /// By number of cameras, then by how far the starts were off, then by method.
+    rows: Vec<MethodRow>,
 }
 
-fn options(arguments: &Arguments) -> Options {
-    let mut choices = InitialisationOptions { heads: arguments.heads, ..InitialisationOptions::default() };
-    for chosen in [&mut choices.particles, &mut choices.particles_no_start] {
-        chosen.particles = arguments.particles.unwrap_or(chosen.particles);
-        chosen.layers = arguments.layers.unwrap_or(chosen.layers);
-        chosen.seed = arguments.seed;
+/// One method from all starts of one kind.
+#[derive(Debug, Serialize)]
+struct MethodRow {
+    method: InitialisationMethod,
+    cameras: usize,
+    /// Degrees that every joint of the starts was off; `None` without starts.
+    degrees: Option<u32>,
+    tried: usize,
+    /// Those that found their truth.
+    found: usize,
+    /// Ends of the interval that holds the true share 95 times of 100.
+    interval: [f64; 2],
+    /// Median of the mean distances from the truth, millimetres.
+    median_mm: f64,
+    /// The same before the last fit; `None` for methods that are one.
+    median_before_mm: Option<f64>,
+    /// Mean evaluations of Λ of a start.
+    evaluations: f64,
+    /// Median wall time of a start, milliseconds.
+    ms: f64,
+}
+
+/// One start by one method.
+struct Trial {
+    error_mm: f64,
+    before_mm: Option<f64>,
+    evaluations: usize,
+    seconds: f64,
+    found: bool,
+}
+
+/// Trials by the place of their number of cameras, by degrees, by the place of their method.
+type Trials = BTreeMap<(usize, Option<u32>, usize), Vec<Trial>>;
+
+impl Experiment for Beginnings {
+    const NAME: &'static str = "begin";
+    type Report = Report;
+
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        if let Some(frames) = &self.frames { self.on_frames(frames, run) } else { self.from_starts(run) }
     }
-    let (methods, cameras) = (arguments.methods.clone(), arguments.cameras.clone());
-    Options { methods, cameras, no_start: arguments.no_start, choices }
-}
 
-fn frames(arguments: &Arguments) -> anyhow::Result<footage::Frames> {
-    let wanted = |level: &Level| arguments.angles.contains(&level.degrees);
-    let levels: Vec<Level> = LEVELS.into_iter().filter(wanted).collect();
-    anyhow::ensure!(!levels.is_empty(), "--angles: expected some of 5, 10, 20, 30 and 45");
-    let (within_mm, seed) = (arguments.within_mm, arguments.seed);
-    Ok(footage::Frames { frames: arguments.frames.clone(), levels, within_mm, seed })
-}
-
-fn finish(arguments: &Arguments, conditions: &BeginConditions<'_>, report: &Report) -> anyhow::Result<()> {
-    let figures = [("begin".to_owned(), figure(report))];
-    files::finish(&arguments.output, "begin", conditions, report, &figures, &table(report))
-}
-
-fn table(report: &Report) -> String {
-    let mut table =
-        Table::new(["cameras, start off by: way", "found", "median, mm", "before", "evaluations of Λ", "ms"]);
-    for row in &report.rows {
-        let start = row.degrees.map_or_else(|| "no start".to_owned(), |degrees| format!("{degrees}°"));
-        let before = row.median_before_mm.map_or_else(|| "–".to_owned(), |mm| format!("{mm:.1}"));
-        table.row([
-            format!("{}, {start}: {}", row.cameras, row.method),
-            format!("{} of {}", row.found, row.tried),
-            format!("{:.1}", row.median_mm),
-            before,
-            format!("{:.0}", row.evaluations),
-            format!("{:.1}", row.ms),
-        ]);
+    fn table(&self, report: &Report) -> String {
+        let start =
+            |row: &MethodRow| row.degrees.map_or_else(|| "no start".to_owned(), |all| format!("{all}°"));
+        Table::of(
+            &report.rows,
+            &[
+                ("cameras, start off by: way", &|row| {
+                    format!("{}, {}: {}", row.cameras, start(row), row.method)
+                }),
+                ("found", &|row| format!("{} of {}", row.found, row.tried)),
+                ("median, mm", &|row| number(row.median_mm, 1)),
+                ("before", &|row| number(row.median_before_mm, 1)),
+                ("evaluations of Λ", &|row| number(row.evaluations, 0)),
+                ("ms", &|row| number(row.ms, 1)),
+            ],
+        )
     }
-    table.to_text()
+
+    /// What each way costs and what it finds: one line a way, one point a row.
+    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+        let share =
+            |row: &MethodRow| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];
+        let line = |(style, method): (usize, InitialisationMethod)| {
+            let rows = report.rows.iter().filter(|row| row.method == method);
+            Line::of_points(method.name(), style, rows.map(share).collect())
+        };
+        let is_tried = |way: &InitialisationMethod| report.rows.iter().any(|row| row.method == *way);
+        let ways = InitialisationMethod::COMPARED.into_iter().filter(is_tried);
+        let figure = Figure {
+            title: "Ways to begin".to_owned(),
+            subtitle: "one point a number of cameras and a distance of the start".to_owned(),
+            x: Axis::log("evaluations of Λ"),
+            y: Axis::linear("found, %"),
+            lines: ways.enumerate().map(line).collect(),
+        };
+        vec![("begin".to_owned(), Drawn::Figure(figure))]
+    }
 }
 
-/// What each way costs and what it finds: one line a way, one point a row.
-fn figure(report: &Report) -> Figure {
-    let share =
-        |row: &MethodRow| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];
-    let line = |(style, method): (usize, InitialisationMethod)| Line {
-        name: method.name().to_owned(),
-        points: report.rows.iter().filter(|row| row.method == method).map(share).collect(),
-        style,
-        ..Line::default()
-    };
-    let ways = InitialisationMethod::COMPARED
-        .into_iter()
-        .filter(|way| report.rows.iter().any(|row| row.method == *way));
-    Figure {
-        title: "Ways to begin".to_owned(),
-        subtitle: "one point a number of cameras and a distance of the start".to_owned(),
-        x: Axis::log("evaluations of Λ"),
-        y: Axis::linear("found, %"),
-        lines: ways.enumerate().map(line).collect(),
+impl Beginnings {
+    /// Tries all methods from all starts.
+    fn from_starts(&self, run: &Run) -> Result<Report> {
+        let (mut done, total) = (0, self.cameras.len() * self.given.len() * self.methods.len());
+        let mut trials = Trials::new();
+        for &cameras in &self.cameras {
+            for start in &self.given {
+                let views = start.views.get(&cameras).with_context(|| {
+                    format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
+                })?;
+                let given = (!self.no_start).then_some(&start.start);
+                let inputs =
+                    InitialisationInputs { model: &start.model, views, start: given, cancel: &run.cancel };
+                let error = |pose: &Pose| leaf_error_mm(&start.model, pose, &start.truth);
+                for (index, &method) in self.methods.iter().enumerate() {
+                    run.progress(done, total)?;
+                    done += 1;
+                    let trial = self.one(method, &inputs, error, |error| error < SUCCESS_MM, run)?;
+                    let degrees = given.map(|_| start.degrees);
+                    trials.entry((cameras, degrees, index)).or_default().push(trial);
+                }
+            }
+        }
+        Ok(self.report(&trials, |cameras| cameras))
+    }
+
+    /// Tries all methods on all frames by all sets of cameras, from starts of all levels, or without.
+    fn on_frames(&self, frames: &Frames, run: &Run) -> Result<Report> {
+        let footage = take_options::open(&frames.take)?;
+        let all = footage.cameras.len();
+        let mut levels: Vec<Option<Level>> = frames.levels.iter().copied().map(Some).collect();
+        if self.no_start {
+            levels = vec![None];
+        }
+        let of_count: Vec<_> = self.cameras.iter().map(|&count| sets(all, count)).collect::<Result<_>>()?;
+        let per_set = frames.frames.len() * self.methods.len() * levels.len();
+        let (mut done, total) = (0, of_count.iter().map(Vec::len).sum::<usize>() * per_set);
+        let mut trials = Trials::new();
+        for (place, sets) in of_count.iter().enumerate() {
+            for (set, &frame) in
+                sets.iter().flat_map(|set| frames.frames.iter().map(move |frame| (set, frame)))
+            {
+                let scene = KeypointFrame::new(&footage, set, frame, run)?;
+                for level in &levels {
+                    let given = level.map(|Level { degrees, metres }| {
+                        let seed = frames.seed.wrapping_add(frame as u64);
+                        perturb(scene.model, &scene.fitted, f64::from(degrees).to_radians(), metres, seed)
+                    });
+                    let inputs = InitialisationInputs {
+                        model: scene.model,
+                        views: &scene.views,
+                        start: given.as_ref(),
+                        cancel: &run.cancel,
+                    };
+                    let error = |pose: &Pose| error_mm(scene.model, pose, &scene.joints);
+                    let is_found = |error: f64| error <= scene.fitted_mm + frames.within_mm;
+                    for (index, &method) in self.methods.iter().enumerate() {
+                        run.progress(done, total)?;
+                        done += 1;
+                        let trial = self.one(method, &inputs, error, is_found, run)?;
+                        let degrees = level.map(|level| level.degrees);
+                        trials.entry((place, degrees, index)).or_default().push(trial);
+                    }
+                }
+            }
+        }
+        Ok(self.report(&trials, |place| self.cameras[place]))
+    }
+
+    /// Tries a method from one start.
+    fn one(
+        &self,
+        method: InitialisationMethod,
+        inputs: &InitialisationInputs<'_>,
+        error_mm: impl Fn(&Pose) -> f64,
+        is_found: impl Fn(f64) -> bool,
+        run: &Run,
+    ) -> Result<Trial> {
+        let began = Instant::now();
+        let result = self.choices.run(method, inputs, &mut |_| {});
+        let seconds = began.elapsed().as_secs_f64();
+        run.check()?;
+        let result = result?;
+        let before_mm = result.before.as_ref().map(&error_mm);
+        let error_mm = result.pose().map_or(f64::INFINITY, error_mm);
+        let (evaluations, found) = (result.evaluations.unwrap_or(0), is_found(error_mm));
+        Ok(Trial { error_mm, before_mm, evaluations, seconds, found })
+    }
+
+    fn report(&self, trials: &Trials, cameras: impl Fn(usize) -> usize) -> Report {
+        let row = |(&(place, degrees, method), trials): (&_, &Vec<Trial>)| {
+            MethodRow::of(self.methods[method], cameras(place), degrees, trials)
+        };
+        Report { rows: trials.iter().map(row).collect() }
+    }
+}
+
+impl MethodRow {
+    fn of(method: InitialisationMethod, cameras: usize, degrees: Option<u32>, trials: &[Trial]) -> Self {
+        let median = |list: Vec<f64>| Statistics::of(&list).map(|all| all.median);
+        let (tried, found) = (trials.len(), trials.iter().filter(|trial| trial.found).count());
+        let evaluations = trials.iter().map(|trial| trial.evaluations as f64).sum::<f64>();
+        Self {
+            method,
+            cameras,
+            degrees,
+            tried,
+            found,
+            interval: wilson(found, tried, Z_95),
+            median_mm: median(trials.iter().map(|trial| trial.error_mm).collect()).unwrap_or(f64::INFINITY),
+            median_before_mm: median(trials.iter().filter_map(|trial| trial.before_mm).collect()),
+            evaluations: evaluations / tried.max(1) as f64,
+            ms: 1e3 * median(trials.iter().map(|trial| trial.seconds).collect()).unwrap_or(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::Parameters;
+
+    use super::*;
+
+    /// The report of two cameras from starts that are this many degrees off, moved if asked.
+    fn report(degrees: u32, count: usize, no_start: bool, cameras: usize, is_moved: bool) -> Result<Report> {
+        let levels = vec![Level { degrees, metres: 0.1 }];
+        let draw = Draw { starts: count, levels, cameras: vec![2], ..Draw::default() };
+        let mut given = draw.draw().unwrap();
+        if is_moved {
+            let step = vec![0.7; 3 + 3 * given[0].model.rotation_count()];
+            given[0].start = given[0].start.retract(Parameters::Tangent, &step);
+        }
+        let (methods, cameras) = (InitialisationMethod::COMPARED.to_vec(), vec![cameras]);
+        let choices = InitialisationOptions::default();
+        let (starts, draw, frames) = (None, None, None);
+        Beginnings { methods, cameras, no_start, choices, starts, draw, frames, given }.run(&Run::hidden())
+    }
+
+    #[test]
+    fn every_method_is_tried_and_counted_and_twice_the_same() {
+        let all = || report(10, 2, false, 2, false).unwrap();
+        let report = all();
+        assert_eq!(report.rows.len(), InitialisationMethod::COMPARED.len());
+        for row in &report.rows {
+            assert!(row.tried == 2 && row.evaluations > 10.0 && row.median_mm.is_finite(), "{row:?}");
+            assert_eq!(row.degrees, Some(10));
+        }
+        let errors =
+            |report: &Report| -> Vec<u64> { report.rows.iter().map(|row| row.median_mm.to_bits()).collect() };
+        assert_eq!(errors(&report), errors(&all()));
+        let of = |method| report.rows.iter().find(|row| row.method == method).unwrap();
+        let ramp = of(InitialisationMethod::Ramp);
+        assert_eq!(ramp.found, 2, "{report:?}");
+        assert!(of(InitialisationMethod::Particles).evaluations > 10.0 * ramp.evaluations);
+    }
+
+    #[test]
+    fn without_a_start_none_is_looked_at() {
+        let [there, moved] = [false, true].map(|is_moved| {
+            let report = report(45, 1, true, 2, is_moved).unwrap();
+            report.rows.iter().map(|row| row.median_mm).collect::<Vec<_>>()
+        });
+        assert_eq!(there, moved);
+    }
+
+    #[test]
+    fn cameras_that_the_starts_do_not_have_are_named() {
+        let error = report(5, 1, false, 3, false).unwrap_err();
+        assert!(error.to_string().contains("cameras"), "{error}");
     }
 }

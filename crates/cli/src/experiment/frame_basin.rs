@@ -8,19 +8,17 @@ use std::str::FromStr;
 use anyhow::{Context, ensure};
 use backlit_formats::Take;
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_lab::experiment::Progress;
 use backlit_runs::basin::{
     Angle, BasinOptions, BasinResult, ComparedFit, Direction, FitChoice, LevelReport, MOST_COMPARED,
     RandomStarts, StartGrid, Starts, Subject, Target, name_choices,
 };
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::search::start::{self, LEVELS, Level};
 use clap::Args;
 
+use super::Run;
 use super::arguments::OutputArguments;
-use super::files::{self, ResultFiles};
-use super::waiting;
+use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
 
@@ -90,46 +88,6 @@ pub(crate) struct FrameArguments {
     cells: usize,
 }
 
-/// Tries the frame, writes and prints.
-///
-/// # Errors
-/// Returns an error if an option is out of range, if the take cannot be read, or if a file cannot be written.
-pub(crate) fn run(
-    arguments: &FrameArguments,
-    path: &Path,
-    (angles, starts, seed): (&[u32], &str, u64),
-    choice: FitChoice,
-    output: &OutputArguments,
-) -> anyhow::Result<()> {
-    let count =
-        starts.parse().with_context(|| format!("--starts is {starts}; with --take expected a number"))?;
-    let footage = take_options::open(path)?;
-    let (take, frame) = (footage.take(), arguments.frame);
-    let frames = take.frame_count();
-    ensure!(frame < frames, "there is no frame {frame}; the take has {frames}");
-    let cameras: Vec<usize> = (0..take.rig().count()).collect();
-    let (reference, target) = arguments.reference(take)?;
-    let subject =
-        Subject { model: take.model().clone(), views: footage.fit_views(&cameras, frame)?, reference };
-    let conditions = format!("{}, frame {frame}, {} cameras", take.name(), cameras.len());
-    let options = BasinOptions {
-        choices: arguments.choices(choice)?,
-        starts: arguments.starts(&subject.model, angles, count, seed)?,
-        target,
-        success_mm: arguments.within,
-    };
-    let mut listener = waiting::listener();
-    let result = BasinResult::new(frame, conditions, options, subject)
-        .run(&CancelToken::new(), |fits| listener(Progress { done: fits.done, total: fits.total }))?;
-    let (name, text) = match result.grid() {
-        Some(grid) => ("basin-map", letters(&result, grid)),
-        None => ("basin", table(&result)),
-    };
-    let files =
-        ResultFiles { json: result.json()?, csv: result.csv()?, png: result.png(output.theme.into())? };
-    files::finish_result(output, name, &files, &text)
-}
-
 /// The rotation of a limb's joint, by the limb's name.
 fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
     let limb = model.limb_index(name).with_context(|| format!("{option}: the body has no limb {name}"))?;
@@ -137,6 +95,50 @@ fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize>
 }
 
 impl FrameArguments {
+    /// Tries the frame of the take, writes and prints.
+    ///
+    /// # Errors
+    /// Returns an error if an option is out of range, if the take cannot be read, or if a file cannot be written.
+    pub(crate) fn run(
+        &self,
+        take: &Path,
+        (angles, starts, seed): (&[u32], &str, u64),
+        choice: FitChoice,
+        output: &OutputArguments,
+    ) -> anyhow::Result<()> {
+        let count =
+            starts.parse().with_context(|| format!("--starts is {starts}; with --take expected a number"))?;
+        let footage = take_options::open(take)?;
+        let (take, frame) = (footage.take(), self.frame);
+        let frames = take.frame_count();
+        ensure!(frame < frames, "there is no frame {frame}; the take has {frames}");
+        let cameras: Vec<usize> = (0..take.rig().count()).collect();
+        let (reference, target) = self.reference(take)?;
+        let subject =
+            Subject { model: take.model().clone(), views: footage.fit_views(&cameras, frame)?, reference };
+        let conditions = format!("{}, frame {frame}, {} cameras", take.name(), cameras.len());
+        let options = BasinOptions {
+            choices: self.choices(choice)?,
+            starts: self.starts(&subject.model, angles, count, seed)?,
+            target,
+            success_mm: self.within,
+        };
+        let run = Run::listening()?;
+        let result = BasinResult::new(frame, conditions, options, subject).run(&run.cancel, |fits| {
+            // Who is interrupted is told below.
+            let _ = run.progress(fits.done, fits.total);
+        })?;
+        run.end()?;
+        let (name, text) = match result.grid() {
+            Some(grid) => ("basin-map", letters(&result, grid)),
+            None => ("basin", table(&result)),
+        };
+        let json = result.json()?;
+        let printed = String::from_utf8_lossy(&json).into_owned();
+        let files = [("json", json), ("csv", result.csv()?), ("png", result.png(output.theme.into())?)];
+        output.finish(files.map(|(ending, bytes)| (format!("{name}.{ending}"), bytes)), &printed, &text)
+    }
+
     /// The starts that are asked for: a map, or random ones.
     fn starts(&self, model: &Model, angles: &[u32], starts: usize, seed: u64) -> anyhow::Result<Starts> {
         if let Some(MapAngles([across, up])) = &self.map {
@@ -186,21 +188,24 @@ impl FrameArguments {
 }
 
 fn table(result: &BasinResult) -> String {
-    let mut table = Table::new(["fit", "start off by", "found", "%", "surely, %", "median, mm"]);
-    for choice in &result.report.choices {
-        for LevelReport { level, rate } in &choice.levels {
-            let [low, high] = rate.interval.map(|end| 100.0 * end);
-            table.row([
-                choice.name.clone(),
-                format!("{}°, {:.1} cm", level.degrees, 100.0 * level.metres),
-                format!("{} of {}", rate.found, rate.tried),
-                format!("{:.1}", 100.0 * rate.success.unwrap_or_default()),
-                format!("{low:.0} to {high:.0}"),
-                format!("{:.1}", rate.median_mm.unwrap_or_default()),
-            ]);
-        }
-    }
-    table.to_text()
+    let choices = result.report.choices.iter();
+    let rows = choices.flat_map(|choice| choice.levels.iter().map(move |level| (&choice.name, level)));
+    Table::of(
+        rows,
+        &[
+            ("fit", &|(name, _)| (*name).clone()),
+            ("start off by", &|(_, LevelReport { level, .. })| {
+                format!("{}°, {:.1} cm", level.degrees, 100.0 * level.metres)
+            }),
+            ("found", &|(_, one)| format!("{} of {}", one.rate.found, one.rate.tried)),
+            ("%", &|(_, one)| number(100.0 * one.rate.success.unwrap_or_default(), 1)),
+            ("surely, %", &|(_, one)| {
+                let [low, high] = one.rate.interval.map(|end| 100.0 * end);
+                format!("{low:.0} to {high:.0}")
+            }),
+            ("median, mm", &|(_, one)| number(one.rate.median_mm.unwrap_or_default(), 1)),
+        ],
+    )
 }
 
 /// Every choice's map in letters, and how many of its cells found their target.

@@ -6,11 +6,14 @@
 //! hundred millimetres off.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
 use backlit_formats::Footage;
-use backlit_lab::experiment::no_start::{error_mm, fit, sets};
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
+use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::{Doubt, WithoutStartError, WithoutStartOptions, start, without_start};
 use backlit_tracking::statistics::Statistics;
 use clap::Args;
@@ -88,7 +91,7 @@ impl Experiment for NoStart {
         self.frame_numbers = self.part.frames(footage.take())?;
         let all = footage.cameras.len();
         let sets: Vec<Vec<Vec<usize>>> =
-            self.sets_of.iter().map(|&count| sets(all, count)).collect::<Result<_, _>>()?;
+            self.sets_of.iter().map(|&count| sets(all, count)).collect::<Result<_>>()?;
         let (mut done, total) = (0, sets.iter().map(Vec::len).sum::<usize>() * self.frame_numbers.len());
         let mut groups = Vec::new();
         for (&cameras, sets) in self.sets_of.iter().zip(&sets) {
@@ -136,22 +139,64 @@ impl Experiment for NoStart {
     }
 }
 
+/// All sets of this many of `all` cameras, in order.
+pub(super) fn sets(all: usize, count: usize) -> Result<Vec<Vec<usize>>> {
+    ensure!(
+        (1..=all).contains(&count),
+        "`cameras` is {count}; expected 1 to as many cameras as the take has"
+    );
+    let mut sets: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..count {
+        let longer = |set: Vec<usize>| {
+            let next = set.last().map_or(0, |last| last + 1);
+            (next..all).map(move |camera| [&set[..], &[camera]].concat())
+        };
+        sets = sets.into_iter().flat_map(longer).collect();
+    }
+    Ok(sets)
+}
+
+/// Mean distance of the joints that are known.
+pub(super) fn error_mm(model: &Model, pose: &Pose, joints: &ReferenceJoints) -> f64 {
+    let kinematics = Kinematics::new(model, pose);
+    let place = |limb: Option<usize>| limb.map_or(pose.root, |limb| kinematics.ends()[limb]);
+    let sum: f64 = joints.iter().map(|(limb, at)| place(*limb).distance(*at)).sum();
+    1e3 * sum / joints.len().max(1) as f64
+}
+
+/// A frame by one set of cameras, and what a fit with the usual choices from its keypoints is worth.
+pub(super) struct KeypointFrame<'a> {
+    pub(super) model: &'a Arc<Model>,
+    pub(super) views: Vec<FitView>,
+    pub(super) joints: ReferenceJoints,
+    pub(super) fitted: Pose,
+    pub(super) fitted_mm: f64,
+}
+
+impl<'a> KeypointFrame<'a> {
+    pub(super) fn new(footage: &'a Footage, set: &[usize], frame: usize, run: &Run) -> Result<Self> {
+        let take = footage.take();
+        let model = take.model();
+        let joints = take.reference().map(|reference| reference.joints(frame)).unwrap_or_default();
+        let Some(at_keypoints) = start::from_joints(model, &joints) else {
+            bail!("`frames` is {frame}; expected a frame that has reference keypoints");
+        };
+        let views = footage.fit_views(set, frame)?;
+        let mut fit = Fit::new(Arc::clone(model), views.clone(), at_keypoints, FitOptions::default())?;
+        let fitted = fit.run(&run.cancel, |_| {}).pose;
+        let fitted_mm = error_mm(model, &fitted, &joints);
+        Ok(Self { model, views, joints, fitted, fitted_mm })
+    }
+}
+
 fn trial(footage: &Footage, set: &[usize], frame: usize, within_mm: f64, run: &Run) -> Result<Trial> {
-    let take = footage.take();
-    let model = take.model();
-    let joints = take.reference().map(|reference| reference.joints(frame)).unwrap_or_default();
-    let Some(at_keypoints) = start::from_joints(model, &joints) else {
-        bail!("`frames` is {frame}; expected a frame that has reference keypoints");
-    };
-    let views = footage.fit_views(set, frame)?;
-    let fitted = fit(model, &views, at_keypoints, &run.cancel)?;
-    let from_keypoints_mm = error_mm(model, &fitted, &joints);
+    let scene = KeypointFrame::new(footage, set, frame, run)?;
     let began = Instant::now();
-    let found = without_start(model, &views, &WithoutStartOptions::default(), &run.cancel);
+    let found = without_start(scene.model, &scene.views, &WithoutStartOptions::default(), &run.cancel);
     let seconds = began.elapsed().as_secs_f64();
     let (error_mm, doubts) = match found {
         Ok(found) => (
-            Some(error_mm(model, found.pose(), &joints)),
+            Some(error_mm(scene.model, found.pose(), &scene.joints)),
             found.doubts.iter().map(Doubt::to_string).collect(),
         ),
         Err(WithoutStartError::Cancelled) => return Err(Interrupted.into()),
@@ -161,9 +206,22 @@ fn trial(footage: &Footage, set: &[usize], frame: usize, within_mm: f64, run: &R
         cameras: set.iter().map(|&camera| footage.cameras[camera].name().to_owned()).collect(),
         frame,
         error_mm,
-        from_keypoints_mm,
-        found: error_mm.is_some_and(|error| error <= from_keypoints_mm + within_mm),
+        from_keypoints_mm: scene.fitted_mm,
+        found: error_mm.is_some_and(|error| error <= scene.fitted_mm + within_mm),
         seconds,
         doubts,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_sets_of_cameras_are_tried() {
+        assert_eq!(sets(4, 4).unwrap(), [[0, 1, 2, 3]]);
+        assert_eq!(sets(4, 2).unwrap(), [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]);
+        assert!(sets(4, 5).unwrap_err().to_string().contains("as many cameras as the take has"));
+        assert!(sets(4, 0).is_err());
+    }
 }

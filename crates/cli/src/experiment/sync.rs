@@ -4,9 +4,10 @@
 //! around, before two telephones 37° apart, before two cameras face to face, masks exact or with one thing wrong at a time.
 //! A person who stands still is to be refused. Real footage that is synchronous is shifted by whole frames.
 
+mod offsets;
+
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use anyhow::Result;
 use backlit_lab::synthetic::masks::{noisy, widened};
@@ -17,9 +18,7 @@ use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld};
 use backlit_tracking::fit::Evidence;
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::silhouette::Mask;
-use backlit_tracking::synchronise::{
-    CameraOffset, Recording, Synchronisation, SynchroniseOptions, synchronise,
-};
+use backlit_tracking::synchronise::Recording;
 use clap::Args;
 use glam::{DMat3, DVec3};
 use rand::RngExt;
@@ -28,6 +27,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use self::offsets::{Case, ClockOffset, Report, find_offsets};
 use super::arguments::OutputArguments;
 use super::{Experiment, ExperimentArguments, Run};
 use crate::take_options;
@@ -119,14 +119,9 @@ impl Setting {
     }
 
     fn cameras(self, size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>> {
-        let of_studio = |count| -> Result<Vec<Arc<Camera>>> {
-            let mut cameras = studio::pinholes(size_px)?;
-            cameras.truncate(count);
-            Ok(cameras)
-        };
         match self {
-            Self::Around | Self::Still => of_studio(4),
-            Self::Quarter => of_studio(2),
+            Self::Around | Self::Still => Ok(studio::pinholes(size_px)?),
+            Self::Quarter => Ok(studio::pinholes(size_px)?[..2].to_vec()),
             Self::Phones => Ok(squats::cameras(size_px)?),
             Self::FaceToFace => {
                 let face = |(name, y): (&str, f64)| {
@@ -201,60 +196,12 @@ impl Trouble {
 
     fn of(self, mask: Mask, camera: usize, px_per_m: f64, seed: u64) -> Result<Mask> {
         Ok(match self {
-            Self::Wide(share) => widened(mask, 0.5 * share * BREADTH * px_per_m)?,
-            Self::OneWide(share) if camera % 2 == 1 => widened(mask, 0.5 * share * BREADTH * px_per_m)?,
+            Self::OneWide(_) if camera % 2 == 0 => mask,
+            Self::Wide(share) | Self::OneWide(share) => widened(mask, 0.5 * share * BREADTH * px_per_m)?,
             Self::Noise(share) => noisy(&mask, share, 5e-4, &mut Pcg64Mcg::seed_from_u64(seed)),
             _ => mask,
         })
     }
-}
-
-#[derive(Debug, Serialize)]
-struct Report {
-    cases: Vec<Case>,
-}
-
-/// One setting with one trouble.
-#[derive(Debug, Serialize)]
-struct Case {
-    setting: String,
-    trouble: String,
-    found: Vec<ClockOffset>,
-}
-
-impl Case {
-    /// Of those that were told, how many are more than half a frame off.
-    fn wrong(&self) -> usize {
-        self.errors_in_frames().iter().filter(|error| **error > 0.5).count()
-    }
-
-    /// Sizes of the errors, frames, ascending.
-    fn errors_in_frames(&self) -> Vec<f64> {
-        let frames = |found: &ClockOffset| Some((found.error_s? / found.period_s).abs());
-        let mut errors: Vec<f64> = self.found.iter().filter_map(frames).collect();
-        errors.sort_by(f64::total_cmp);
-        errors
-    }
-}
-
-/// What was found of one camera's clock.
-#[derive(Debug, Serialize)]
-struct ClockOffset {
-    trial: usize,
-    camera: usize,
-    /// How far its clock is ahead of the first one's.
-    truth_s: f64,
-    /// What was found less that; `None` where nothing was told, for the reason `why`.
-    error_s: Option<f64>,
-    deviation_s: Option<f64>,
-    probability: Option<f64>,
-    why: Option<String>,
-    /// A frame of the slowest camera.
-    period_s: f64,
-    /// Time that it took for all cameras, silhouettes given.
-    took_s: f64,
-    /// How far pairs contradict one another.
-    loop_error_s: Option<f64>,
 }
 
 impl Experiment for DrawnClocks {
@@ -279,7 +226,7 @@ impl Experiment for DrawnClocks {
     }
 
     fn table(&self, report: &Report) -> String {
-        table(report)
+        report.markdown()
     }
 }
 
@@ -302,10 +249,8 @@ impl Experiment for ShiftedTake {
             }
         }
         let period_s = 1.0 / take.frame_rate();
-        let mut sets: Vec<Vec<usize>> = Vec::new();
-        for (index, &a) in cameras.iter().enumerate() {
-            sets.extend(cameras[index + 1..].iter().map(|&b| vec![a, b]));
-        }
+        let pairs = cameras.iter().flat_map(|&a| cameras[a + 1..].iter().map(move |&b| vec![a, b]));
+        let mut sets: Vec<Vec<usize>> = pairs.collect();
         if cameras.len() > 2 {
             sets.push(cameras);
         }
@@ -314,20 +259,17 @@ impl Experiment for ShiftedTake {
             let mut found = Vec::new();
             for (trial, &shift) in self.shifts.iter().enumerate() {
                 // Every other camera began later, or earlier, by the shift.
-                let ahead: Vec<f64> = (0..set.len())
-                    .map(|at| if at % 2 == 1 { shift as f64 * period_s } else { 0.0 })
-                    .collect();
-                let recordings: Vec<Recording> = set
-                    .iter()
-                    .zip(&ahead)
-                    .map(|(&camera, &ahead)| {
-                        let mut recording = Recording::new((*footage.cameras[camera]).clone());
-                        for (frame, mask) in masks[camera].iter().enumerate() {
-                            recording.push(frame as f64 * period_s + ahead, mask);
-                        }
-                        recording
-                    })
-                    .collect();
+                let ahead = |at: usize| if at % 2 == 1 { shift as f64 * period_s } else { 0.0 };
+                let ahead: Vec<f64> = (0..set.len()).map(ahead).collect();
+                let record = |(&camera, ahead): (&usize, &f64)| {
+                    let times = (0..).map(|frame| f64::from(frame) * period_s + ahead);
+                    recording(
+                        (*footage.cameras[camera]).clone(),
+                        times,
+                        masks[camera].iter().map(|mask| &**mask),
+                    )
+                };
+                let recordings: Vec<Recording> = set.iter().zip(&ahead).map(record).collect();
                 found.append(&mut find_offsets(&recordings, &ahead, period_s, trial));
             }
             let names: Vec<&str> = set.iter().map(|&camera| footage.cameras[camera].name()).collect();
@@ -337,7 +279,7 @@ impl Experiment for ShiftedTake {
     }
 
     fn table(&self, report: &Report) -> String {
-        table(report)
+        report.markdown()
     }
 }
 
@@ -370,9 +312,8 @@ fn one(setting: Setting, trouble: Trouble, trial: usize, options: &DrawnClocks) 
     let [length, farthest] = setting.times();
     let mut random = Pcg64Mcg::seed_from_u64(options.seed ^ (trial as u64) << 32);
     // A camera's clock shows `ahead` at the moment at which the first one's shows 0.
-    let ahead: Vec<f64> = (0..cameras.len())
-        .map(|camera| if camera == 0 { 0.0 } else { farthest * centred(&mut random) })
-        .collect();
+    let mut ahead = vec![0.0];
+    ahead.extend(cameras[1..].iter().map(|_| farthest * centred(&mut random)));
     let mut recordings = Vec::new();
     for (index, camera) in cameras.iter().enumerate() {
         let rate = trouble.rate(index);
@@ -389,71 +330,23 @@ fn one(setting: Setting, trouble: Trouble, trial: usize, options: &DrawnClocks) 
             Trouble::Turned(degrees) => turned(camera, degrees.to_radians(), &mut random)?,
             _ => (**camera).clone(),
         };
-        let mut recording = Recording::new(seen_by);
-        for (frame, mask) in masks.iter().enumerate() {
-            recording.push(frame as f64 / rate, mask);
-        }
-        recordings.push(recording);
+        recordings.push(recording(seen_by, (0..).map(|frame| f64::from(frame) / rate), &masks));
     }
     let period_s = 1.0 / (0..cameras.len()).map(|camera| trouble.rate(camera)).fold(f64::INFINITY, f64::min);
     Ok(find_offsets(&recordings, &ahead, period_s, trial))
 }
 
-fn find_offsets(recordings: &[Recording], ahead: &[f64], period_s: f64, trial: usize) -> Vec<ClockOffset> {
-    let begun = Instant::now();
-    let found = synchronise(recordings, &SynchroniseOptions::default());
-    let took_s = begun.elapsed().as_secs_f64();
-    let found =
-        found.unwrap_or(Synchronisation { cameras: Vec::new(), pairs: Vec::new(), loop_error_s: None });
-    let told_of = |(camera, offset): (usize, &CameraOffset)| {
-        let (told, why) = match offset {
-            CameraOffset::Reference => return None,
-            CameraOffset::Found(offset) => (Some(*offset), None),
-            CameraOffset::Undecided(why) => (None, Some(why.to_string())),
-        };
-        Some(ClockOffset {
-            trial,
-            camera,
-            truth_s: ahead[camera],
-            error_s: told.map(|told| told.seconds - ahead[camera]),
-            deviation_s: told.map(|told| told.deviation_s),
-            probability: told.map(|told| told.probability),
-            why,
-            period_s,
-            took_s,
-            loop_error_s: found.loop_error_s,
-        })
-    };
-    found.cameras.iter().enumerate().filter_map(told_of).collect()
-}
-
-/// Markdown.
-fn table(report: &Report) -> String {
-    let mut text = "| cameras | what is wrong | told | wrong | error, frames: median | largest | deviation told, frames | \
-                    loops, ms | s |\n|---|---|---|---|---|---|---|---|---|\n"
-        .to_owned();
-    for case in &report.cases {
-        let errors = case.errors_in_frames();
-        let of = |index: usize| errors.get(index).map_or("–".to_owned(), |error| format!("{error:.2}"));
-        let mut deviations: Vec<f64> =
-            case.found.iter().filter_map(|found| Some(found.deviation_s? / found.period_s)).collect();
-        deviations.sort_by(f64::total_cmp);
-        let deviation = deviations.get(deviations.len() / 2).map_or("–".to_owned(), |d| format!("{d:.2}"));
-        let loops = case.found.iter().filter_map(|found| found.loop_error_s).reduce(f64::max);
-        let took = case.found.iter().map(|found| found.took_s).fold(0.0, f64::max);
-        text += &format!(
-            "| {} | {} | {} of {} | {} | {} | {} | {deviation} | {} | {took:.2} |\n",
-            case.setting,
-            case.trouble,
-            errors.len(),
-            case.found.len(),
-            case.wrong(),
-            of(errors.len() / 2),
-            of(errors.len().saturating_sub(1)),
-            loops.map_or("–".to_owned(), |error| format!("{:.1}", 1e3 * error)),
-        );
+/// What a camera recorded at these times.
+fn recording<'a>(
+    camera: Camera,
+    times: impl Iterator<Item = f64>,
+    masks: impl IntoIterator<Item = &'a Mask>,
+) -> Recording {
+    let mut recording = Recording::new(camera);
+    for (time, mask) in times.zip(masks) {
+        recording.push(time, mask);
     }
-    text
+    recording
 }
 
 #[cfg(test)]
