@@ -210,7 +210,7 @@ const EXPERIMENTS: &[Registration] = &[
     Registration::arguments::<begin::Arguments>(),
     Registration::arguments::<footage::Arguments>(),
     Registration::of::<no_start::NoStart>(),
-    Registration::arguments::<sync::Arguments>(),
+    Registration::of::<sync::ShiftedTake>(),
 ];
 
 const AFTER_HELP: &str = "\

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod builtin_take;
+mod clocks;
 mod errata;
 mod given_masks;
 mod learnt_plates;
