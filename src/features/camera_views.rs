@@ -22,9 +22,9 @@ use backlit_document::history::Gesture;
 use backlit_tracking::body::Model;
 use backlit_ui::drawing::{DragEvent, JointId, ModeComparison, ViewMode};
 use backlit_ui::widgets::{Framing, ViewTransform};
-pub use overlays::ObservedMarks;
+pub use overlays::Ellipses;
 pub(crate) use pane::TilePlace;
-pub use tile::{CameraTileInput, TileResponse, camera_tile};
+pub use tile::{BodyMarks, TileInput, TileResponse, camera_tile};
 
 use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;

@@ -3,7 +3,7 @@
 use crate::support;
 use backlit::context::view_settings::ViewSettings;
 use backlit::features::camera_views as camera_tile;
-use backlit::features::camera_views::{CameraTileInput, ObservedMarks, TileEvent, TileView};
+use backlit::features::camera_views::{BodyMarks, Ellipses, TileEvent, TileInput, TileView};
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
@@ -13,8 +13,7 @@ use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, Render
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use backlit_ui::drawing::{
     BoundedAngle, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark, ModeComparison,
-    PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints,
-    project_limbs, sight_ray,
+    PictureInput, SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit_ui::style::theme::Theme;
 use backlit_ui::widgets::Framing;
@@ -43,8 +42,9 @@ struct Scene {
     jacobian: Derivative,
     colours: Vec<Color32>,
     outlines: Vec<Vec<DVec2>>,
-    limbs: Vec<Option<ProjectedLimb>>,
-    joints: Vec<JointMark>,
+    /// Limbs alone, and with their joints.
+    plain: BodyMarks,
+    posed: BodyMarks,
     overlap: Overlap,
     wrist: JointId,
 }
@@ -96,6 +96,8 @@ impl Scene {
         let motion = BodyMotion::along(&kinematics, &camera, Parameters::Tangent, &direction);
         let drawing =
             backlit_tracking::render::draw(&view, DrawOptions { gradient: true, motion: Some(&motion) });
+        let limbs = project_limbs(&body, &kinematics, &camera, RendererKind::Capsule);
+        let plain = BodyMarks { limbs, ..BodyMarks::default() };
         let foot = JointId::End(body.limb_index("left foot").unwrap());
         Self {
             frame: RgbImage::from_fn(SIZE[0] as u32, SIZE[1] as u32, |x, y| {
@@ -103,8 +105,11 @@ impl Scene {
                 Rgb([(90 + y / 3) as u8 + checker, (100 + x / 4) as u8 + checker, 120 + checker])
             }),
             outlines: body_outline(&prediction.lambda, SIZE[0], SIZE[1]),
-            limbs: project_limbs(&body, &kinematics, &camera, RendererKind::Capsule),
-            joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
+            posed: BodyMarks {
+                joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
+                ..plain.clone()
+            },
+            plain,
             overlap: Overlap::between(&mask, &prediction.lambda).unwrap(),
             colours: limb_colours(&body),
             gradient: Derivative::new(drawing.gradient),
@@ -120,10 +125,9 @@ impl Scene {
         }
     }
 
-    fn input(&self, mode: ViewMode) -> CameraTileInput<'_> {
-        CameraTileInput {
+    fn input(&self, mode: ViewMode) -> TileInput<'_> {
+        TileInput {
             index: 0,
-            name: "Camera 1",
             is_active: false,
             is_expanded: false,
             siblings: &[],
@@ -148,32 +152,24 @@ impl Scene {
             camera: Some(&self.camera),
             raw_camera: Some(&self.camera),
             body: &self.body,
-            quick_outline: None,
             sized: None,
             outlines: &self.outlines,
-            limbs: &self.limbs,
-            joints: &[],
+            marks: &self.plain,
             selected: None,
-            sight_ray: None,
-            limits: &[],
             says_limits: true,
-            sides: None,
             overlap: Some(self.overlap),
             is_overlap_stale: false,
             is_used: true,
             weight: 1.0,
-            observed: ObservedMarks::default(),
-            spheres: &[],
-            likelier: &[],
             held: &[],
             keypoints: &[],
             shows_hover_card: false,
         }
     }
 
-    fn posing(&self) -> CameraTileInput<'_> {
-        CameraTileInput {
-            joints: &self.joints,
+    fn posing(&self) -> TileInput<'_> {
+        TileInput {
+            marks: &self.posed,
             selected: Some(self.wrist),
             is_active: true,
             ..self.input(ViewMode::Tinted)
@@ -181,7 +177,7 @@ impl Scene {
     }
 
     fn joint(&self, joint: JointId) -> &JointMark {
-        self.joints.iter().find(|mark| mark.id == joint).unwrap()
+        self.posed.joints.iter().find(|mark| mark.id == joint).unwrap()
     }
 
     /// The right elbow, bent as far as it goes.
@@ -210,7 +206,7 @@ impl Scene {
             deviations_m: [0.0023, 0.0061],
             text: format!("{}: ±2.3 mm across, ±6.1 mm in depth (1σ)", joint.name),
         };
-        self.joints.iter().map(one).collect()
+        self.posed.joints.iter().map(one).collect()
     }
 
     fn ray(&self) -> SightRay {
@@ -235,7 +231,7 @@ fn sight_ray_target(scene: &Scene) -> (DVec2, f64) {
 
 type Events = Vec<TileEvent>;
 
-fn driven<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
+fn driven<'a>(input: TileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
     support::harness_builder(size, theme).build_ui_state(
         move |ui, events: &mut Events| events.extend(camera_tile::camera_tile(ui, &input).events),
         Events::new(),
@@ -243,7 +239,7 @@ fn driven<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harne
 }
 
 /// A tile at rest.
-fn shown<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
+fn shown<'a>(input: TileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
     let mut harness = driven(input, size, theme);
     harness.run();
     harness
@@ -271,25 +267,22 @@ fn calibration_size_handles_and_large_pixels() {
     let (size, intrinsics) = (SIZE.map(|side| side as u64), *scene.camera.intrinsics());
     let raw = Camera::new("camera", size, intrinsics, raw_lens, *scene.camera.camera_from_world()).unwrap();
     let mut snapshots = Snapshots::default();
-    let mut shot = |input: CameraTileInput<'_>, name: &str| {
+    let mut shot = |input: TileInput<'_>, name: &str| {
         let mut harness = shown(input, NARROW, Theme::Dark);
         snapshots.picture(&harness.render().unwrap(), name);
     };
     let marks = ViewSettings { calibration_marks: true, ..ViewSettings::default() };
     let tile = TileView { framing: Framing::Whole, mode: ViewMode::Footage, ..TileView::default() };
-    let plain = scene.input(ViewMode::Footage);
+    let (plain, nobody) = (scene.input(ViewMode::Footage), BodyMarks::default());
     let marked =
-        CameraTileInput { settings: marks, tile, raw_camera: Some(&raw), limbs: &[], outlines: &[], ..plain };
+        TileInput { settings: marks, tile, raw_camera: Some(&raw), marks: &nobody, outlines: &[], ..plain };
     shot(marked, "camera_tile_calibration");
     let handles = ViewSettings { size_handles: true, ..ViewSettings::default() };
     let thigh = scene.body.limb_index("left thigh").unwrap();
-    shot(
-        CameraTileInput { settings: handles, sized: Some(thigh), ..scene.posing() },
-        "camera_tile_size_handles",
-    );
+    shot(TileInput { settings: handles, sized: Some(thigh), ..scene.posing() }, "camera_tile_size_handles");
     let framing = Framing::Free { zoom: 16.0, offset: [-0.12, -0.12] };
     let near = TileView { framing, ..scene.posing().tile };
-    shot(CameraTileInput { tile: near, ..scene.posing() }, "camera_tile_pixel_grid");
+    shot(TileInput { tile: near, ..scene.posing() }, "camera_tile_pixel_grid");
 }
 
 #[test]
@@ -299,7 +292,7 @@ fn sizes_are_dragged_by_their_handles() {
     let settings = ViewSettings { size_handles: true, ..ViewSettings::default() };
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
     let tile = TileView { framing, ..scene.posing().tile };
-    let input = CameraTileInput { settings, tile, sized: Some(forearm), ..scene.posing() };
+    let input = TileInput { settings, tile, sized: Some(forearm), ..scene.posing() };
     let mut harness = shown(input, WIDE, Theme::Dark);
     for (label, is_length) in
         [("left forearm length, Camera 1", true), ("left forearm radius, Camera 1", false)]
@@ -323,7 +316,7 @@ fn sizes_are_dragged_by_their_handles() {
 fn the_hover_card_is_held_by_a_key() {
     let scene = Scene::new();
     let tile = TileView { mode: ViewMode::Gradient, ..TileView::default() };
-    let input = CameraTileInput { shows_hover_card: true, tile, ..scene.input(ViewMode::Gradient) };
+    let input = TileInput { shows_hover_card: true, tile, ..scene.input(ViewMode::Gradient) };
     let mut harness = driven(input, [416.0, 276.0], Theme::Dark);
     harness.hover_at(pos2(122.0, 186.0));
     harness.run();
@@ -358,9 +351,10 @@ fn posing_with_a_gutter_in_both_themes() {
 #[test]
 fn sight_ray_wipe_hover_card_and_empty_tiles() {
     let scene = Scene::new();
-    let ray = scene.ray();
+    let with_ray = BodyMarks { sight_ray: Some(scene.ray()), ..scene.posed.clone() };
+    let nobody = BodyMarks::default();
     let mut snapshots = Snapshots::default();
-    let mut shot = |input: CameraTileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
+    let mut shot = |input: TileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
         let mut harness = shown(input, size, theme);
         if let Some(at) = hover {
             harness.hover_at(at);
@@ -368,27 +362,27 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
         }
         snapshots.picture(&harness.render().unwrap(), name);
     };
-    let with_ray = CameraTileInput { sight_ray: Some(&ray), is_active: false, ..scene.posing() };
+    let with_ray = TileInput { marks: &with_ray, is_active: false, ..scene.posing() };
     shot(with_ray, WIDE, Theme::Dark, None, "camera_tile_sight_ray");
-    let wiped = CameraTileInput {
+    let wiped = TileInput {
         tile: wipe(ViewMode::ReportOverlay, ViewMode::Footage, 0.55),
         ..scene.input(ViewMode::ReportOverlay)
     };
     shot(wiped, [316.0, 336.0], Theme::Dark, None, "camera_tile_wipe");
     for theme in Theme::ALL {
-        let hovered = CameraTileInput { shows_hover_card: true, ..scene.input(ViewMode::Residual) };
+        let hovered = TileInput { shows_hover_card: true, ..scene.input(ViewMode::Residual) };
         let name = format!("camera_tile_hover_card_{}", theme_name(theme));
         shot(hovered, [416.0, 276.0], theme, Some(pos2(122.0, 186.0)), &name);
     }
-    let empty = CameraTileInput {
+    let empty = TileInput {
         picture: PictureInput::empty(SIZE),
         overlap: None,
         outlines: &[],
-        limbs: &[],
+        marks: &nobody,
         ..scene.input(ViewMode::Tinted)
     };
     shot(empty, WIDE, Theme::Light, None, "camera_tile_empty");
-    let strange = CameraTileInput { is_calibrated: false, overlap: None, ..empty };
+    let strange = TileInput { is_calibrated: false, overlap: None, ..empty };
     shot(strange, NARROW, Theme::Dark, None, "camera_tile_not_calibrated");
 }
 
@@ -400,14 +394,14 @@ fn limits_ellipses_and_what_is_compared() {
         harness.run_steps(2);
         snapshots.picture(&harness.render().unwrap(), name);
     };
-    let limits = [scene.limit_of_elbow()];
-    let mut stopped = driven(CameraTileInput { limits: &limits, ..scene.posing() }, WIDE, Theme::Dark);
+    let marks = BodyMarks { limits: vec![scene.limit_of_elbow()], ..scene.posed.clone() };
+    let mut stopped = driven(TileInput { marks: &marks, ..scene.posing() }, WIDE, Theme::Dark);
     shot(&mut stopped, "camera_tile_limit");
     stopped.get_by_label_contains("right elbow: limit, flexion ");
 
-    let ellipses = scene.ellipses();
-    let observed = ObservedMarks { ellipses: &ellipses, factor: 20, ..ObservedMarks::default() };
-    let observed = CameraTileInput { observed, shows_hover_card: true, ..scene.posing() };
+    let ellipses = Ellipses { joints: scene.ellipses(), factor: 20, ..Ellipses::default() };
+    let marks = BodyMarks { ellipses, ..scene.posed.clone() };
+    let observed = TileInput { marks: &marks, shows_hover_card: true, ..scene.posing() };
     let mut known = driven(observed, WIDE, Theme::Dark);
     shot(&mut known, "camera_tile_ellipses");
     known.get_by_label_contains("Uncertainty, 2σ, drawn ×20");
@@ -419,7 +413,7 @@ fn limits_ellipses_and_what_is_compared() {
 
     let tile =
         TileView { comparison: Some(ModeComparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
-    let mut blinking = driven(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
+    let mut blinking = driven(TileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
     shot(&mut blinking, "camera_tile_blink");
     // Both are explained at once: nothing jumps.
     blinking.get_by_label_contains("Legend: Residual:, Missing −255 to 255 spurious, Data:, Subject 0");
@@ -500,7 +494,7 @@ fn a_limb_is_turned_by_its_body() {
     let scene = Scene::new();
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
     let mut harness = shown(
-        CameraTileInput { tile: TileView { framing, ..scene.posing().tile }, ..scene.posing() },
+        TileInput { tile: TileView { framing, ..scene.posing().tile }, ..scene.posing() },
         WIDE,
         Theme::Dark,
     );
@@ -595,7 +589,7 @@ fn a_missing_silhouette_is_told_and_the_wipe_moved() {
     let scene = Scene::new();
     let picture = PictureInput { mask: None, data: None, ..scene.input(ViewMode::Data).picture };
     let tile = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
-    let input = CameraTileInput { picture, overlap: None, tile, ..scene.input(ViewMode::Footage) };
+    let input = TileInput { picture, overlap: None, tile, ..scene.input(ViewMode::Footage) };
     let mut harness = shown(input, WIDE, Theme::Dark);
     harness.get_by_label_contains("Drop a mask of this frame");
     let handle = centre(&harness, "Wipe to prediction");

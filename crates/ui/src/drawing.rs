@@ -36,7 +36,7 @@ pub use bodies::{
 pub use calibration::{CalibrationMarks, SightRay, point_at, project_segment, sight_ray};
 pub use compose::{Derivative, compose, compose_over_footage, limb_chains, limb_colours, shows_footage};
 pub use input::{PictureInput, Sample};
-pub use joints::{Drag, DragEvent, JointMark, draggable_joints, project_joints};
+pub use joints::{Drag, DragEvent, JointMark, draggable_joints, joint_position, project_joints};
 pub use limbs::{
     ProjectedLimb, ProjectedSphere, body_spheres, joined_outline, project_limbs, project_spheres,
 };

@@ -22,13 +22,10 @@ pub use cards::{
     section, text_field,
 };
 pub use curves::{PointMark, apart, end_with_room, mark_points, paint_run_sample, run_line};
-pub use handles::{Grip, JointLook, SizeHandles, grip_at, paint_joint, paint_limbs};
+pub use handles::{Grip, JointLook, SizeHandles, grip_at};
 pub use icons::Icon;
 pub use image_canvas::{Framing, ViewTransform};
-pub use marks::{
-    paint_body_outline, paint_calibration, paint_limb_edges, paint_limit_words, paint_limits,
-    paint_quick_outline, paint_sides, paint_sight_ray,
-};
+pub use marks::{Overlay, cased};
 pub use slider::{
     SliderRow, ValueSlider, focus_holds_arrows_only, hint, hold_arrows, named_row, number_field, row_name,
 };

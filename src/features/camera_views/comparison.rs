@@ -6,13 +6,14 @@ use backlit_ui::drawing::{JointId, ModeComparison, ViewMode};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::{Theme, size};
+use backlit_ui::widgets::cased;
 use egui::{
     CursorIcon, Galley, Id, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo,
     pos2, vec2,
 };
 
 use super::pointer::rotation_owner;
-use super::{CameraTileInput, TileEvent};
+use super::{TileEvent, TileInput};
 
 /// Radius of the wipe's handle.
 const WIPE_RADIUS: f32 = 11.0;
@@ -48,13 +49,7 @@ impl ShownModes {
     pub(crate) const fn mode(self) -> ViewMode {
         match self {
             Self::One(mode) | Self::Wiped(mode, ..) => mode,
-            Self::Blinking([mode, other], is_other) => {
-                if is_other {
-                    other
-                } else {
-                    mode
-                }
-            }
+            Self::Blinking(modes, is_other) => modes[is_other as usize],
         }
     }
 
@@ -86,7 +81,7 @@ pub(crate) fn seen(
     ui: &Ui,
     id: Id,
     rect: Rect,
-    input: &CameraTileInput<'_>,
+    input: &TileInput<'_>,
     events: &mut Vec<TileEvent>,
 ) -> ShownModes {
     let shown = |mode| input.picture.shown(mode);
@@ -111,7 +106,7 @@ fn blink(time: f64, seconds: f64) -> (bool, f64) {
     (changes.rem_euclid(2.0) >= 1.0, ((changes + 1.0) * seconds - time).max(0.001))
 }
 
-fn drag_handle(ui: &Ui, id: Id, rect: Rect, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) -> f32 {
+fn drag_handle(ui: &Ui, id: Id, rect: Rect, input: &TileInput<'_>, events: &mut Vec<TileEvent>) -> f32 {
     let at = input.tile.wipe_at;
     let at = if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 };
     let handle = Rect::from_center_size(wipe_handle(rect, at), vec2(size::BUTTON, size::BUTTON));
@@ -137,8 +132,9 @@ fn wipe_handle(rect: Rect, at: f32) -> Pos2 {
 /// The wipe's line with its handle.
 pub(crate) fn paint_wipe(painter: &Painter, rect: Rect, at: f32) {
     let handle = wipe_handle(rect, at);
-    painter.vline(handle.x, rect.y_range(), Stroke::new(WIPE_WIDTH + 2.0 * size::CASING, CASING));
-    painter.vline(handle.x, rect.y_range(), Stroke::new(WIPE_WIDTH, JOINT));
+    for stroke in cased(WIPE_WIDTH, JOINT) {
+        painter.vline(handle.x, rect.y_range(), stroke);
+    }
     painter.circle(handle, WIPE_RADIUS, CASING, Stroke::new(WIPE_WIDTH, JOINT));
     for side in [-1.0, 1.0] {
         let tip = handle + vec2(side * 6.0, 0.0);
@@ -191,7 +187,7 @@ pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: ShownMod
 }
 
 /// What a mode is named where two are compared, for the header: "tinted overlay on footage | footage".
-pub(crate) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
+pub(crate) fn mode_text(input: &TileInput<'_>, is_short: bool) -> String {
     let tile = &input.tile;
     let axis = input.settings.axis;
     let mode = |mode: ViewMode| match (mode, is_short) {
@@ -208,7 +204,7 @@ pub(crate) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
 }
 
 /// What the Jacobian's column is of: "right forearm about x", "root along z".
-fn axis_text(input: &CameraTileInput<'_>) -> String {
+fn axis_text(input: &TileInput<'_>) -> String {
     let axis = input.settings.axis;
     let letter = axis.label().chars().last().unwrap_or('x');
     if axis.is_of_root() {
@@ -218,8 +214,7 @@ fn axis_text(input: &CameraTileInput<'_>) -> String {
         Some(JointId::End(limb)) => rotation_owner(input.body, limb),
         Some(JointId::Root) | None => input.body.rotation_owners().first().copied().unwrap_or_default(),
     };
-    let name = input.body.limbs().get(owner).map_or("limb", |limb| limb.name.as_str());
-    format!("{name} about {letter}")
+    format!("{} about {letter}", input.limb_name(owner))
 }
 
 #[cfg(test)]

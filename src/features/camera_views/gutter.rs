@@ -8,12 +8,13 @@ use backlit_ui::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURI
 use backlit_ui::style::theme::{headline, size, space};
 use backlit_ui::widgets::{Grip, ValueSlider, checkbox};
 use egui::{
-    Align, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind, TextStyle,
-    Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind,
+    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
 use super::pointer::{Action, Pointer};
-use super::{CameraTileInput, TileEvent};
+use super::tile::TileState;
+use super::{TileEvent, TileInput};
 use crate::context::command_button::gesture;
 
 /// Height of a row of words and numbers.
@@ -37,13 +38,7 @@ const MAX_WEIGHT: f64 = 2.0;
 /// Where the words beside the keys begin.
 const KEY_COLUMN: f32 = 84.0;
 
-pub(crate) fn show(
-    ui: &mut Ui,
-    rect: Rect,
-    input: &CameraTileInput<'_>,
-    pointer: &Pointer,
-    events: &mut Vec<TileEvent>,
-) {
+pub(super) fn show(ui: &mut Ui, rect: Rect, input: &TileInput<'_>, state: &mut TileState) {
     let inner = rect.shrink2(vec2(space::GUTTER_MARGIN, space::GROUP));
     let builder = UiBuilder::new().max_rect(inner).layout(Layout::top_down(Align::Min));
     ui.scope_builder(builder, |ui| {
@@ -60,8 +55,8 @@ pub(crate) fn show(
             ui.add(egui::Label::new(text).wrap());
         }
         separator(ui);
-        show_fit_use(ui, input, events);
-        show_drag(ui, input, pointer);
+        show_fit_use(ui, input, &mut state.events);
+        show_drag(ui, input, &state.pointer);
     });
 }
 
@@ -70,11 +65,11 @@ const NO_SILHOUETTE: &str =
     "Drop a mask of this frame on the window, or name a background picture in take.toml.";
 
 /// Overlap in words and numbers, for the gutter and for the header's tooltip.
-pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
+pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
     let palette = theme::palette(ui);
     let Some(overlap) = input.overlap else {
         let no_mask = input.picture.mask.is_none() && input.picture.data.is_none();
-        let text = match input.observed.ghosts {
+        let text = match input.marks.ghosts {
             Some(_) => "A step of a way to begin is shown; the pose is hidden.",
             None if no_mask => "No silhouette yet",
             None => "No overlap yet",
@@ -104,7 +99,7 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
 }
 
 /// Whether, and how much, the camera counts in the fit.
-pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+pub(crate) fn show_fit_use(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     let mut is_used = input.is_used;
     let used = checkbox(ui, &mut is_used, "Used in the fit")
         .on_hover_text("Whether this camera’s silhouette counts in the fit. If not, the view is only shown");
@@ -118,7 +113,7 @@ pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
         ui.label(RichText::new("Weight").color(text));
         ui.add_enabled_ui(input.is_used, |ui| {
             let mut weight = input.weight;
-            let label = format!("Weight of {}", input.name);
+            let label = format!("Weight of {}", input.name());
             let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label);
             let slider = ui.add(ValueSlider { width: WEIGHT_SLIDER, ..slider });
             let drag = gesture(ui, "weight", &slider);
@@ -136,17 +131,16 @@ pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
 }
 
 /// What is dragged here, or the ray of what is dragged in another view.
-fn show_drag(ui: &mut Ui, input: &CameraTileInput<'_>, pointer: &Pointer) {
+fn show_drag(ui: &mut Ui, input: &TileInput<'_>, pointer: &Pointer) {
     let palette = theme::palette(ui);
-    let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
     let held = pointer.action().map(|action| match action {
         Action::Joint(joint) => format!("Dragging {}", joint_name(input.body, joint)),
         Action::Depth(joint) => format!("Depth of {}", joint_name(input.body, joint)),
-        Action::Twist(limb) => format!("Twisting {}", limb_name(limb)),
-        Action::Turn(limb) => format!("Turning {}", limb_name(limb)),
+        Action::Twist(limb) => format!("Twisting {}", input.limb_name(limb)),
+        Action::Turn(limb) => format!("Turning {}", input.limb_name(limb)),
         Action::Body => "Moving the whole body".to_owned(),
-        Action::Length(limb) => format!("Length of {}", limb_name(limb)),
-        Action::Radius(limb) => format!("Radius of {}", limb_name(limb)),
+        Action::Length(limb) => format!("Length of {}", input.limb_name(limb)),
+        Action::Radius(limb) => format!("Radius of {}", input.limb_name(limb)),
     });
     let hovered = pointer.hovered.or(pointer.grip()).map(|grip| grip_name(input, grip));
     if let Some(title) = held.as_ref().or(hovered.as_ref()) {
@@ -164,24 +158,23 @@ fn show_drag(ui: &mut Ui, input: &CameraTileInput<'_>, pointer: &Pointer) {
         for (key, act) in keys.iter().copied().chain(escape) {
             key_row(ui, key, act);
         }
-    } else if let Some(ray) = input.sight_ray {
+    } else if let Some(ray) = &input.marks.sight_ray {
         separator(ui);
         show_ray(ui, input, ray);
     }
 }
 
 /// What people call something that can be taken hold of.
-pub(crate) fn grip_name(input: &CameraTileInput<'_>, grip: Grip) -> String {
-    let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
+pub(crate) fn grip_name(input: &TileInput<'_>, grip: Grip) -> String {
     match grip {
         Grip::Joint(joint) => format::capitalised(&joint_name(input.body, joint)),
-        Grip::Limb(limb) => format::capitalised(limb_name(limb)),
-        Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
-        Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
+        Grip::Limb(limb) => format::capitalised(input.limb_name(limb)),
+        Grip::Length(limb) => format!("Length of {}", input.limb_name(limb)),
+        Grip::Radius(limb) => format!("Radius of {}", input.limb_name(limb)),
     }
 }
 
-fn show_ray(ui: &mut Ui, input: &CameraTileInput<'_>, ray: &SightRay) {
+fn show_ray(ui: &mut Ui, input: &TileInput<'_>, ray: &SightRay) {
     let palette = theme::palette(ui);
     let text = format!("Sight ray, camera {}", ray.camera + 1);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
@@ -191,7 +184,7 @@ fn show_ray(ui: &mut Ui, input: &CameraTileInput<'_>, ray: &SightRay) {
     let [dash, gap] = mark::RAY_DASH;
     ui.painter().extend(Shape::dashed_line(&sample, Stroke::new(mark::RAY_WIDTH, colour), dash, gap));
     words(ui, pos2(rect.left() + 28.0, rect.center().y), &text, palette.text2);
-    let selected = input.joints.iter().find(|joint| Some(joint.id) == input.selected);
+    let selected = input.marks.joints.iter().find(|joint| Some(joint.id) == input.selected);
     if let Some(joint) = selected {
         let name = joint_name(input.body, joint.id);
         let name = name.strip_prefix("right ").or(name.strip_prefix("left ")).unwrap_or(&name);
@@ -229,13 +222,13 @@ fn number_row(
     }
     words(ui, pos2(left, rect.center().y), label, palette.text2);
     let font = style.resolve(ui.style());
-    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, number, font, colour);
+    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, number, font, colour);
     response
 }
 
 fn words(ui: &Ui, at: egui::Pos2, text: &str, colour: Color32) {
     let font = TextStyle::Body.resolve(ui.style());
-    ui.painter().text(at, egui::Align2::LEFT_CENTER, text, font, colour);
+    ui.painter().text(at, Align2::LEFT_CENTER, text, font, colour);
 }
 
 fn key_row(ui: &mut Ui, key: &str, act: &str) {
@@ -243,10 +236,10 @@ fn key_row(ui: &mut Ui, key: &str, act: &str) {
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{key}: {act}")));
     let palette = theme::palette(ui);
     let font = TextStyle::Monospace.resolve(ui.style());
-    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, key, font, palette.text);
+    ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, key, font, palette.text);
     let small = TextStyle::Small.resolve(ui.style());
     let at = pos2(rect.left() + KEY_COLUMN, rect.center().y);
-    ui.painter().text(at, egui::Align2::LEFT_CENTER, act, small, palette.text3);
+    ui.painter().text(at, Align2::LEFT_CENTER, act, small, palette.text3);
 }
 
 /// The shares of agreement, missing and spurious.

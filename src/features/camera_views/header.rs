@@ -12,7 +12,7 @@ use egui::{
 
 use super::comparison::mode_text;
 use super::tile::TileLayout;
-use super::{CameraTileInput, TileEvent, gutter};
+use super::{TileEvent, TileInput, gutter};
 use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
 use crate::context::view_settings::ViewSettings;
@@ -35,16 +35,11 @@ const CHEVRON: f32 = 18.0;
 /// Dashes around the badge of a camera without calibration.
 const DASH: f32 = 2.5;
 
-pub(crate) fn show(
-    ui: &mut Ui,
-    layout: &TileLayout,
-    input: &CameraTileInput<'_>,
-    events: &mut Vec<TileEvent>,
-) {
+pub(crate) fn show(ui: &mut Ui, layout: &TileLayout, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     let rect = layout.header;
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
     let back = ui.interact(rect, ui.scope_id().with("header"), Sense::click_and_drag());
-    back.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", input.name)));
+    back.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", input.name())));
     if back.double_clicked() {
         events.push(TileEvent::ToggleExpanded);
     } else if back.clicked() {
@@ -76,7 +71,7 @@ pub(crate) fn show(
             );
         }
         let palette = theme::palette(ui);
-        let name = RichText::new(input.name);
+        let name = RichText::new(input.name());
         let name = if input.is_used { name } else { name.color(palette.text3) };
         // The badge has the number; where there is little room the mode needs it more than the word.
         let name = (rect.width() >= TITLE_FROM).then(|| ui.add(egui::Label::new(name).selectable(false)));
@@ -104,7 +99,7 @@ pub(crate) fn show(
 fn show_buttons(
     ui: &mut Ui,
     right: Rect,
-    input: &CameraTileInput<'_>,
+    input: &TileInput<'_>,
     has_link: bool,
     events: &mut Vec<TileEvent>,
 ) {
@@ -132,7 +127,7 @@ fn show_buttons(
     });
 }
 
-fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+fn mode_menu(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     let palette = theme::palette(ui);
     let text = mode_text(input, false);
     let room = (ui.available_width() - CHEVRON).max(0.0);
@@ -143,7 +138,7 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
         galley = lay_out(&mode_text(input, true), TextWrapMode::Truncate);
     }
     let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
-    let label = format!("{}, view mode: {text}", input.name);
+    let label = format!("{}, view mode: {text}", input.name());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
     let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
     let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
@@ -163,37 +158,37 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
         .show(|ui| mode_menu_entries(ui, input, events));
 }
 
-fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+fn link_button(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     let (icon, tooltip) = if input.is_linked {
         (Icon::Link, "All views zoom and pan together, about the same point of the body   Z")
     } else {
         (Icon::Unlink, "This view zooms and pans by itself; link it with the others   Z")
     };
     let verb = if input.is_linked { "Unlink" } else { "Link" };
-    if icon_button(ui, icon, &format!("{verb} zoom of {}", input.name), tooltip).clicked() {
+    if icon_button(ui, icon, &format!("{verb} zoom of {}", input.name()), tooltip).clicked() {
         events.push(TileEvent::SetLinked(!input.is_linked));
     }
 }
 
-fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
-    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name), &expand_tooltip(input)).clicked() {
+fn buttons(ui: &mut Ui, input: &TileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
+    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name()), &expand_tooltip(input)).clicked() {
         events.push(TileEvent::ToggleExpanded);
     }
     let tooltip = "Framing, marks, and how much this camera counts in the fit";
-    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), tooltip);
+    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name()), tooltip);
     Popup::menu(&more)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| more_menu_entries(ui, input, has_link, events));
 }
 
 /// What a click on badge or button does, with its keys.
-fn expand_tooltip(input: &CameraTileInput<'_>) -> String {
+fn expand_tooltip(input: &TileInput<'_>) -> String {
     let key = Command::View(ViewCommand::CameraAlone(input.index)).keys_text();
     let key = key.map_or_else(String::new, |key| format!("   {key}"));
     if input.is_expanded {
         format!("Back to all views   Esc, or{key}")
     } else {
-        format!("{} alone in the window, and back; also by a double click on the header{key}", input.name)
+        format!("{} alone in the window, and back; also by a double click on the header{key}", input.name())
     }
 }
 
@@ -222,7 +217,7 @@ const RATE_SLIDER: f32 = 96.0;
 const MENU_WIDTH: f32 = 220.0;
 
 /// The view modes; below them what the mode is compared with, and the Jacobian's axis.
-fn mode_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+fn mode_menu_entries(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     ui.set_min_width(MENU_WIDTH);
     let tile = &input.tile;
     for mode in ViewMode::ALL {
@@ -272,7 +267,7 @@ fn mode_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<
     });
 }
 
-fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+fn blink_rate(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         ui.set_height(size::ROW);
@@ -291,7 +286,7 @@ fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEve
 }
 
 /// Framing, marks, and the camera's use in the fit.
-fn more_menu_entries(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
+fn more_menu_entries(ui: &mut Ui, input: &TileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
     ui.set_min_width(MENU_WIDTH);
     for (text, key, framing, tooltip) in [
         (

@@ -5,16 +5,16 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::size;
-use backlit_ui::widgets::{Grip, ViewTransform};
+use backlit_ui::widgets::{Grip, cased};
 use egui::{
-    Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui,
+    Align2, Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, TextStyle, Ui,
     Vec2, WidgetInfo, pos2, vec2,
 };
 use glam::DVec2;
 
-use super::CameraTileInput;
 use super::gutter::grip_name;
-use super::overlays;
+use super::picture_view::ShownPicture;
+use super::{TileInput, overlays};
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
@@ -39,27 +39,21 @@ pub(crate) struct HoverCard {
 }
 
 impl HoverCard {
-    pub(crate) fn show(
-        &self,
-        ui: &Ui,
-        id: Id,
-        picture: Rect,
-        view: &ViewTransform,
-        input: &CameraTileInput<'_>,
-    ) {
-        let pixel = self.pixel;
+    pub(super) fn show(&self, shown: &ShownPicture<'_>, id: Id, picture: Rect) {
+        let (ui, pixel, input) = (shown.ui, self.pixel, shown.input);
         let Some(sample) = input.picture.sample(pixel[0], pixel[1]) else { return };
         let rows = self.grip_rows(input);
-        let derivative = derivative_row(input, pixel, self.mode);
-        let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
+        let derivative = self.derivative_row(input);
+        let at = shown.overlay.at(DVec2::new(pixel[0] as f64, pixel[1] as f64));
         let more = rows.len() + usize::from(derivative.is_some());
         let height = size::HOVER_CARD.y + more as f32 * ROW;
         let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
         let edge = if card.left() > at.x { card.left() } else { card.right() };
         let painter = ui.painter_at(picture);
         let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
-        painter.line_segment(leader, Stroke::new(1.0 + 2.0 * size::CASING, CASING));
-        painter.line_segment(leader, Stroke::new(1.0, JOINT));
+        for stroke in cased(1.0, JOINT) {
+            painter.line_segment(leader, stroke);
+        }
         painter.circle_filled(at, 2.5 + size::CASING, CASING);
         painter.circle_filled(at, 2.5, JOINT);
 
@@ -77,19 +71,21 @@ impl HoverCard {
                     for (index, (label, value)) in rows.iter().enumerate() {
                         match index {
                             0 => title_row(ui, label, value),
-                            _ => row(ui, label, value, TextStyle::Small, palette.text),
+                            _ => row(ui, label, value, TextStyle::Small),
                         }
                     }
-                    pixel_rows(ui, input, (pixel, self.is_frozen), &sample);
+                    let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
+                    title_row(ui, &title, if self.is_frozen { "held" } else { "H holds" });
+                    pixel_rows(ui, input, &sample);
                     if let Some((label, value)) = &derivative {
-                        row(ui, label, value, TextStyle::Monospace, palette.text);
+                        row(ui, label, value, TextStyle::Monospace);
                     }
                 });
         });
     }
 
     /// What is under the pointer, what the modifiers do, and how well a joint is known.
-    fn grip_rows(&self, input: &CameraTileInput<'_>) -> Vec<(String, String)> {
+    fn grip_rows(&self, input: &TileInput<'_>) -> Vec<(String, String)> {
         let mut rows = Vec::new();
         let Some(grip) = self.grip else { return rows };
         let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
@@ -98,7 +94,7 @@ impl HoverCard {
             _ => None,
         };
         let held = limb.and_then(|limb| overlays::held_words(input.held, input.body, limb));
-        let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
+        let known = input.marks.ellipses.joints.iter().find(|known| Some(known.joint) == joint);
         let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
         rows.push((grip_name(input, grip), drag.to_owned()));
         rows.extend(held.map(|held| ("Held by".to_owned(), held)));
@@ -112,33 +108,21 @@ impl HoverCard {
         }
         rows
     }
+
+    /// What the picture's own colour says at the pixel, where it is a derivative.
+    fn derivative_row(&self, input: &TileInput<'_>) -> Option<(&'static str, String)> {
+        let (picture, [x, y]) = (&input.picture, self.pixel);
+        let (label, derivative, unit) = match self.mode {
+            ViewMode::Gradient => ("Pull, grey", picture.gradient?, "m"),
+            ViewMode::JacobianColumn => ("Change, grey", picture.jacobian?, input.settings.axis.unit()),
+            _ => return None,
+        };
+        let value = *derivative.values.get(y * picture.size[0] + x)?;
+        Some((label, format!("{} / {unit}", format::number(f64::from(value), 0))))
+    }
 }
 
-/// What the picture's own colour says at a pixel, where it is a derivative.
-fn derivative_row(
-    input: &CameraTileInput<'_>,
-    pixel: [usize; 2],
-    mode: ViewMode,
-) -> Option<(&'static str, String)> {
-    let (label, derivative, unit) = match mode {
-        ViewMode::Gradient => ("Pull, grey", input.picture.gradient?, "m"),
-        ViewMode::JacobianColumn => ("Change, grey", input.picture.jacobian?, input.settings.axis.unit()),
-        _ => return None,
-    };
-    let value = *derivative.values.get(pixel[1] * input.picture.size[0] + pixel[0])?;
-    Some((label, format!("{} / {unit}", format::number(f64::from(value), 0))))
-}
-
-fn pixel_rows(
-    ui: &mut Ui,
-    input: &CameraTileInput<'_>,
-    (pixel, is_frozen): ([usize; 2], bool),
-    sample: &Sample,
-) {
-    let palette = theme::palette(ui);
-    let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
-    let hint = if is_frozen { "held" } else { "H holds" };
-    title_row(ui, &title, hint);
+fn pixel_rows(ui: &mut Ui, input: &TileInput<'_>, sample: &Sample) {
     let number = |value: Option<f32>, decimals: usize| {
         value.map_or(format::MISSING.to_owned(), |value| format::number(f64::from(value), decimals))
     };
@@ -155,33 +139,34 @@ fn pixel_rows(
         None => format::MISSING.to_owned(),
     };
     let mono = TextStyle::Monospace;
-    row(ui, "Data D", &data, mono.clone(), palette.text);
-    row(ui, "Prediction Λ", &number(sample.prediction, 0), mono.clone(), palette.text);
-    row(ui, "Residual D − Λ", &number(sample.residual, 0), mono.clone(), palette.text);
-    row(ui, "Owner", owner, TextStyle::Small, palette.text);
-    row(ui, "d / r", &number(sample.distance_over_radius, 2), mono.clone(), palette.text);
-    row(ui, "Distance", &depth, mono, palette.text);
+    row(ui, "Data D", &data, mono.clone());
+    row(ui, "Prediction Λ", &number(sample.prediction, 0), mono.clone());
+    row(ui, "Residual D − Λ", &number(sample.residual, 0), mono.clone());
+    row(ui, "Owner", owner, TextStyle::Small);
+    row(ui, "d / r", &number(sample.distance_over_radius, 2), mono.clone());
+    row(ui, "Distance", &depth, mono);
 }
 
 fn title_row(ui: &mut Ui, title: &str, hint: &str) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, title));
     let palette = theme::palette(ui);
-    let text = |at: Pos2, align, text: &str, style: TextStyle, colour| {
-        ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
-    };
-    text(rect.left_center(), egui::Align2::LEFT_CENTER, title, TextStyle::Body, palette.text);
-    text(rect.right_center(), egui::Align2::RIGHT_CENTER, hint, TextStyle::Small, palette.text3);
+    let words = [(title, TextStyle::Body, palette.text), (hint, TextStyle::Small, palette.text3)];
+    text_row(ui, title, words);
 }
 
-fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle, colour: Color32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {value}")));
+fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle) {
     let palette = theme::palette(ui);
-    let font = TextStyle::Small.resolve(ui.style());
-    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, label, font, palette.text2);
-    let font = style.resolve(ui.style());
-    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, value, font, colour);
+    let words = [(label, TextStyle::Small, palette.text2), (value, style, palette.text)];
+    text_row(ui, &format!("{label} {value}"), words);
+}
+
+/// A row of words at the left and at the right, and what it is called.
+fn text_row(ui: &mut Ui, name: &str, words: [(&str, TextStyle, Color32); 2]) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, name));
+    let places = [(rect.left_center(), Align2::LEFT_CENTER), (rect.right_center(), Align2::RIGHT_CENTER)];
+    for ((at, align), (text, style, colour)) in places.into_iter().zip(words) {
+        ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
+    }
 }
 
 /// The card's place: to the right of the pixel and above it; flipped where it would leave `bounds`, and moved

@@ -10,7 +10,7 @@ use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, LIKELIER, PICTURE_GROU
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
-use super::CameraTileInput;
+use super::TileInput;
 use super::comparison::ShownModes;
 use super::legend_block::{Block, Item, ROW};
 use super::overlays;
@@ -32,14 +32,14 @@ const OPACITY: f32 = 0.86;
 const NOT_NOW: f32 = 0.45;
 
 /// Shows the strip, if there is anything to say, and returns its height.
-pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, seen: ShownModes) -> f32 {
+pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: ShownModes) -> f32 {
     let has_gutter = layout.gutter.is_some();
     let is_compared = seen.modes().len() > 1;
     let mut modes = seen.modes();
     // The name in the picture's corner says all of footage.
     modes.retain(|mode| !is_compared || mode.legend() != Legend::None);
     let note = (!has_gutter).then(|| note(input)).flatten();
-    let observed = input.observed.words();
+    let observed = input.marks.ellipses.words();
     let has_marks = input.settings.calibration_marks && input.camera.is_some();
     let held = outlines(input);
     // The gutter's bar and counts are this legend.
@@ -117,21 +117,21 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
 }
 
 /// What outlines of other colours are.
-fn outlines<'a>(input: &CameraTileInput<'a>) -> Vec<(&'a str, Color32)> {
-    let ghosts = input.observed.ghosts.map_or_else(Vec::new, overlays::ghost_legend);
+fn outlines<'a>(input: &TileInput<'a>) -> Vec<(&'a str, Color32)> {
+    let ghosts = input.marks.ghosts.as_ref().map_or_else(Vec::new, overlays::ghost_legend);
     let mut held: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
     if !input.keypoints.is_empty() {
         held.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }
     held.extend(ghosts);
-    if !input.likelier.is_empty() {
+    if !input.marks.likelier.is_empty() {
         held.push(("Where likely poses pull", LIKELIER));
     }
     held
 }
 
 /// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.
-fn hatches(ui: &Ui, input: &CameraTileInput<'_>) -> [bool; 2] {
+fn hatches(ui: &Ui, input: &TileInput<'_>) -> [bool; 2] {
     let id = ui.scope_id().with("hatches");
     let known = ui.data(|data| data.get_temp::<(u64, [bool; 2])>(id));
     if let Some((_, known)) = known.filter(|(generation, _)| *generation == input.generation) {
@@ -143,7 +143,7 @@ fn hatches(ui: &Ui, input: &CameraTileInput<'_>) -> [bool; 2] {
 }
 
 /// What the colours mean, in sentences.
-fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
+fn explain(ui: &mut Ui, modes: &[ViewMode], input: &TileInput<'_>) {
     for mode in modes {
         ui.label(RichText::new(format!("{}   {}", mode.label(), mode.key())).strong());
         ui.label(mode.explanation());
@@ -153,13 +153,13 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
             "IoU: what data and model have in common, as a share of what either covers. 1 is a perfect fit.",
         );
     }
-    if input.observed.ghosts.is_some() {
+    if input.marks.ghosts.is_some() {
         ui.label(
             "A step of a way to begin, in the place of the pose. Sticks are bodies that were tried, each as faint as it weighs \
              little; the outline is the one that the step is about. White is a template that is laid on the silhouette.",
         );
     }
-    if !input.observed.ellipses.is_empty() {
+    if !input.marks.ellipses.joints.is_empty() {
         ui.label(
             "Ellipses: where each joint may be, two standard deviations, from the data alone. Point at a \
              joint for the numbers. Arrows show directions that nothing bounds.",
@@ -168,7 +168,7 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
 }
 
 /// What stands at the strip's right: the overlap, or what is missing for it.
-fn note(input: &CameraTileInput<'_>) -> Option<String> {
+fn note(input: &TileInput<'_>) -> Option<String> {
     if !input.is_calibrated {
         return Some("Not calibrated".to_owned());
     }

@@ -16,7 +16,7 @@ use egui::{
     pos2, vec2,
 };
 
-use super::CameraTileInput;
+use super::TileInput;
 
 /// Height of a row.
 pub(crate) const ROW: f32 = 18.0;
@@ -66,7 +66,7 @@ impl Item {
     /// The entries of a mode; a map's stand beside it.
     pub(crate) fn all_of(
         mode: ViewMode,
-        input: &CameraTileInput<'_>,
+        input: &TileInput<'_>,
         [has_unknown, has_shadow]: [bool; 2],
         painter: &Painter,
         font: &FontId,
@@ -111,7 +111,7 @@ impl Block {
     pub(crate) fn new(
         legend: Legend,
         mut items: Vec<Item>,
-        input: &CameraTileInput<'_>,
+        input: &TileInput<'_>,
         ([room, note], most_rows): ([f32; 2], usize),
         painter: &Painter,
         font: &FontId,
@@ -236,7 +236,7 @@ struct MapLegend {
 }
 
 impl MapLegend {
-    fn new(legend: Legend, input: &CameraTileInput<'_>, palette: &Palette) -> Option<Self> {
+    fn new(legend: Legend, input: &TileInput<'_>, palette: &Palette) -> Option<Self> {
         let picture = &input.picture;
         let scale = |derivative: Option<&Derivative>| {
             derivative.map_or(format::MISSING.to_owned(), |d| format::cost(f64::from(d.scale)))

@@ -4,18 +4,15 @@
 use backlit_tracking::body::Model;
 use backlit_tracking::cues::{Cue, JointKeypoint, LimbHold};
 use backlit_ui::drawing::DEVIATIONS;
-use backlit_ui::drawing::{
-    GhostMarks, JointEllipse, JointId, JointMark, ProjectedLimb, SwayMarks, joined_outline,
-};
+use backlit_ui::drawing::{GhostMarks, JointEllipse, JointId, JointMark, SwayMarks, joined_outline};
 use backlit_ui::style::theme::data_colours::{
     CASING, GHOST, HELD_BY_CUE, JOINT, LIKELIER, SELECTED, UNSURE, mark,
 };
-use backlit_ui::style::theme::size;
-use backlit_ui::widgets::ViewTransform;
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use backlit_ui::widgets::{Overlay, cased};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::DVec2;
 
-use super::picture_view::turning_with;
+use super::TileInput;
 use super::pointer::rotation_owner;
 
 /// Points of an ellipse.
@@ -35,27 +32,23 @@ const CASING_OPACITY: f32 = 0.6;
 const STALE: f32 = 0.4;
 const WIDTH: f32 = 1.25;
 
-/// What is drawn over a picture.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ObservedMarks<'a> {
-    /// The body on its way, if it sways.
-    pub sway: Option<&'a SwayMarks>,
-    /// Bodies in the place of the posed one.
-    pub ghosts: Option<&'a GhostMarks>,
-    /// Ellipses of joints; empty for none.
-    pub ellipses: &'a [JointEllipse],
+/// Ellipses of joints.
+#[derive(Clone, Debug, Default)]
+pub struct Ellipses {
+    /// One a joint; empty for none.
+    pub joints: Vec<JointEllipse>,
     /// How much larger than life they are drawn; 0 counts as 1.
     pub factor: u32,
     /// They are of an older pose: pale, until there are new ones.
     pub is_stale: bool,
-    /// Whether the ellipses are of other cameras than those in use.
+    /// Whether they are of other cameras than those in use.
     pub are_of_others: bool,
-    /// Whether the ellipses are what a Kalman filter believes.
+    /// Whether they are what a Kalman filter believes.
     pub are_believed: bool,
 }
 
-impl ObservedMarks<'_> {
-    /// What the ellipses are, for the legend.
+impl Ellipses {
+    /// What they are, for the legend.
     pub(crate) fn words(&self) -> Option<String> {
         let of = match (self.are_of_others, self.are_believed) {
             (true, _) => "Uncertainty with the other cameras",
@@ -64,35 +57,20 @@ impl ObservedMarks<'_> {
         };
         let sigmas = format!("{DEVIATIONS:.0}σ");
         match self.factor.max(1) {
-            _ if self.ellipses.is_empty() => None,
+            _ if self.joints.is_empty() => None,
             1 => Some(format!("{of}, {sigmas}")),
             factor => Some(format!("{of}, {sigmas}, drawn ×{factor}")),
         }
     }
 }
 
-/// Paints bodies beside or in the place of the posed one.
-pub(crate) fn paint_bodies(painter: &Painter, view: &ViewTransform, marks: &ObservedMarks<'_>) {
-    if let Some(sway) = marks.sway {
-        paint_sway(painter, view, sway);
-    }
-    if let Some(ghosts) = marks.ghosts {
-        paint_ghosts(painter, view, ghosts);
-    }
-}
-
 /// Paints a body that sways: its outline, the ways of its joints, seams of limbs that twist.
-fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
-    let on_screen =
-        |points: &[DVec2]| -> Vec<Pos2> { points.iter().map(|px| view.screen_from_px(*px)).collect() };
+pub(super) fn paint_sway(overlay: &Overlay, marks: &SwayMarks) {
+    let painter = &overlay.painter;
     let casing = Stroke::new(mark::SELECTED_LIMB_WIDTH + 1.5, CASING.gamma_multiply(CASING_OPACITY));
-    for stroke in [casing, Stroke::new(mark::SELECTED_LIMB_WIDTH, SELECTED)] {
-        for line in &marks.outline {
-            painter.add(Shape::line(on_screen(line), stroke));
-        }
-    }
+    overlay.lines(&marks.outline, [casing, Stroke::new(mark::SELECTED_LIMB_WIDTH, SELECTED)], false);
     for (ends, is_before) in &marks.seams {
-        let ends = on_screen(ends);
+        let ends = overlay.points(ends);
         let opacity = if *is_before { 1.0 } else { FAR_SEAM };
         if *is_before {
             painter.add(Shape::line(ends.clone(), casing));
@@ -100,11 +78,8 @@ fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
         painter.add(Shape::line(ends, Stroke::new(WIDTH, SELECTED.gamma_multiply(opacity))));
     }
     for path in &marks.paths {
-        let points = on_screen(path);
-        painter.add(Shape::line(
-            points.clone(),
-            Stroke::new(WIDTH + 2.0, CASING.gamma_multiply(CASING_OPACITY)),
-        ));
+        let points = overlay.points(path);
+        painter.add(Shape::line(points.clone(), thin_casing()));
         painter.add(Shape::line(points.clone(), Stroke::new(WIDTH, JOINT.gamma_multiply(PATH))));
         for end in points.first().into_iter().chain(points.last()) {
             painter.circle_filled(*end, 1.75, JOINT);
@@ -112,25 +87,25 @@ fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
     }
 }
 
+/// What lies under thin lines.
+fn thin_casing() -> Stroke {
+    Stroke::new(WIDTH + 2.0, CASING.gamma_multiply(CASING_OPACITY))
+}
+
 /// Paints the ellipses of joints, and arrows where nothing bounds them.
-pub(crate) fn paint_ellipses(
-    painter: &Painter,
-    view: &ViewTransform,
-    marks: &ObservedMarks<'_>,
-    joints: &[JointMark],
-) {
-    let mut painter = painter.clone();
+pub(crate) fn paint_ellipses(overlay: &Overlay, marks: &Ellipses, joints: &[JointMark]) {
+    let mut painter = overlay.painter.clone();
     painter.multiply_opacity(if marks.is_stale { STALE } else { 1.0 });
     let painter = &painter;
     let colour = if marks.are_of_others { SELECTED } else { JOINT };
-    for JointEllipse { joint, ellipse, .. } in marks.ellipses {
+    for JointEllipse { joint, ellipse, .. } in &marks.joints {
         // They go along with a body that is dragged.
         let now = joints.iter().find(|mark| mark.id == *joint && marks.is_stale);
-        let centre = view.screen_from_px(now.map_or(ellipse.centre, |mark| mark.px));
+        let centre = overlay.at(now.map_or(ellipse.centre, |mark| mark.px));
         if !painter.clip_rect().expand(LONGEST as f32).contains(centre) {
             continue;
         }
-        let scale = DEVIATIONS * f64::from(marks.factor.max(1)) * f64::from(view.points_per_px);
+        let scale = DEVIATIONS * f64::from(marks.factor.max(1)) * f64::from(overlay.view.points_per_px);
         let [long, short] = ellipse.half_axes.map(|axis| (axis * scale).clamp_length_max(LONGEST));
         let point = |index: usize| {
             let (sine, cosine) = (index as f64 / POINTS as f64 * std::f64::consts::TAU).sin_cos();
@@ -139,50 +114,44 @@ pub(crate) fn paint_ellipses(
         };
         let points: Vec<Pos2> = (0..POINTS).map(point).collect();
         if Rect::from_points(&points).intersects(painter.clip_rect()) {
-            let casing = Stroke::new(WIDTH + 2.0, CASING.gamma_multiply(CASING_OPACITY));
-            painter.add(Shape::closed_line(points.clone(), casing));
+            painter.add(Shape::closed_line(points.clone(), thin_casing()));
             painter.add(Shape::closed_line(points, Stroke::new(WIDTH, colour)));
         }
         for axis in &ellipse.unseen {
             let along = vec2(axis.x as f32, axis.y as f32);
             for tip in [along, -along] {
-                arrow(painter, centre, tip, colour);
+                arrow(painter, [centre, centre + tip * ARROW], tip, colour);
             }
         }
     }
 }
 
 /// Paints from limbs' ends to where a prior would have them. What is nearly there has no arrow.
-pub(crate) fn paint_likelier(painter: &Painter, view: &ViewTransform, arrows: &[[DVec2; 2]]) {
-    for &[from, to] in arrows {
-        let [from, to] = [from, to].map(|px| view.screen_from_px(px));
+pub(crate) fn paint_likelier(overlay: &Overlay, arrows: &[[DVec2; 2]]) {
+    for arrow_px in arrows {
+        let ends @ [from, to] = arrow_px.map(|px| overlay.at(px));
         let along = to - from;
         if along.length() > 1.5 * HEAD && along.length() < LONGEST as f32 {
-            arrow_to(painter, from, to, along.normalized(), LIKELIER);
+            arrow(&overlay.painter, ends, along.normalized(), LIKELIER);
         }
     }
 }
 
-fn arrow(painter: &Painter, from: Pos2, along: Vec2, colour: Color32) {
-    arrow_to(painter, from, from + along * ARROW, along, colour);
-}
-
-fn arrow_to(painter: &Painter, from: Pos2, tip: Pos2, along: Vec2, colour: Color32) {
+fn arrow(painter: &Painter, line: [Pos2; 2], along: Vec2, colour: Color32) {
+    let tip = line[1];
     let back = tip - along * HEAD;
     let side = vec2(-along.y, along.x) * (0.5 * HEAD);
-    let head = [back + side, tip, back - side].map(|at| pos2(at.x, at.y)).to_vec();
-    let casing = CASING.gamma_multiply(CASING_OPACITY);
-    painter.line_segment([from, tip], Stroke::new(WIDTH + 2.0, casing));
-    painter.add(Shape::line(head.clone(), Stroke::new(WIDTH + 2.0, casing)));
-    painter.line_segment([from, tip], Stroke::new(WIDTH, colour));
-    painter.add(Shape::line(head, Stroke::new(WIDTH, colour)));
+    let head = vec![back + side, tip, back - side];
+    for stroke in [thin_casing(), Stroke::new(WIDTH, colour)] {
+        painter.line_segment(line, stroke);
+        painter.add(Shape::line(head.clone(), stroke));
+    }
 }
 
 /// Width of a stick.
 const STICK: f32 = 1.25;
-/// The casing is so much wider than its line, and as opaque as this.
+/// The casing is so much wider than its line.
 const CASING_MORE: f32 = 1.75;
-const GHOST_CASING_OPACITY: f32 = 0.6;
 
 /// What they are and what is marked, each with its colour.
 pub(super) fn ghost_legend(marks: &GhostMarks) -> Vec<(&str, Color32)> {
@@ -191,26 +160,19 @@ pub(super) fn ghost_legend(marks: &GhostMarks) -> Vec<(&str, Color32)> {
 }
 
 /// Paints them: the faint ones first.
-pub(super) fn paint_ghosts(painter: &Painter, view: &ViewTransform, marks: &GhostMarks) {
-    let on_screen = |px: DVec2| view.screen_from_px(px);
+pub(super) fn paint_ghosts(overlay: &Overlay, marks: &GhostMarks) {
     for (sticks, opacity) in &marks.sticks {
-        let colour = GHOST.gamma_multiply(*opacity);
-        let lines = sticks.iter().map(|ends| ends.map(on_screen));
-        painter.extend(lines.map(|points| Shape::LineSegment { points, stroke: Stroke::new(STICK, colour) }));
+        let stroke = Stroke::new(STICK, GHOST.gamma_multiply(*opacity));
+        let lines = sticks.iter().map(|ends| ends.map(|px| overlay.at(px)));
+        overlay.painter.extend(lines.map(|points| Shape::LineSegment { points, stroke }));
     }
-    let parts: [(&[Vec<DVec2>], Color32, f32); 3] = [
+    for (lines, colour, width) in [
         (&marks.outline, GHOST, mark::OUTLINE_WIDTH),
         (&marks.template, JOINT, mark::OUTLINE_WIDTH),
         (&marks.marked, SELECTED, mark::SELECTED_LIMB_WIDTH),
-    ];
-    for (lines, colour, width) in parts {
-        let casing = Stroke::new(width + CASING_MORE, CASING.gamma_multiply(GHOST_CASING_OPACITY));
-        for stroke in [casing, Stroke::new(width, colour)] {
-            for line in lines {
-                let points: Vec<Pos2> = line.iter().map(|px| on_screen(*px)).collect();
-                painter.add(Shape::line(points, stroke));
-            }
-        }
+    ] {
+        let casing = Stroke::new(width + CASING_MORE, CASING.gamma_multiply(CASING_OPACITY));
+        overlay.lines(lines, [casing, Stroke::new(width, colour)], false);
     }
 }
 
@@ -238,27 +200,18 @@ pub(crate) fn held_words(held: &[LimbHold], body: &Model, limb: usize) -> Option
 }
 
 /// Outlines the parts that silhouettes did not hold.
-pub(crate) fn paint_held(
-    painter: &Painter,
-    view: &ViewTransform,
-    held: &[LimbHold],
-    body: &Model,
-    limbs: &[Option<ProjectedLimb>],
-) {
-    for hold in held.iter().filter(|hold| !hold.by_silhouettes) {
-        for line in joined_outline(&turning_with(body, limbs, hold.limb)) {
-            let line: Vec<Pos2> = line.into_iter().map(|px| view.screen_from_px(px)).collect();
-            let width = mark::SELECTED_LIMB_WIDTH;
-            painter.add(Shape::line(line.clone(), Stroke::new(width + 2.0 * size::CASING, CASING)));
+pub(crate) fn paint_held(overlay: &Overlay, input: &TileInput<'_>) {
+    let painter = &overlay.painter;
+    for hold in input.held.iter().filter(|hold| !hold.by_silhouettes) {
+        for line in joined_outline(&input.turning_with(hold.limb)) {
+            let line = overlay.points(&line);
+            let colour = if hold.is_unsure() { UNSURE } else { HELD_BY_CUE };
+            let [casing, stroke] = cased(mark::SELECTED_LIMB_WIDTH, colour);
+            painter.add(Shape::line(line.clone(), casing));
             if hold.is_unsure() {
-                painter.extend(Shape::dashed_line(
-                    &line,
-                    Stroke::new(width, UNSURE),
-                    UNSURE_DASH[0],
-                    UNSURE_DASH[1],
-                ));
+                painter.extend(Shape::dashed_line(&line, stroke, UNSURE_DASH[0], UNSURE_DASH[1]));
             } else {
-                painter.add(Shape::line(line, Stroke::new(width, HELD_BY_CUE)));
+                painter.add(Shape::line(line, stroke));
             }
         }
     }
@@ -276,18 +229,14 @@ const LINE_OPACITY: f32 = 0.6;
 pub(crate) const KEYPOINT_LEGEND: &str = "2-D keypoint";
 
 /// Draws them over a picture.
-pub(crate) fn paint_keypoints(
-    painter: &Painter,
-    view: &ViewTransform,
-    keypoints: &[JointKeypoint],
-    joints: &[JointMark],
-) {
+pub(crate) fn paint_keypoints(overlay: &Overlay, keypoints: &[JointKeypoint], joints: &[JointMark]) {
+    let painter = &overlay.painter;
     for keypoint in keypoints {
-        let at = view.screen_from_px(keypoint.pixel);
+        let at = overlay.at(keypoint.pixel);
         let strength = FAINTEST_KEYPOINT + (1.0 - FAINTEST_KEYPOINT) * keypoint.score.clamp(0.0, 1.0) as f32;
         let colour = HELD_BY_CUE.gamma_multiply(strength);
         if let Some(joint) = joints.iter().find(|joint| joint.id == JointId::End(keypoint.limb)) {
-            let line = [at, view.screen_from_px(joint.px)];
+            let line = [at, overlay.at(joint.px)];
             painter.line_segment(line, Stroke::new(KEYPOINT_LINE, colour.gamma_multiply(LINE_OPACITY)));
         }
         for arm in [vec2(CROSS_HALF, CROSS_HALF), vec2(CROSS_HALF, -CROSS_HALF)] {

@@ -1,7 +1,5 @@
 //! The view of a camera: what its tile is given of the document and the session, and its picture alone for an export.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::Cue;
@@ -9,9 +7,9 @@ use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
 use backlit_ui::drawing::{
-    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
-    ProjectedSphere, SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours,
-    project_joints, project_limbs, project_spheres, sight_ray,
+    BoundedAngle, GhostMarks, JointId, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks,
+    SightRay, SwayMarks, body_spheres, joined_outline, joint_position, limb_colours, project_joints,
+    project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -20,7 +18,7 @@ use glam::{DVec2, DVec3};
 
 use super::tile::{TileLayout, TileState};
 use super::{
-    CameraTileInput, CameraViewPreferences, CameraViews, ObservedMarks, TileEvent, TileView, camera_tile,
+    BodyMarks, CameraViewPreferences, CameraViews, Ellipses, TileEvent, TileInput, TileView, camera_tile,
     picture_view,
 };
 use crate::context::marks::PictureAlone;
@@ -56,10 +54,14 @@ impl CameraViews {
         place: TilePlace<'_>,
         requests: &mut Requests,
     ) -> bool {
-        let Some(pane) = CameraPane::new(context, place.camera) else { return false };
+        let Some(mut pane) = CameraPane::new(context, place.camera) else { return false };
         let tile = self.tiles(context.preferences.layout).get(place.camera).copied().unwrap_or_default();
         let full = self.full.of(place.camera, context.selection.frame);
-        let input = CameraTileInput { full, ..pane.input(place, tile, self.preferences) };
+        if self.picture_alone.is_some_and(|alone| !alone.marks) {
+            let BodyMarks { spheres, likelier, sway, ghosts, ellipses, .. } = pane.marks;
+            pane.marks = BodyMarks { spheres, likelier, sway, ghosts, ellipses, ..BodyMarks::default() };
+        }
+        let input = TileInput { full, ..pane.input(place, tile, self.preferences) };
         if let Some(alone) = self.picture_alone {
             self.legend_height = show_alone(ui, input, alone, self.legend_height);
             return false;
@@ -87,121 +89,51 @@ pub(super) struct CameraPane<'a> {
     /// The camera's.
     pub(super) index: usize,
     pub(super) camera: &'a Camera,
-    name: String,
     pose: &'a Pose,
     limb_colours: Vec<Color32>,
-    limbs: Vec<Option<ProjectedLimb>>,
-    spheres: Vec<ProjectedSphere>,
-    /// Where a prior would have the ends of limbs.
-    likelier: Vec<[DVec2; 2]>,
-    joints: Vec<JointMark>,
-    limits: Vec<LimitMark>,
-    sides: Option<SideMarks>,
-    sight_ray: Option<SightRay>,
-    /// The limbs' own outline while the prediction lags behind the pose: a drag is seen at once.
-    quick_outline: Option<Vec<Vec<DVec2>>>,
-    sway: Option<SwayMarks>,
-    ghosts: Option<GhostMarks>,
-    ellipses: Vec<JointEllipse>,
+    marks: BodyMarks,
 }
 
 impl<'a> CameraPane<'a> {
     fn new(context: &'a Context<'a>, index: usize) -> Option<Self> {
-        let (document, session) = (context.document(), context.session);
-        let camera = session.take.as_ref()?.cameras.get(index)?;
-        let (model, renderer) = (&document.model, document.fit.renderer);
-        let pose = context.shown_pose();
-        let kinematics = Kinematics::new(model, pose);
-        let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
-        let limbs = project_limbs(model, &kinematics, camera, renderer);
-        let limit = |bounded| LimitMark::new(model, pose, &kinematics, camera, &bounded);
-        let seen = context.observability;
-        let marks = |body: &Swaying| SwayMarks::new(model, body, camera, renderer);
-        let pane = Self {
-            context,
-            index,
-            camera,
-            name: format!("Camera {}", index + 1),
-            pose,
-            limb_colours: limb_colours(model),
-            joints: project_joints(model, &kinematics, pose.root, camera, is_pinned),
-            limits: limits(context, pose).into_iter().filter_map(limit).collect(),
-            sides: context.views.side_marks.then(|| SideMarks::new(model, &kinematics, camera)),
-            sight_ray: ray_in(context, &kinematics, pose, index, camera),
-            quick_outline: quick_outline(context, pose, &limbs),
-            limbs,
-            likelier: likelier(context, &kinematics, pose, camera),
-            spheres: spheres(context, &kinematics, camera),
-            sway: seen.swaying.as_ref().map(marks),
-            ghosts: context.ghosts.map(|ghosts| GhostMarks::new(ghosts, camera, renderer)),
-            ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
-        };
-        Some(if context.ghosts.is_some() { pane.without_body() } else { pane })
+        let camera = context.session.take.as_ref()?.cameras.get(index)?;
+        let limb_colours = limb_colours(&context.document().model);
+        let marks = body_marks(context, index, camera);
+        Some(Self { context, index, camera, pose: context.shown_pose(), limb_colours, marks })
     }
 
-    /// The same where other bodies are drawn in the place of the posed one.
-    fn without_body(self) -> Self {
-        let (limbs, joints, limits, ellipses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (quick_outline, spheres, likelier) = (Some(Vec::new()), Vec::new(), Vec::new());
-        Self {
-            limbs,
-            joints,
-            limits,
-            ellipses,
-            quick_outline,
-            spheres,
-            likelier,
-            sides: None,
-            sway: None,
-            ..self
-        }
-    }
-
-    fn input(
-        &self,
-        place: TilePlace<'a>,
-        tile: TileView,
-        preferences: CameraViewPreferences,
-    ) -> CameraTileInput<'_> {
+    fn input(&self, place: TilePlace<'a>, tile: TileView, chosen: CameraViewPreferences) -> TileInput<'_> {
         let (context, session, index) = (self.context, self.context.session, self.index);
         let document = context.document();
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let uses = document.cameras.get(index);
-        CameraTileInput {
+        TileInput {
             index,
-            name: &self.name,
             is_active: context.selection.camera == index,
             is_expanded: place.is_alone,
             siblings: place.siblings,
-            is_linked: preferences.linked_zoom,
+            is_linked: chosen.linked_zoom,
             is_calibrated: true,
             tile,
-            settings: preferences.settings,
+            settings: chosen.settings,
             subject_px: subject(session, index),
             picture: self.picture(),
             full: None,
-            generation: self.generation(),
+            generation: egui::util::hash((session.generation, context.selection.frame)),
             camera: Some(self.camera),
             raw_camera: session.take.as_ref().and_then(|take| take.take().rig().cameras().get(index)),
             body: &document.model,
             outlines: predicted.map_or(&[], |camera| &camera.outlines),
-            quick_outline: self.quick_outline.as_deref(),
-            limbs: &self.limbs,
-            joints: &self.joints,
+            marks: &self.marks,
             selected: Some(context.selection.joint),
             sized: Some(context.selection.sized_limb(&document.model)),
-            sight_ray: self.sight_ray.as_ref(),
-            limits: &self.limits,
             // Four views need not say the same.
             says_limits: context.drag.camera.unwrap_or(context.selection.camera) == index,
-            sides: self.sides.as_ref(),
-            overlap: predicted.and_then(|camera| camera.overlap).filter(|_| self.ghosts.is_none()),
+            overlap: predicted.and_then(|camera| camera.overlap).filter(|_| self.marks.ghosts.is_none()),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
-            spheres: &self.spheres,
-            likelier: &self.likelier,
-            held: match self.ghosts {
+            held: match self.marks.ghosts {
                 Some(_) => &[],
                 None => session.held(context.selection.frame, self.pose),
             },
@@ -211,15 +143,6 @@ impl<'a> CameraPane<'a> {
                     .and_then(|frame| frame.cameras.get(index))
                     .map_or(&[], |camera| &camera.keypoints),
                 false => &[],
-            },
-            observed: ObservedMarks {
-                sway: self.sway.as_ref(),
-                ghosts: self.ghosts.as_ref(),
-                ellipses: &self.ellipses,
-                factor: context.observability.factor,
-                is_stale: context.observability.is_stale,
-                are_believed: context.observability.uncertainty.as_ref().is_some_and(|it| it.is_believed),
-                are_of_others: context.observability.uncertainty.as_ref().is_some_and(|it| it.is_of_others),
             },
             shows_hover_card: true,
         }
@@ -232,7 +155,7 @@ impl<'a> CameraPane<'a> {
     fn picture(&self) -> PictureInput<'_> {
         let (session, frame) = (self.context.session, self.context.selection.frame);
         let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
-        let predicted = session.predicted.as_ref().filter(|_| self.ghosts.is_none());
+        let predicted = session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none());
         let is_of_frame = predicted.is_some_and(|predicted| session.is_of_shown_frame(predicted, frame));
         let predicted = predicted.and_then(|predicted| predicted.cameras.get(self.index));
         PictureInput {
@@ -261,12 +184,41 @@ impl<'a> CameraPane<'a> {
             .zip(self.camera.ray_in_camera(px))
             .map_or(root, |(distance, ray)| f64::from(distance) * ray.z / ray.length())
     }
+}
 
-    /// Changes with the pictures on the screen.
-    fn generation(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        (self.context.session.generation, self.context.selection.frame).hash(&mut hasher);
-        hasher.finish()
+/// What a camera sees of the body on the screen, or of those in its place.
+fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks {
+    let document = context.document();
+    let (model, renderer, pose) = (&document.model, document.fit.renderer, context.shown_pose());
+    let kinematics = Kinematics::new(model, pose);
+    let sight_ray = ray_in(context, &kinematics, index, camera);
+    if let Some(ghosts) = context.ghosts {
+        let ghosts = Some(GhostMarks::new(ghosts, camera, renderer));
+        return BodyMarks { ghosts, sight_ray, quick_outline: Some(Vec::new()), ..BodyMarks::default() };
+    }
+    let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
+    let limbs = project_limbs(model, &kinematics, camera, renderer);
+    let limit = |bounded| LimitMark::new(model, pose, &kinematics, camera, &bounded);
+    let seen = context.observability;
+    let known = seen.uncertainty.as_ref();
+    BodyMarks {
+        joints: project_joints(model, &kinematics, pose.root, camera, is_pinned),
+        limits: limits(context, pose).into_iter().filter_map(limit).collect(),
+        sides: context.views.side_marks.then(|| SideMarks::new(model, &kinematics, camera)),
+        sight_ray,
+        quick_outline: quick_outline(context, pose, &limbs),
+        limbs,
+        likelier: likelier(context, &kinematics, pose, camera),
+        spheres: spheres(context, &kinematics, camera),
+        sway: seen.swaying.as_ref().map(|body| SwayMarks::new(model, body, camera, renderer)),
+        ghosts: None,
+        ellipses: Ellipses {
+            joints: known.map_or_else(Vec::new, |known| known.ellipses(camera)),
+            factor: seen.factor,
+            is_stale: seen.is_stale,
+            are_of_others: known.is_some_and(|known| known.is_of_others),
+            are_believed: known.is_some_and(|known| known.is_believed),
+        },
     }
 }
 
@@ -292,19 +244,10 @@ fn likelier(context: &Context<'_>, kinematics: &Kinematics, pose: &Pose, camera:
 }
 
 /// The sight ray of the joint that is dragged in another view.
-fn ray_in(
-    context: &Context<'_>,
-    kinematics: &Kinematics,
-    pose: &Pose,
-    index: usize,
-    camera: &Camera,
-) -> Option<SightRay> {
+fn ray_in(context: &Context<'_>, kinematics: &Kinematics, index: usize, camera: &Camera) -> Option<SightRay> {
     let (from, joint) = context.drag.dragged_joint().filter(|(from, _)| *from != index)?;
     let from_camera = context.session.take.as_ref()?.cameras.get(from)?;
-    let point = match joint {
-        JointId::Root => pose.root,
-        JointId::End(limb) => *kinematics.ends().get(limb)?,
-    };
+    let point = joint_position(joint, context.shown_pose().root, kinematics)?;
     sight_ray(from_camera, from, from_camera.project(point)?, from_camera.depth(point), camera)
 }
 
@@ -361,7 +304,7 @@ fn problem_strip(ui: &Ui, problem: &str) {
 
 /// Shows the picture in all of the space that `ui` has, above a legend that was so high in the last frame. Gives the
 /// legend's height in this one.
-fn show_alone(ui: &mut Ui, mut input: CameraTileInput<'_>, alone: PictureAlone, legend_height: f32) -> f32 {
+fn show_alone(ui: &mut Ui, mut input: TileInput<'_>, alone: PictureAlone, legend_height: f32) -> f32 {
     let picture = ui.max_rect();
     let layout = TileLayout {
         header: Rect::NOTHING,
@@ -372,14 +315,13 @@ fn show_alone(ui: &mut Ui, mut input: CameraTileInput<'_>, alone: PictureAlone, 
     };
     input.shows_hover_card = false;
     if !alone.marks {
-        (input.joints, input.limbs, input.outlines) = (&[], &[], &[]);
-        (input.selected, input.sight_ray, input.quick_outline) = (None, None, None);
-        (input.limits, input.sides) = (&[], None);
+        (input.outlines, input.selected) = (&[], None);
         input.settings.calibration_marks = false;
     }
     let id = ui.scope_id().with("picture alone");
-    let scope = ui.scope_builder(UiBuilder::new().max_rect(picture), |ui| {
-        picture_view::show(ui, id, &layout, &input, &mut TileState::default(), &mut Vec::new())
+    let mut state = TileState::default();
+    ui.scope_builder(UiBuilder::new().max_rect(picture), |ui| {
+        picture_view::show(ui, id, &layout, &input, &mut state);
     });
-    scope.inner.1
+    state.legend_height
 }

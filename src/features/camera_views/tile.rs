@@ -7,7 +7,8 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{JointKeypoint, LimbHold};
 use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{
-    JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks, SightRay,
+    GhostMarks, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks,
+    SightRay, SwayMarks,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -15,18 +16,43 @@ use backlit_ui::widgets::{Framing, ViewTransform};
 use egui::{ColorImage, Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
 use glam::DVec2;
 
-use super::pointer::Pointer;
-use super::{ObservedMarks, TileEvent, TileView, gutter, header, legend, picture_view};
+use super::pointer::{Pointer, rotation_owner};
+use super::{Ellipses, TileEvent, TileView, gutter, header, legend, picture_view};
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
 
+/// What one camera sees of bodies.
+#[derive(Clone, Debug, Default)]
+pub struct BodyMarks {
+    /// What is drawn in the place of the body's outline while that is of an earlier pose: the outline of `limbs`.
+    pub quick_outline: Option<Vec<Vec<DVec2>>>,
+    /// Limbs of the posed body: see [`project_limbs`](backlit_ui::drawing::project_limbs). Empty for none.
+    pub limbs: Vec<Option<ProjectedLimb>>,
+    /// Its joints: see [`project_joints`](backlit_ui::drawing::project_joints). Empty where nothing is to be dragged.
+    pub joints: Vec<JointMark>,
+    /// The ray of the joint that is dragged in another view.
+    pub sight_ray: Option<SightRay>,
+    /// Limits of joints that a drag has met.
+    pub limits: Vec<LimitMark>,
+    /// Left, right and face, if they are marked.
+    pub sides: Option<SideMarks>,
+    /// The spheres that stand for the body, the farthest first; empty where they are not outlined.
+    pub spheres: Vec<ProjectedSphere>,
+    /// From the end of each limb to where a prior learnt from motion would have it; empty without one.
+    pub likelier: Vec<[DVec2; 2]>,
+    /// The body on its way, if it sways.
+    pub sway: Option<SwayMarks>,
+    /// Bodies in the place of the posed one.
+    pub ghosts: Option<GhostMarks>,
+    /// Ellipses of joints.
+    pub ellipses: Ellipses,
+}
+
 /// All that a tile shows. It keeps nothing but the pointer's state and its textures.
 #[derive(Clone, Copy, Debug)]
-pub struct CameraTileInput<'a> {
+pub struct TileInput<'a> {
     /// The camera's index, counted from zero. It tells tiles apart.
     pub index: usize,
-    /// The camera's name as shown: "Camera 1".
-    pub name: &'a str,
     /// It is the active tile.
     pub is_active: bool,
     /// It fills the window.
@@ -57,24 +83,14 @@ pub struct CameraTileInput<'a> {
     pub body: &'a Model,
     /// The body's outline: see [`body_outline`](backlit_ui::drawing::body_outline).
     pub outlines: &'a [Vec<DVec2>],
-    /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
-    pub quick_outline: Option<&'a [Vec<DVec2>]>,
-    /// Its limbs: see [`project_limbs`](backlit_ui::drawing::project_limbs). Empty for none.
-    pub limbs: &'a [Option<ProjectedLimb>],
-    /// Its joints: see [`project_joints`](backlit_ui::drawing::project_joints). Empty where nothing is to be dragged.
-    pub joints: &'a [JointMark],
+    /// What the camera sees of this body and of others.
+    pub marks: &'a BodyMarks,
     /// The joint that is held; its limb is marked too.
     pub selected: Option<JointId>,
     /// The limb whose size has handles, where the settings want them.
     pub sized: Option<usize>,
-    /// The ray of the joint that is dragged in another view.
-    pub sight_ray: Option<&'a SightRay>,
-    /// Limits of joints that a drag has met.
-    pub limits: &'a [LimitMark],
     /// Whether the limits are said in words too.
     pub says_limits: bool,
-    /// Left, right and face, if they are marked.
-    pub sides: Option<&'a SideMarks>,
     /// How prediction and mask overlap; `None` without a mask.
     pub overlap: Option<Overlap>,
     /// The overlap is of an earlier pose, and a new one is on its way.
@@ -83,12 +99,6 @@ pub struct CameraTileInput<'a> {
     pub is_used: bool,
     /// Its weight in the fit.
     pub weight: f64,
-    /// What the cameras see and do not see, drawn over the picture.
-    pub observed: ObservedMarks<'a>,
-    /// The spheres that stand for the body, the farthest first; empty where they are not outlined.
-    pub spheres: &'a [ProjectedSphere],
-    /// From the end of each limb to where a prior learnt from motion would have it; empty without one.
-    pub likelier: &'a [[DVec2; 2]],
     /// What held the limbs, where the frame was tracked with cues.
     pub held: &'a [LimbHold],
     /// Where another tool saw joints, while the tracker looks at that too.
@@ -97,11 +107,33 @@ pub struct CameraTileInput<'a> {
     pub shows_hover_card: bool,
 }
 
+impl<'a> TileInput<'a> {
+    /// The camera's name as shown: "Camera 1".
+    pub(super) fn name(&self) -> String {
+        format!("Camera {}", self.index + 1)
+    }
+
+    /// What people call a limb of the body.
+    pub(super) fn limb_name(&self, limb: usize) -> &'a str {
+        self.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str())
+    }
+
+    /// The limbs that turn together with one, as they are seen.
+    pub(super) fn turning_with(&self, limb: usize) -> Vec<&'a ProjectedLimb> {
+        let owner = rotation_owner(self.body, limb);
+        let limbs = self.marks.limbs.iter().enumerate();
+        let turns = limbs.filter(|(index, _)| rotation_owner(self.body, *index) == owner);
+        turns.filter_map(|(_, limb)| limb.as_ref()).collect()
+    }
+}
+
 /// What a tile remembers from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileState {
     /// Height of the legend in the last frame of the window.
     pub(crate) legend_height: f32,
+    /// What the user does in this frame.
+    pub(super) events: Vec<TileEvent>,
     pub(super) pointer: Pointer,
     pub(super) hovered: Option<[usize; 2]>,
     pub(super) card: Option<[usize; 2]>,
@@ -144,42 +176,36 @@ pub struct TileResponse {
 }
 
 /// Shows a camera's tile in all of the space that `ui` has.
-pub fn camera_tile(ui: &mut Ui, input: &CameraTileInput<'_>) -> TileResponse {
+pub fn camera_tile(ui: &mut Ui, input: &TileInput<'_>) -> TileResponse {
     let tile = ui.available_rect_before_wrap();
     let layout = TileLayout::new(tile, input.picture.size);
     let id = ui.scope_id().with(("camera tile", input.index));
     let builder = UiBuilder::new().id_salt(("camera tile", input.index)).max_rect(tile);
-    let mut events = Vec::new();
     let scope = ui.scope_builder(builder, |ui| {
         ui.set_clip_rect(tile.intersect(ui.clip_rect()));
-        let view = tile_contents(ui, id, &layout, input, &mut events);
+        let response = tile_contents(ui, id, &layout, input);
         ui.advance_cursor_after_rect(tile);
-        view
+        response
     });
-    TileResponse { events, view: scope.inner }
+    scope.inner
 }
 
-fn tile_contents(
-    ui: &mut Ui,
-    id: Id,
-    layout: &TileLayout,
-    input: &CameraTileInput<'_>,
-    events: &mut Vec<TileEvent>,
-) -> ViewTransform {
+fn tile_contents(ui: &mut Ui, id: Id, layout: &TileLayout, input: &TileInput<'_>) -> TileResponse {
     let palette = theme::palette(ui);
     let mut state = ui.data(|data| data.get_temp::<TileState>(id)).unwrap_or_default();
-    let (view, _) = picture_view::show(ui, id, layout, input, &mut state, events);
+    let view = picture_view::show(ui, id, layout, input, &mut state);
     if let Some(gutter) = layout.gutter {
         ui.painter().rect_filled(gutter, 0.0, palette.well);
-        gutter::show(ui, gutter, input, &state.pointer, events);
+        gutter::show(ui, gutter, input, &mut state);
     }
-    header::show(ui, layout, input, events);
+    let mut events = std::mem::take(&mut state.events);
+    header::show(ui, layout, input, &mut events);
     if input.is_active {
         let tile = layout.header.union(layout.picture).union(layout.gutter.unwrap_or(layout.picture));
         ui.painter().rect_stroke(tile, 0.0, palette.active_tile(), StrokeKind::Inside);
     }
     ui.data_mut(|data| data.insert_temp(id, state));
-    view
+    TileResponse { events, view }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::{self, Held};
-use backlit_ui::drawing::{Drag, JointId, joint_name, point_at};
+use backlit_ui::drawing::{self, Drag, JointId, joint_name, point_at};
 use backlit_ui::style::format;
 use glam::{DQuat, DVec2, DVec3};
 
@@ -34,11 +34,9 @@ pub(super) enum Dragged {
     },
 }
 
+/// Where a joint is in the world; the root's place for one that the body does not have.
 pub(super) fn joint_position(model: &Model, pose: &Pose, joint: JointId) -> DVec3 {
-    match joint {
-        JointId::Root => pose.root,
-        JointId::End(limb) => Kinematics::new(model, pose).ends().get(limb).copied().unwrap_or(pose.root),
-    }
+    drawing::joint_position(joint, pose.root, &Kinematics::new(model, pose)).unwrap_or(pose.root)
 }
 
 /// What a drag makes of the pose and the body that it began with; `None` where a pixel has no ray.

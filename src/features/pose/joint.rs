@@ -1,7 +1,7 @@
 //! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
 
 use backlit_document::edit::Edit;
-use backlit_tracking::body::{Kinematics, Limb, Pose};
+use backlit_tracking::body::{Limb, Pose};
 use backlit_tracking::posing::{Held, LimitedAngle};
 use backlit_ui::drawing::limits::WARN_WITHIN;
 use backlit_ui::drawing::{JointId, joint_name};
@@ -10,7 +10,7 @@ use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{SliderRow, named_section, number_field, row_name};
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
-use super::dragged::moved;
+use super::dragged::{joint_position, moved};
 use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
@@ -114,10 +114,7 @@ fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &
     let document = context.document();
     let model = &document.model;
     let joint = context.selection.joint;
-    let point = match joint {
-        JointId::Root => pose.root,
-        JointId::End(limb) => Kinematics::new(model, pose).ends()[limb],
-    };
+    let point = joint_position(model, pose, joint);
     let name = joint_name(model, joint);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = space::ROW;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::visual_hull::VisualHull;
-use backlit_ui::drawing::JointId;
+use backlit_ui::drawing::{JointId, joint_position};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
@@ -121,7 +121,8 @@ impl SceneView {
             ray: None,
         };
         let dragged = context.drag.dragged_joint();
-        view.ray = dragged.and_then(|(camera, joint)| Some((camera, view.position(joint)?)));
+        view.ray = dragged
+            .and_then(|(camera, joint)| Some((camera, joint_position(joint, view.root, &view.kinematics)?)));
         Some(view)
     }
 
@@ -168,13 +169,6 @@ impl SceneView {
             floor: self.floor,
             middle: self.middle,
             scale: f64::from(scale),
-        }
-    }
-
-    fn position(&self, joint: JointId) -> Option<DVec3> {
-        match joint {
-            JointId::Root => Some(self.root),
-            JointId::End(limb) => self.kinematics.ends().get(limb).copied(),
         }
     }
 }
@@ -236,7 +230,8 @@ fn order_of(
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
         shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
-        held: view.position(context.selection.joint).filter(|_| context.ghosts.is_none()),
+        held: joint_position(context.selection.joint, view.root, &view.kinematics)
+            .filter(|_| context.ghosts.is_none()),
     }
 }
 

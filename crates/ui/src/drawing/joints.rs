@@ -52,15 +52,20 @@ pub fn project_joints(
     is_pinned: impl Fn(JointId) -> bool,
 ) -> Vec<JointMark> {
     let mark = |id: JointId| {
-        let point = match id {
-            JointId::Root => root,
-            JointId::End(limb) => *kinematics.ends().get(limb)?,
-        };
+        let point = joint_position(id, root, kinematics)?;
         let px = camera.project(point).filter(|px| px.is_finite())?;
         let depth_m = camera.depth(point);
         Some(JointMark { id, name: joint_name(model, id), px, depth_m, is_pinned: is_pinned(id) })
     };
     draggable_joints(model).into_iter().filter_map(mark).collect()
+}
+
+/// Where a joint is in the world; `None` for one that the body does not have. `root` is the root's position.
+pub fn joint_position(joint: JointId, root: DVec3, kinematics: &Kinematics) -> Option<DVec3> {
+    match joint {
+        JointId::Root => Some(root),
+        JointId::End(limb) => kinematics.ends().get(limb).copied(),
+    }
 }
 
 /// What the pointer does with a drag.

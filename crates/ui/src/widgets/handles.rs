@@ -4,7 +4,8 @@
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::DVec2;
 
-use super::ViewTransform;
+use super::marks::cased;
+use super::{Overlay, ViewTransform};
 use crate::drawing::{JointId, JointMark, ProjectedLimb, joined_outline};
 use crate::style::theme::data_colours::{CASING, JOINT, SELECTED, SELECTED_LIMB_FILL, mark};
 use crate::style::theme::size;
@@ -71,61 +72,56 @@ pub struct JointLook {
     pub is_small: bool,
 }
 
-/// Paints a joint's mark with its casing.
-pub fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook) {
-    if look.is_dragged {
-        let ring = |width: f32, colour| {
-            painter.circle_stroke(at, mark::DRAG_RING_RADIUS, Stroke::new(width, colour));
-        };
-        ring(mark::DRAG_RING_WIDTH + 2.0 * size::CASING, CASING);
-        ring(mark::DRAG_RING_WIDTH, SELECTED);
-    }
-    match (is_pinned, look.is_selected) {
-        (true, is_selected) => {
-            let scale = if is_selected || look.is_hovered { SELECTED_PIN_SCALE } else { 1.0 };
-            let square = |side: f32| Rect::from_center_size(at, Vec2::splat(side));
-            let margin = mark::PIN_CASING_SIDE - mark::PIN_SIDE;
-            painter.rect_filled(square(mark::PIN_SIDE * scale + margin), 0.0, CASING);
-            let colour = if is_selected { SELECTED } else { JOINT };
-            painter.rect_filled(square(mark::PIN_SIDE * scale), 0.0, colour);
-            if is_selected {
-                painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
+impl Overlay {
+    /// Paints a joint's mark with its casing.
+    pub fn joint(&self, joint: &JointMark, look: JointLook) {
+        let (painter, at) = (&self.painter, self.at(joint.px));
+        if look.is_dragged {
+            for stroke in cased(mark::DRAG_RING_WIDTH, SELECTED) {
+                painter.circle_stroke(at, mark::DRAG_RING_RADIUS, stroke);
             }
         }
-        (false, _) if look.is_small && !look.is_dragged && !look.is_hovered => {
-            let colour = if look.is_selected { SELECTED } else { JOINT };
-            painter.circle_filled(at, SMALL_RADIUS + size::CASING, CASING);
-            painter.circle_filled(at, SMALL_RADIUS, colour);
-        }
-        (false, true) => {
-            painter.circle_filled(at, mark::SELECTED_CASING_RADIUS, CASING);
-            painter.circle_filled(at, mark::SELECTED_RADIUS, SELECTED);
-            painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
-        }
-        (false, false) => {
-            let radius = mark::JOINT_RADIUS + if look.is_hovered { HOVER_GROWTH } else { 0.0 };
-            painter.circle_filled(at, radius + mark::JOINT_WIDTH * 0.5 + size::CASING, CASING);
-            painter.circle_stroke(at, radius, Stroke::new(mark::JOINT_WIDTH, JOINT));
+        let colour = if look.is_selected { SELECTED } else { JOINT };
+        match (joint.is_pinned, look.is_selected) {
+            (true, is_selected) => {
+                let scale = if is_selected || look.is_hovered { SELECTED_PIN_SCALE } else { 1.0 };
+                let square = |side: f32| Rect::from_center_size(at, Vec2::splat(side));
+                let margin = mark::PIN_CASING_SIDE - mark::PIN_SIDE;
+                painter.rect_filled(square(mark::PIN_SIDE * scale + margin), 0.0, CASING);
+                painter.rect_filled(square(mark::PIN_SIDE * scale), 0.0, colour);
+                if is_selected {
+                    painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
+                }
+            }
+            (false, _) if look.is_small && !look.is_dragged && !look.is_hovered => {
+                painter.circle_filled(at, SMALL_RADIUS + size::CASING, CASING);
+                painter.circle_filled(at, SMALL_RADIUS, colour);
+            }
+            (false, true) => {
+                painter.circle_filled(at, mark::SELECTED_CASING_RADIUS, CASING);
+                painter.circle_filled(at, mark::SELECTED_RADIUS, SELECTED);
+                painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
+            }
+            (false, false) => {
+                let radius = mark::JOINT_RADIUS + if look.is_hovered { HOVER_GROWTH } else { 0.0 };
+                painter.circle_filled(at, radius + mark::JOINT_WIDTH * 0.5 + size::CASING, CASING);
+                painter.circle_stroke(at, radius, Stroke::new(mark::JOINT_WIDTH, JOINT));
+            }
         }
     }
-}
 
-/// Paints limbs that turn together as held (filled and outlined in the accent), or as under the pointer
-/// (outlined like a joint).
-pub fn paint_limbs(painter: &Painter, view: &ViewTransform, limbs: &[&ProjectedLimb], is_selected: bool) {
-    let on_screen =
-        |points: Vec<DVec2>| points.into_iter().map(|px| view.screen_from_px(px)).collect::<Vec<Pos2>>();
-    if is_selected {
-        let fill = SELECTED.gamma_multiply(SELECTED_LIMB_FILL);
-        for limb in limbs {
-            painter.add(Shape::convex_polygon(on_screen(limb.outline()), fill, Stroke::NONE));
+    /// Paints limbs that turn together as held (filled and outlined in the accent), or as under the pointer
+    /// (outlined like a joint).
+    pub fn limbs(&self, limbs: &[&ProjectedLimb], is_selected: bool) {
+        if is_selected {
+            let fill = SELECTED.gamma_multiply(SELECTED_LIMB_FILL);
+            for limb in limbs {
+                let outline = self.points(&limb.outline());
+                self.painter.add(Shape::convex_polygon(outline, fill, Stroke::NONE));
+            }
         }
-    }
-    let lines: Vec<Vec<Pos2>> = joined_outline(limbs).into_iter().map(on_screen).collect();
-    let casing = Stroke::new(mark::SELECTED_LIMB_WIDTH + 2.0 * size::CASING, CASING);
-    let colour = if is_selected { SELECTED } else { JOINT };
-    for stroke in [casing, Stroke::new(mark::SELECTED_LIMB_WIDTH, colour)] {
-        painter.extend(lines.iter().map(|line| Shape::line(line.clone(), stroke)));
+        let colour = if is_selected { SELECTED } else { JOINT };
+        self.lines(&joined_outline(limbs), cased(mark::SELECTED_LIMB_WIDTH, colour), false);
     }
 }
 
@@ -192,9 +188,9 @@ impl SizeHandles {
     /// Paints the diamonds; `held` is the one that is hovered or dragged.
     pub fn paint(&self, painter: &Painter, held: Option<Grip>) {
         if let Some([from, to]) = self.length {
-            let casing = Stroke::new(mark::RAY_WIDTH + 2.0 * size::CASING, CASING);
-            painter.line_segment([from, to], casing);
-            painter.line_segment([from, to], Stroke::new(mark::RAY_WIDTH, SELECTED));
+            for stroke in cased(mark::RAY_WIDTH, SELECTED) {
+                painter.line_segment([from, to], stroke);
+            }
             diamond(painter, to, held == Some(Grip::Length(self.limb)));
         }
         for at in self.radius {
