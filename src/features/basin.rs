@@ -12,7 +12,7 @@ mod update;
 use std::time::Instant;
 
 use backlit_jobs::Task;
-use backlit_runs::basin::{BasinError, BasinResult, FitCount, StartGrid, Trial};
+use backlit_runs::basin::{BasinError, BasinResult, StartGrid, Trial};
 use serde::{Deserialize, Serialize};
 pub use settings::{BasinSettings, MapDirection, Reference};
 
@@ -118,12 +118,6 @@ impl BasinResults {
     fn map_and_grid(&self) -> Option<(&BasinResult, &StartGrid)> {
         let map = self.map.as_ref()?;
         Some((map, map.grid()?))
-    }
-
-    /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
-    fn partial(&self, view: BasinView) -> Option<FitCount> {
-        let is_coming = self.running.is_some_and(|running| running.view == view);
-        self.of(view).map(BasinResult::fits).filter(|fits| !fits.is_whole() && !is_coming)
     }
 }
 

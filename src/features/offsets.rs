@@ -188,10 +188,6 @@ impl Offsets {
         self.find.begin(context.pool, (), |()| one_step(move |out: &Outbox<_>| find(&take, out)));
     }
 
-    fn stop(&self) {
-        self.find.stop();
-    }
-
     fn write(&mut self, context: &Context<'_>) {
         let Some(take) = &context.session.take else { return };
         let shifts = shifts_of(take, &self.shifts);

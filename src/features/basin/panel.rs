@@ -154,7 +154,9 @@ fn conditions(ui: &mut Ui, basin: &Basin) {
         let text = RichText::new(format::capitalised(&result.conditions)).small().color(palette.text3);
         ui.horizontal(|ui| {
             ui.spacing_mut().interact_size.y = 0.0;
-            if let Some(partial) = basin.results.partial(view).and_then(FitCount::partial_text) {
+            let is_coming = basin.results.running.is_some_and(|running| running.view == view);
+            let fits = Some(result.fits()).filter(|fits| !fits.is_whole() && !is_coming);
+            if let Some(partial) = fits.and_then(FitCount::partial_text) {
                 ui.label(RichText::new(partial).small().color(palette.warn)).on_hover_text(
                     "It was stopped before all fits were done: shares and bars are of those that were. Exported \
                      files say so too",

@@ -145,34 +145,23 @@ impl Beginnings {
 
 /// Which ways are home, or which one costs least.
 fn summary(beginnings: &Beginnings) -> String {
-    let compared = COMPARED.iter().filter_map(|method| {
-        let outcome = beginnings.ended.get(method)?.as_ref().ok()?;
-        Some((*method, outcome))
-    });
-    let compared: Vec<_> = compared.collect();
-    let knows_truth = compared.iter().any(|(_, outcome)| outcome.error_mm.is_some());
-    let home = compared.iter().filter(|(_, outcome)| outcome.error_mm.is_some_and(|error| error < HOME_MM));
-    let home: Vec<&str> = home.map(|(method, _)| MethodWords::of(*method).lower_case).collect();
-    let errors = compared.iter().filter_map(|(method, outcome)| Some((*method, outcome.error_mm?)));
-    let nearest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
+    let outcome = |method: &Method| {
+        Some((MethodWords::of(*method).lower_case, beginnings.ended.get(method)?.as_ref().ok()?))
+    };
+    let compared: Vec<_> = COMPARED.iter().filter_map(outcome).collect();
     let best = compared.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    match (best, home.as_slice()) {
-        (None, _) => String::new(),
-        (Some((method, _)), []) if !knows_truth => {
-            format!(
-                "The true pose is not known here. The cost is least after {}.",
-                MethodWords::of(*method).lower_case
-            )
+    let errors: Vec<_> =
+        compared.iter().filter_map(|(name, outcome)| Some((*name, outcome.error_mm?))).collect();
+    let nearest = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let home: Vec<&str> =
+        errors.iter().filter(|(_, error)| *error < HOME_MM).map(|(name, _)| *name).collect();
+    match (home.as_slice(), nearest, best) {
+        ([_, ..], ..) => format!("Found, with joints less than 20 mm off on average: {}.", home.join(", ")),
+        (_, Some((name, error)), _) => {
+            let off = format::length(error / 1e3);
+            format!("Nearest to the reference: {name}, its joints {off} off on average.")
         }
-        (_, []) => nearest.map_or_else(String::new, |(method, error)| {
-            format!(
-                "Nearest to the reference: {}, its joints {} off on average.",
-                MethodWords::of(method).lower_case,
-                format::length(error / 1e3)
-            )
-        }),
-        (_, home) => {
-            format!("Found, with joints less than 20 mm off on average: {}.", home.join(", "))
-        }
+        (.., Some((name, _))) => format!("The true pose is not known here. The cost is least after {name}."),
+        _ => String::new(),
     }
 }

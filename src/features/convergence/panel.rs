@@ -98,7 +98,7 @@ fn curves(
     let current = context.shown_step();
     let current = current.and_then(|step| Some((context.runs().get(step.run)?, step.step)));
     let plot = Plot::of(context.runs().all(), preferences, current);
-    if plot.is_empty() {
+    if plot.curves.is_empty() {
         return empty(ui, context, area);
     }
     let PlotResponse { response, transform, .. } = plot.show(ui, area, names);

@@ -24,13 +24,13 @@ const BELOW: f64 = 0.05;
 const ABOVE: f64 = 0.09;
 
 pub(super) struct Plot<'a> {
-    curves: Vec<RunCurve<'a>>,
+    pub(super) curves: Vec<RunCurve<'a>>,
     scale: PlotScale,
     /// The step on the screen.
     current: Option<(&'a Run, usize)>,
 }
 
-struct RunCurve<'a> {
+pub(super) struct RunCurve<'a> {
     run: &'a Run,
     points: Vec<CurvePoint>,
     /// Accepted steps before its start: those of the runs that it branched from.
@@ -117,11 +117,6 @@ impl<'a> Plot<'a> {
         let curves: Vec<RunCurve<'_>> = runs.iter().filter(|run| run.is_shown).map(curve).collect();
         let scale = PlotScale::of(&curves, preferences);
         Self { curves, scale, current }
-    }
-
-    /// Whether no run is shown.
-    pub(super) fn is_empty(&self) -> bool {
-        self.curves.is_empty()
     }
 
     /// Draws it. `names` says whether the runs' names stand at the ends of their curves.

@@ -7,7 +7,7 @@ use crate::context::preferences::Layout;
 use crate::context::unavailable::{because, no_take};
 
 /// Steps of the keys for ten frames.
-const MANY_STEPS: usize = 10;
+const MANY_STEPS: isize = 10;
 
 /// What a command means in the laboratory's layout.
 #[derive(Debug, Clone, Copy)]
@@ -16,9 +16,8 @@ enum LaboratoryMove {
     Step,
     /// Runs all fits to their ends.
     Run,
-    /// Looks at a step so far back, or so far on.
-    Back(usize),
-    On(usize),
+    /// Looks at the step so far on, or back.
+    Go(isize),
     Stop,
     Restart,
 }
@@ -30,12 +29,12 @@ fn meaning(command: Command) -> Option<LaboratoryMove> {
         Command::Fit(F::Step | F::LaterStep) | Command::Timeline(T::NextFrame) => LaboratoryMove::Step,
         Command::Fit(F::Run) => LaboratoryMove::Run,
         Command::Fit(F::StepBack | F::EarlierStep) | Command::Timeline(T::PreviousFrame) => {
-            LaboratoryMove::Back(1)
+            LaboratoryMove::Go(-1)
         }
-        Command::Timeline(T::TenFramesBack) => LaboratoryMove::Back(MANY_STEPS),
-        Command::Timeline(T::TenFramesOn) => LaboratoryMove::On(MANY_STEPS),
-        Command::Timeline(T::FirstFrame) => LaboratoryMove::Back(usize::MAX),
-        Command::Timeline(T::LastFrame) => LaboratoryMove::On(usize::MAX),
+        Command::Timeline(T::TenFramesBack) => LaboratoryMove::Go(-MANY_STEPS),
+        Command::Timeline(T::TenFramesOn) => LaboratoryMove::Go(MANY_STEPS),
+        Command::Timeline(T::FirstFrame) => LaboratoryMove::Go(isize::MIN),
+        Command::Timeline(T::LastFrame) => LaboratoryMove::Go(isize::MAX),
         Command::Fit(F::Stop) => LaboratoryMove::Stop,
         Command::Laboratory(LaboratoryCommand::Restart) => LaboratoryMove::Restart,
         _ => return None,
@@ -59,8 +58,7 @@ impl Laboratory {
         match meaning(command) {
             Some(LaboratoryMove::Step) => self.step(Some(1), context.pool),
             Some(LaboratoryMove::Run) => self.step(None, context.pool),
-            Some(LaboratoryMove::Back(steps)) => comparison.go_to(here.saturating_sub(steps)),
-            Some(LaboratoryMove::On(steps)) => comparison.go_to(here.saturating_add(steps)),
+            Some(LaboratoryMove::Go(steps)) => comparison.go_to(here.saturating_add_signed(steps)),
             Some(LaboratoryMove::Stop) if is_running => {
                 self.pending_steps = 0;
                 self.steps.stop();
@@ -90,8 +88,8 @@ impl Laboratory {
             LaboratoryMove::Run => {
                 because(is_over, "All fits have ended").or(because(self.is_running(), "They are running"))
             }
-            LaboratoryMove::Back(_) => because(comparison.cursor == 0, "This is the start"),
-            LaboratoryMove::On(_) => because(at_end, "This is the newest step"),
+            LaboratoryMove::Go(..0) => because(comparison.cursor == 0, "This is the start"),
+            LaboratoryMove::Go(_) => because(at_end, "This is the newest step"),
             LaboratoryMove::Stop if self.is_running() => None,
             LaboratoryMove::Stop => return None,
             LaboratoryMove::Restart => {

@@ -51,7 +51,7 @@ impl Offsets {
         });
         let (is_cancelled, is_left) = (modal.inner, modal.should_close());
         if is_left && !is_cancelled {
-            self.stop();
+            self.find.stop();
         }
         !(is_cancelled || is_left)
     }
@@ -183,7 +183,7 @@ impl Offsets {
         named_row(ui, "Silhouettes", NAMES, |ui| {
             if self.find.is_busy() {
                 if ui.add(Button::new("Stop").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                    self.stop();
+                    self.find.stop();
                 }
                 let [done, all] = self.progress.unwrap_or_default();
                 hint(ui, &format!("{done} of {all} frames looked at"));
