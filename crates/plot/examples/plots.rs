@@ -16,7 +16,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         lines: vec![
             Line::of_values("Report 2004", 0, &falling(0.4)),
             Line::of_values("Robust", 1, &falling(0.9)).with_bars(vec![[2.0, 5.0, 40.0], [4.0, 1.0, 9.0]]),
-            Line::of_values("One of many", 2, &falling(0.2)).faint(),
         ],
     };
     let errors = |scale: f64| (0..121).map(|cell| Some(scale * f64::from(cell % 11))).collect();

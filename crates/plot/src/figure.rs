@@ -22,8 +22,6 @@ const LOG_RANGE: f64 = 1e-6;
 const LEGEND_LINE: f64 = 28.0;
 const LEGEND_ROW: f64 = 22.0;
 const LEGEND_GAP: [f64; 2] = [8.0, 20.0];
-/// Opacity of a curve that is one of many.
-const FAINT: f32 = 0.45;
 /// Room around the curves, as a part of the axis.
 const PAD: f64 = 0.04;
 
@@ -73,9 +71,6 @@ pub struct Line {
     pub style: usize,
     /// Upright bars: x, and both ends. They say how sure a point is.
     pub bars: Vec<[f64; 3]>,
-    /// Whether it is drawn thin and without dots: one of many that a thick curve stands for. It has no name in
-    /// the legend.
-    pub is_faint: bool,
 }
 
 impl Line {
@@ -96,12 +91,6 @@ impl Line {
     /// The same with upright bars: x, and both ends.
     pub fn with_bars(mut self, bars: Vec<[f64; 3]>) -> Self {
         self.bars = bars;
-        self
-    }
-
-    /// The same, drawn as one of many.
-    pub fn faint(mut self) -> Self {
-        self.is_faint = true;
         self
     }
 }
@@ -151,14 +140,6 @@ fn on_page(area: Rect, ranges: [[f64; 2]; 2], place: [f64; 2]) -> Point {
 }
 
 impl Figure {
-    /// The picture as the bytes of a PNG file.
-    ///
-    /// # Errors
-    /// None that is known: the picture is small.
-    pub fn png(&self, theme: Theme) -> image::ImageResult<Vec<u8>> {
-        crate::png(self.picture(theme))
-    }
-
     /// Grid, numbers and names of both axes.
     fn axes(&self, page: &mut Page, area: Rect, ranges: [[f64; 2]; 2], colours: &PageColours) {
         for (which, length) in [area.width(), area.height()].into_iter().enumerate() {
@@ -193,7 +174,7 @@ impl Figure {
     /// The curves' names, each behind a piece of its line. Returns where the legend ends.
     fn legend(&self, page: &mut Page, from: Point, colours: &PageColours) -> f64 {
         let mut at = from;
-        for line in self.lines.iter().filter(|line| !line.is_faint) {
+        for line in &self.lines {
             let width = LEGEND_LINE + LEGEND_GAP[0] + page.text_width(&line.name, BODY);
             if at.x + width > f64::from(SIZE[0]) - MARGIN[0] && at.x > from.x {
                 at = Point::new(from.x, at.y + LEGEND_ROW);
@@ -201,7 +182,7 @@ impl Figure {
             let (colour, stroke) = style(line.style);
             let y = at.y + 0.5 * LEGEND_ROW;
             let ends = [Point::new(at.x, y), Point::new(at.x + LEGEND_LINE, y)];
-            page.curve(&ends, stroke, colour, 1.0);
+            page.curve(&ends, stroke, colour);
             page.dot(ends[0].midpoint(ends[1]), DOT_RADIUS, colour);
             let name_at = Point::new(at.x + LEGEND_LINE + LEGEND_GAP[0], y);
             page.text(name_at, LEFT_MIDDLE, &line.name, BODY, colours.text);
@@ -248,16 +229,12 @@ impl Figure {
             on_page(area, ranges, [0, 1].map(|which| self.place(which, point[which], floors[which])))
         };
         for &[x, low, high] in &line.bars {
-            page.curve(&[[x, low], [x, high]].map(|end| place(&end)), (1.0, &[]), colour, 1.0);
+            page.curve(&[[x, low], [x, high]].map(|end| place(&end)), (1.0, &[]), colour);
         }
         for piece in line.points.split(|point| !(point[0].is_finite() && point[1].is_finite())) {
             let points: Vec<Point> = piece.iter().map(place).collect();
-            if line.is_faint {
-                page.curve(&points, (1.0, stroke.1), colour, FAINT);
-            } else {
-                page.curve(&points, stroke, colour, 1.0);
-                points.iter().for_each(|point| page.dot(*point, DOT_RADIUS, colour));
-            }
+            page.curve(&points, stroke, colour);
+            points.iter().for_each(|point| page.dot(*point, DOT_RADIUS, colour));
         }
     }
 }

@@ -18,9 +18,6 @@ pub(crate) const TITLE: f64 = 18.0;
 pub(crate) const BODY: f64 = 13.5;
 pub(crate) const SMALL: f64 = 12.0;
 
-/// How strong a colour is laid on, 1 for all of it.
-pub(crate) type Opacity = f32;
-
 /// What a text is anchored by: shares of its width and height.
 pub(crate) type Anchor = [f64; 2];
 pub(crate) const LEFT_TOP: Anchor = [0.0, 0.0];
@@ -48,38 +45,31 @@ impl Page {
         page
     }
 
-    fn paint(&mut self, colour: u32, opacity: Opacity) {
+    fn paint(&mut self, colour: u32) {
         let [r, g, b] = rgb(colour);
-        let alpha = (255.0 * opacity).round() as u8;
-        self.context.set_paint(AlphaColor::<Srgb>::from_rgba8(r, g, b, alpha));
+        self.context.set_paint(AlphaColor::<Srgb>::from_rgba8(r, g, b, u8::MAX));
     }
 
     /// Fills a rectangle.
     pub(crate) fn fill(&mut self, rect: Rect, colour: u32) {
-        self.paint(colour, 1.0);
+        self.paint(colour);
         self.context.fill_rect(&rect);
     }
 
     /// A hairline just inside a rectangle.
     pub(crate) fn frame(&mut self, rect: Rect, colour: u32) {
-        self.paint(colour, 1.0);
+        self.paint(colour);
         self.context.set_stroke(Stroke::new(1.0));
         self.context.stroke_rect(&rect.inset(-0.5));
     }
 
     /// A straight hairline.
     pub(crate) fn hairline(&mut self, from: Point, to: Point, colour: u32) {
-        self.curve(&[from, to], (1.0, &[]), colour, 1.0);
+        self.curve(&[from, to], (1.0, &[]), colour);
     }
 
     /// A line through points, of a width and a dash.
-    pub(crate) fn curve(
-        &mut self,
-        points: &[Point],
-        (width, dash): (f32, &[f32]),
-        colour: u32,
-        opacity: Opacity,
-    ) {
+    pub(crate) fn curve(&mut self, points: &[Point], (width, dash): (f32, &[f32]), colour: u32) {
         let mut path = BezPath::new();
         for pair in points.windows(2) {
             if path.is_empty() {
@@ -88,14 +78,14 @@ impl Page {
             path.line_to(pair[1]);
         }
         let stroke = Stroke::new(width.into()).with_dashes(0.0, dash.iter().map(|&length| f64::from(length)));
-        self.paint(colour, opacity);
+        self.paint(colour);
         self.context.set_stroke(stroke);
         self.context.stroke_path(&path);
     }
 
     /// A filled circle.
     pub(crate) fn dot(&mut self, centre: Point, radius: f32, colour: u32) {
-        self.paint(colour, 1.0);
+        self.paint(colour);
         self.context.fill_path(&Circle::new(centre, radius.into()).to_path(0.05));
     }
 
@@ -125,7 +115,7 @@ impl Page {
         let font_size = Size::new(size as f32);
         let metrics = font.glyph_metrics(font_size, LocationRef::default());
         let outlines = font.outline_glyphs();
-        self.paint(colour, 1.0);
+        self.paint(colour);
         let mut x = 0.0;
         for glyph in text.chars().filter_map(|letter| font.charmap().map(letter)) {
             let mut pen = GlyphPen::default();
