@@ -1,5 +1,7 @@
 //! `backlit screenshot`: pictures of the window or of one camera's view, without a display; a series of them too.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -20,7 +22,7 @@ use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
 use crate::features::export::{ExportArea, ExportChoices, ExportOrder, SeriesFormat, Subject};
 
 /// Sides of a picture, pixels.
-const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;
+const SIDES: RangeInclusive<u16> = 200..=8192;
 
 /// What `backlit screenshot` is told.
 #[derive(Debug, Args)]
@@ -190,28 +192,25 @@ fn whole(out: &Path, faults: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
+fn within<T: PartialOrd + Display>(
+    option: &str,
+    value: T,
+    range: RangeInclusive<T>,
+    unit: &str,
+) -> anyhow::Result<()> {
+    let (least, most) = (range.start(), range.end());
+    anyhow::ensure!(range.contains(&value), "--{option} is {value}; expected {least} to {most}{unit}");
+    Ok(())
+}
+
 /// What is to be written.
 fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
     let is_view = arguments.camera.is_some();
     let (scale, scales) = if is_view { (2.0, 0.25..=8.0) } else { (1.0, 0.5..=4.0) };
     let scale = arguments.scale.unwrap_or(scale);
-    anyhow::ensure!(
-        scales.contains(&scale),
-        "--scale is {scale}; expected {} to {}",
-        scales.start(),
-        scales.end()
-    );
-    anyhow::ensure!(
-        DELAYS_MS.contains(&arguments.delay),
-        "--delay is {}; expected {} to {} milliseconds",
-        arguments.delay,
-        DELAYS_MS.start(),
-        DELAYS_MS.end()
-    );
-    if let Some(width) = arguments.width {
-        let is_right = (16..=MAX_SIDE).contains(&width);
-        anyhow::ensure!(is_right, "--width is {width}; expected 16 to {MAX_SIDE} pixels");
-    }
+    within("scale", scale, scales, "")?;
+    within("delay", arguments.delay, DELAYS_MS, " milliseconds")?;
+    arguments.width.map_or(Ok(()), |width| within("width", width, 16..=MAX_SIDE, " pixels"))?;
     let out = &arguments.out;
     let format = match arguments.sequence {
         None => SeriesFormat::Pngs,

@@ -5,7 +5,7 @@ use backlit_tracking::body::Model;
 use backlit_ui::drawing::{JointId, draggable_joints};
 
 /// What is selected. Nothing here is saved or undone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Selection {
     /// The frame on the screen.
     pub frame: usize,
@@ -18,12 +18,6 @@ pub struct Selection {
     pub(crate) part: Option<usize>,
     /// The step on the screen, while the user looks back into a run; otherwise the document's pose is shown.
     pub step: Option<StepRef>,
-}
-
-impl Default for Selection {
-    fn default() -> Self {
-        Self { frame: 0, camera: 0, joint: JointId::Root, part: None, step: None }
-    }
 }
 
 impl Selection {

@@ -21,17 +21,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, reques
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
-                if context.busy.is_long() && !context.busy.opening {
-                    command::named_button(ui, context, requests, Command::Fit(FitCommand::Stop), "Cancel");
-                }
-                if context.busy.basin && !context.busy.is_long() {
-                    command::named_button(
-                        ui,
-                        context,
-                        requests,
-                        Command::Basin(BasinCommand::Cancel),
-                        "Cancel",
-                    );
+                let cancels = match context.busy.is_long() {
+                    true => (!context.busy.opening).then_some(Command::Fit(FitCommand::Stop)),
+                    false => context.busy.basin.then_some(Command::Basin(BasinCommand::Cancel)),
+                };
+                if let Some(cancel) = cancels {
+                    command::named_button(ui, context, requests, cancel, "Cancel");
                 }
                 if let Some((done, total)) = context.busy.exporting {
                     command::button(ui, context, requests, Command::Export(ExportCommand::Stop));
@@ -83,7 +78,8 @@ fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
     let session = context.session;
     let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
     ui.spacing_mut().item_spacing.x = space::GROUP;
-    let seconds = |value: Option<f64>| value.map_or_else(|| format::MISSING.to_owned(), format::duration);
+    let known =
+        |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| format::MISSING.to_owned(), text);
     let entries = [
         (
             "CPU frame",
@@ -91,23 +87,28 @@ fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
             140.0,
             "Time that the window needed for its last frame",
         ),
-        ("step", seconds(features.fit.step_seconds), 104.0, "Time of the last step of the fit"),
+        (
+            "step",
+            known(features.fit.step_seconds, format::duration),
+            104.0,
+            "Time of the last step of the fit",
+        ),
         (
             "IoU",
-            session.iou().map_or_else(|| format::MISSING.to_owned(), format::ratio),
+            known(session.iou(), format::ratio),
             76.0,
             "Intersection over union of body and silhouettes, all cameras together",
         ),
         (
             "RMS",
-            rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1)),
+            known(rms, |rms| format::number(rms, 1)),
             72.0,
             "Root mean square of D − Λ, in grey levels, all cameras together",
         ),
     ];
     let all_fits = (
         "all fits, a step",
-        seconds(features.laboratory.step_seconds),
+        known(features.laboratory.step_seconds, format::duration),
         188.0,
         "Time of the last step of all the laboratory’s fits together",
     );

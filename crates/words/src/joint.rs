@@ -6,10 +6,11 @@ use backlit_tracking::body::Model;
 use serde::{Deserialize, Serialize};
 
 /// A joint of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointId {
     /// Where the chains grow from.
+    #[default]
     Root,
     /// The second joint of the limb of this index.
     End(usize),
