@@ -1,20 +1,4 @@
 //! The cameras' views: a tile for each, with its picture and all that is drawn over it.
-//!
-//! | file | holds |
-//! |---|---|
-//! | this | the state: [`TileView`], which mode a tile shows and which part of the picture; [`TileEvent`], what the user did |
-//! | `update` | commands, and what the user did in a tile; linked zoom and pan |
-//! | `pane` | what a tile is given of the document and the session |
-//! | `tile` | a tile: header, picture, gutter |
-//! | `pointer` | press, travel, modifiers, Esc: the pointer's way to events |
-//! | `header` | badge, name, view mode, link, expand, more, and the menus |
-//! | `full_pictures` | footage at its full size, where it is worked on at a part of it |
-//! | `picture_view` | texture, outline, limbs, joints, sight ray |
-//! | `comparison` | wipe and blink between two modes |
-//! | `overlays` | swaying bodies, ghosts, ellipses, what held limbs, keypoints |
-//! | `gutter` | overlap, use in the fit, what a drag does |
-//! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
-//! | `hover_card` | the numbers of the pixel under the pointer |
 
 use std::collections::BTreeMap;
 

@@ -1,14 +1,4 @@
 //! Posing by hand: drags in the cameras' views, nudges, numbers, the clipboard.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `dragged` | what a drag makes of a pose or of a limb's size, and the limits it meets |
-//! | `drag` | a drag from its press to its end, and nudges by the keyboard |
-//! | `commands` | mirroring, pinning, resetting, going from joint to joint |
-//! | `clipboard` | poses to and from the system's clipboard |
-//! | `panel` | the section with the tree of limbs |
-//! | `joint` | the section of the selected joint: its angles and where it is |
-//! | `sizes` | the section of the selected limb's size |
 
 mod clipboard;
 mod commands;

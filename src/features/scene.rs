@@ -1,13 +1,4 @@
 //! The 3-D scene: what it shows and where it is seen from. Lengths are metres, in world axes.
-//!
-//! | file | holds |
-//! |---|---|
-//! | this | the state, what is shown, hulls of the frames that were looked at last; commands and updates |
-//! | `viewpoint` | which way is up, and where the floor is; the orbit view, and a camera's own place |
-//! | `contents` | body, ghosts, cameras, floor, hull and sight ray as things to draw |
-//! | `drawing` | all that a picture of the scene shows, the picture made of that, and the cameras' pictures small |
-//! | `raster` | the picture's pixels |
-//! | `panel` | the pane |
 
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -2,19 +2,6 @@
 //!
 //! Pixel centres lie at integer coordinates, x to the right and y down. Grey levels run from 0 (subject) to
 //! 255 (background).
-//!
-//! | file | holds |
-//! |---|---|
-//! | `mode` | [`ViewMode`]: the ways to look at a camera; [`ModeComparison`] of two; [`StateAxis`] |
-//! | `input` | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
-//! | `compose`, `tinted` | the pictures of the view modes |
-//! | `joints` | the joints that can be dragged; [`Drag`]: how a drag in a picture moves the body |
-//! | `limbs` | limbs and spheres projected to capsules and discs of the picture |
-//! | `outline` | the body's outline by marching squares |
-//! | `limits` | a joint's limits: the arc of what an angle may be |
-//! | `bodies` | ghosts, a body that sways, ellipses of joints |
-//! | `side_marks` | left, right and face of a body |
-//! | `calibration` | principal point, world axes, grid and lens edge; one camera's ray as another camera sees it |
 
 mod bodies;
 mod calibration;

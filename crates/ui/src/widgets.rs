@@ -15,7 +15,8 @@ mod slider;
 mod still_plot;
 
 pub use buttons::{
-    camera_badge, checkbox, choice, icon_button, icon_toggle, paint_camera_badge, primary_button, segmented,
+    CHEVRON, camera_badge, checkbox, choice, icon_button, icon_toggle, menu_words, paint_camera_badge,
+    primary_button, segmented,
 };
 pub use cards::{
     Card, button_row, card, first_that_fits, fitting_label, named_section, search_card, search_field,

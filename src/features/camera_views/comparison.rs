@@ -15,13 +15,10 @@ use egui::{
 use super::pointer::rotation_owner;
 use super::{TileEvent, TileInput};
 
-/// Radius of the wipe's handle.
 const WIPE_RADIUS: f32 = 11.0;
 
 /// How far down the picture the wipe's handle is.
 const WIPE_HEIGHT: f32 = 0.6;
-
-/// Width of the wipe's line.
 const WIPE_WIDTH: f32 = 1.5;
 
 /// From the picture's corner to the name of what is seen there.

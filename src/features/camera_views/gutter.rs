@@ -17,22 +17,11 @@ use super::tile::TileState;
 use super::{TileEvent, TileInput};
 use crate::context::command_button::gesture;
 
-/// Height of a row of words and numbers.
 const ROW: f32 = 20.0;
-
-/// Side of a swatch.
 const SWATCH: f32 = 9.0;
-
-/// Height of the bar of shares.
 const BAR: f32 = 5.0;
-
-/// Between the parts of that bar.
 const BAR_GAP: f32 = 2.0;
-
-/// Width of the weight's slider.
 const WEIGHT_SLIDER: f32 = 72.0;
-
-/// Largest weight that the slider offers.
 const MAX_WEIGHT: f64 = 2.0;
 
 /// Where the words beside the keys begin.

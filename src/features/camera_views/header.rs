@@ -4,7 +4,9 @@ use backlit_tracking::camera::Camera;
 use backlit_ui::drawing::{ModeComparison, StateAxis, ViewMode};
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button};
+use backlit_ui::widgets::{
+    CHEVRON, Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button, menu_words,
+};
 use egui::{
     Align, Button, CornerRadius, Layout, Popup, Rect, RichText, Role, Sense, TextStyle, TextWrapMode, Ui,
     UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
@@ -28,9 +30,6 @@ const TITLE_FROM: f32 = 236.0;
 
 /// Width of the button back to all views, with the space behind it.
 const BACK: f32 = 84.0;
-
-/// Space for the chevron behind the mode's name.
-const CHEVRON: f32 = 18.0;
 
 /// Dashes around the badge of a camera without calibration.
 const DASH: f32 = 2.5;
@@ -120,15 +119,33 @@ fn show_buttons(
             }
             ui.add_space(space::WIDGET);
         }
+        let name = input.name();
         if has_link {
-            link_button(ui, input, events);
+            let (icon, verb, tooltip) = if input.is_linked {
+                (
+                    Icon::Link,
+                    "Unlink",
+                    "All views zoom and pan together, about the same point of the body   Z",
+                )
+            } else {
+                (Icon::Unlink, "Link", "This view zooms and pans by itself; link it with the others   Z")
+            };
+            if icon_button(ui, icon, &format!("{verb} zoom of {name}"), tooltip).clicked() {
+                events.push(TileEvent::SetLinked(!input.is_linked));
+            }
         }
-        buttons(ui, input, has_link, events);
+        if icon_button(ui, Icon::Expand, &format!("Expand {name}"), &expand_tooltip(input)).clicked() {
+            events.push(TileEvent::ToggleExpanded);
+        }
+        let tooltip = "Framing, marks, and how much this camera counts in the fit";
+        let more = icon_button(ui, Icon::More, &format!("More for {name}"), tooltip);
+        Popup::menu(&more)
+            .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+            .show(|ui| more_menu_entries(ui, input, has_link, events));
     });
 }
 
 fn mode_menu(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
-    let palette = theme::palette(ui);
     let text = mode_text(input, false);
     let room = (ui.available_width() - CHEVRON).max(0.0);
     let lay_out =
@@ -137,18 +154,11 @@ fn mode_menu(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     if galley.size().x > room {
         galley = lay_out(&mode_text(input, true), TextWrapMode::Truncate);
     }
-    let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
-    let label = format!("{}, view mode: {text}", input.name());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
-    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
-    let at = pos2(rect.left(), rect.center().y - galley.size().y * 0.5);
-    ui.painter().galley(at, galley, colour);
-    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
-    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    let response = menu_words(ui, galley, &format!("{}, view mode: {text}", input.name()));
     if response.has_focus() {
         let radius = CornerRadius::same(size::BUTTON_RADIUS);
-        ui.painter().rect_stroke(rect, radius, palette.focus_ring(), egui::StrokeKind::Outside);
+        let ring = theme::palette(ui).focus_ring();
+        ui.painter().rect_stroke(response.rect, radius, ring, egui::StrokeKind::Outside);
     }
     let mode = input.tile.mode;
     let tooltip = format!("{}: {}   {}", mode.label(), mode.tooltip(), mode.key());
@@ -156,29 +166,6 @@ fn mode_menu(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     Popup::menu(&response)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| mode_menu_entries(ui, input, events));
-}
-
-fn link_button(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
-    let (icon, tooltip) = if input.is_linked {
-        (Icon::Link, "All views zoom and pan together, about the same point of the body   Z")
-    } else {
-        (Icon::Unlink, "This view zooms and pans by itself; link it with the others   Z")
-    };
-    let verb = if input.is_linked { "Unlink" } else { "Link" };
-    if icon_button(ui, icon, &format!("{verb} zoom of {}", input.name()), tooltip).clicked() {
-        events.push(TileEvent::SetLinked(!input.is_linked));
-    }
-}
-
-fn buttons(ui: &mut Ui, input: &TileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
-    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name()), &expand_tooltip(input)).clicked() {
-        events.push(TileEvent::ToggleExpanded);
-    }
-    let tooltip = "Framing, marks, and how much this camera counts in the fit";
-    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name()), tooltip);
-    Popup::menu(&more)
-        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-        .show(|ui| more_menu_entries(ui, input, has_link, events));
 }
 
 /// What a click on badge or button does, with its keys.
@@ -211,9 +198,7 @@ fn paint_dashes(ui: &Ui, rect: Rect) {
     ui.painter().extend(egui::Shape::dashed_line(&corners, stroke, DASH, DASH));
 }
 
-/// Width of the slider of the blink's rate.
 const RATE_SLIDER: f32 = 96.0;
-/// Least width of the menus.
 const MENU_WIDTH: f32 = 220.0;
 
 /// The view modes; below them what the mode is compared with, and the Jacobian's axis.

@@ -18,8 +18,6 @@ use super::{TileInput, overlays};
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
-
-/// Height of a row.
 const ROW: f32 = 18.0;
 
 /// Between the card's edge and its text.

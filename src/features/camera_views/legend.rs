@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use backlit_ui::drawing::{Legend, ViewMode};
+use backlit_ui::drawing::{Legend, Swatch, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, LIKELIER, PICTURE_GROUND};
+use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, JOINT, LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -39,19 +39,11 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
     // The name in the picture's corner says all of footage.
     modes.retain(|mode| !is_compared || mode.legend() != Legend::None);
     let note = (!has_gutter).then(|| note(input)).flatten();
-    let observed = input.marks.ellipses.words();
-    let has_marks = input.settings.calibration_marks && input.camera.is_some();
-    let held = outlines(input);
+    let further = further_entries(input);
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
-    if !is_compared
-        && says_nothing(modes[0])
-        && note.is_none()
-        && observed.is_none()
-        && held.is_empty()
-        && !has_marks
-    {
+    if !is_compared && says_nothing(modes[0]) && note.is_none() && further.is_empty() {
         return 0.0;
     }
     let palette = theme::colours(Theme::Dark);
@@ -75,12 +67,8 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
         let is_told = !is_compared && says_nothing(*mode);
         let mut items =
             if is_told { Vec::new() } else { Item::all_of(*mode, input, hatches, &painter, small) };
-        items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
-        let held = held.iter().filter(|_| index == last);
-        items.extend(held.map(|(text, colour)| Item::outline(text, *colour, &painter, small)));
-        if index == last && has_marks {
-            items.extend(Item::calibration(&painter, small));
-        }
+        let further = further.iter().filter(|_| index == last);
+        items.extend(further.map(|(text, swatch)| Item::new(text.clone(), *swatch, &painter, small)));
         let legend = if is_told { Legend::None } else { mode.legend() };
         let note = if index == last { note_width } else { 0.0 };
         Block::new(legend, items, input, ([width - column, note], most_rows), &painter, small)
@@ -116,18 +104,25 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
     height
 }
 
-/// What outlines of other colours are.
-fn outlines<'a>(input: &TileInput<'a>) -> Vec<(&'a str, Color32)> {
-    let ghosts = input.marks.ghosts.as_ref().map_or_else(Vec::new, overlays::ghost_legend);
-    let mut held: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
+/// What ellipses, outlines of other colours, and marks of the calibration are.
+fn further_entries(input: &TileInput<'_>) -> Vec<(String, Swatch)> {
+    let marks = input.marks;
+    let mut outlines: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
     if !input.keypoints.is_empty() {
-        held.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
+        outlines.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }
-    held.extend(ghosts);
-    if !input.marks.likelier.is_empty() {
-        held.push(("Where likely poses pull", LIKELIER));
+    outlines.extend(marks.ghosts.as_ref().map_or_else(Vec::new, overlays::ghost_legend));
+    if !marks.likelier.is_empty() {
+        outlines.push(("Where likely poses pull", LIKELIER));
     }
-    held
+    let has_calibration = input.settings.calibration_marks && input.camera.is_some();
+    let calibration =
+        ["Cross: principal point", "x y z: the world’s axes", "Grid: half metres", "Dashes: lens edge"];
+    let calibration = calibration.into_iter().filter(|_| has_calibration);
+    let ellipses = marks.ellipses.words().map(|text| (text, Swatch::Ring(JOINT)));
+    let outlines = outlines.into_iter().map(|(text, colour)| (text.to_owned(), Swatch::Fill(colour)));
+    let calibration = calibration.map(|text| (text.to_owned(), Swatch::None));
+    ellipses.into_iter().chain(outlines).chain(calibration).collect()
 }
 
 /// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.

@@ -7,9 +7,7 @@ use backlit_ui::drawing::{
 };
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::data_colours::{
-    JOINT, MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map,
-};
+use backlit_ui::style::theme::data_colours::{MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map};
 use backlit_ui::style::theme::{Palette, Theme, space};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Galley, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
@@ -18,16 +16,11 @@ use egui::{
 
 use super::TileInput;
 
-/// Height of a row.
 pub(crate) const ROW: f32 = 18.0;
 
 /// A map's bar is at least this long; else what stands beside it goes to a row of its own.
 const LEAST_BAR: f32 = 48.0;
-
-/// Side of a swatch.
 const SWATCH: f32 = 10.0;
-
-/// Height of a map's bar.
 const BAR: f32 = 6.0;
 
 /// An entry laid out.
@@ -40,27 +33,11 @@ pub(crate) struct Item {
 }
 
 impl Item {
-    fn new(text: String, swatch: Swatch, painter: &Painter, font: &FontId) -> Self {
+    /// A swatch with its word.
+    pub(crate) fn new(text: String, swatch: Swatch, painter: &Painter, font: &FontId) -> Self {
         let galley = painter.layout_no_wrap(text, font.clone(), theme::colours(Theme::Dark).text2);
         let indent = if swatch == Swatch::None { 0.0 } else { SWATCH + space::WIDGET - 2.0 };
         Self { swatch, indent, width: indent + galley.size().x, galley }
-    }
-
-    /// An ellipse with its word.
-    pub(crate) fn ring(text: &str, painter: &Painter, font: &FontId) -> Self {
-        Self::new(text.to_owned(), Swatch::Ring(JOINT), painter, font)
-    }
-
-    /// An outline's colour with its word.
-    pub(crate) fn outline(text: &str, colour: Color32, painter: &Painter, font: &FontId) -> Self {
-        Self::new(text.to_owned(), Swatch::Fill(colour), painter, font)
-    }
-
-    /// What the marks of the calibration are.
-    pub(crate) fn calibration(painter: &Painter, font: &FontId) -> impl Iterator<Item = Self> {
-        let words =
-            ["Cross: principal point", "x y z: the world’s axes", "Grid: half metres", "Dashes: lens edge"];
-        words.into_iter().map(|text| Self::new(text.to_owned(), Swatch::None, painter, font))
     }
 
     /// The entries of a mode; a map's stand beside it.
@@ -181,16 +158,18 @@ fn flow(widths: &[f32], note: f32, room: f32) -> (Vec<[f32; 2]>, usize) {
 fn paint_swatch(painter: &Painter, at: Pos2, swatch: Swatch, palette: &Palette) {
     let square = Rect::from_min_size(at - vec2(0.0, SWATCH * 0.5), vec2(SWATCH, SWATCH));
     let radius = CornerRadius::same(2);
+    let ground = match swatch {
+        Swatch::Fill(colour) => Some(colour),
+        Swatch::Hatch(_) | Swatch::Shadow(_) | Swatch::NoGradient(_) => Some(PICTURE_GROUND),
+        Swatch::Ring(_) | Swatch::None => None,
+    };
+    if let Some(ground) = ground {
+        painter.rect(square, radius, ground, palette.edge(), StrokeKind::Inside);
+    }
     match swatch {
-        Swatch::Fill(colour) => {
-            painter.rect(square, radius, colour, palette.edge(), StrokeKind::Inside);
-        }
-        Swatch::Hatch(colour) => {
-            painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
-            hatch(painter, square, mark::UNKNOWN_HATCH, colour, false);
-        }
+        Swatch::Hatch(colour) => hatch(painter, square, mark::UNKNOWN_HATCH, colour, false),
+        Swatch::NoGradient(colour) => hatch(painter, square, mark::NO_GRADIENT_HATCH, colour, true),
         Swatch::Shadow(colour) => {
-            painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
             let [width, period] = mark::SHADOW_HATCH;
             let inside = square.shrink(1.0);
             for line in 0..(inside.height() / period) as usize {
@@ -198,15 +177,11 @@ fn paint_swatch(painter: &Painter, at: Pos2, swatch: Swatch, palette: &Palette) 
                 painter.hline(inside.x_range(), y, Stroke::new(width, colour));
             }
         }
-        Swatch::NoGradient(colour) => {
-            painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
-            hatch(painter, square, mark::NO_GRADIENT_HATCH, colour, true);
-        }
         Swatch::Ring(colour) => {
             let radius = vec2(SWATCH * 0.5, SWATCH * 0.35);
             painter.add(Shape::ellipse_stroke(square.center(), radius, Stroke::new(1.25, colour)));
         }
-        Swatch::None => {}
+        Swatch::Fill(_) | Swatch::None => {}
     }
 }
 

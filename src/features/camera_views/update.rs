@@ -73,16 +73,7 @@ impl Feature for CameraViews {
                 let is_missing = camera >= context.session.camera_count();
                 no_take(context).or(because(is_missing, "The take has fewer cameras"))
             }
-            ViewCommand::FitSubject
-            | ViewCommand::WholePicture
-            | ViewCommand::ZoomIn
-            | ViewCommand::ZoomOut
-            | ViewCommand::LinkZoom
-            | ViewCommand::CalibrationMarks
-            | ViewCommand::SideMarks
-            | ViewCommand::PixelGrid
-            | ViewCommand::SizeHandles
-            | ViewCommand::Mode(_) => None,
+            _ => None,
         }
     }
 

@@ -13,16 +13,13 @@ use crate::context::command::{Command, PoseCommand};
 use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 use crate::session::selection::Selection;
 
-/// Indent of a level of the tree.
 const INDENT: f32 = 11.0;
 /// Width of the bar of a share.
 const BAR: f32 = 60.0;
-/// Width of the column of pins.
 const PIN: f32 = 28.0;
 /// Width of the mark at the edge of the selected row.
 const SELECTION_MARK: f32 = 3.0;
 
-/// The Pose section.
 pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let model = &context.document().model;
     let held = format::capitalised(&model.limbs()[context.selection.limb(model)].name);

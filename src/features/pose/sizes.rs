@@ -14,7 +14,6 @@ use crate::context::{Context, FeatureRequest, Requests, SessionRequest};
 /// Ends of the slider of the whole body, in percent of the take's own body.
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
 
-/// The Size section.
 pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let model = &context.document().model;
     let limb = context.selection.sized_limb(model);

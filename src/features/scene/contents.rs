@@ -40,13 +40,10 @@ const RAY_WIDTH: f64 = 1.75;
 /// What there is to draw.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContentsInput<'a> {
-    /// What is shown.
     pub(crate) preferences: &'a ScenePreferences,
-    /// The body.
     pub(crate) model: &'a Model,
     /// Where its limbs are.
     pub(crate) kinematics: &'a Kinematics,
-    /// The shape of its limbs.
     pub(crate) renderer: RendererKind,
     /// The level of its limbs' trees of spheres, counted from the coarsest.
     pub(crate) sphere_level: usize,
@@ -57,7 +54,6 @@ pub(crate) struct ContentsInput<'a> {
     /// The cameras, and how they are used.
     pub(crate) cameras: &'a [Arc<Camera>],
     pub(crate) uses: &'a [CameraUse],
-    /// The active camera.
     pub(crate) active: usize,
     /// The hull of the frame.
     pub(crate) hull: Option<&'a VisualHull>,
@@ -65,7 +61,6 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) ray: Option<(usize, DVec3)>,
     /// Which way is up, and the floor's height.
     pub(crate) upright: Upright,
-    /// Height of the floor.
     pub(crate) floor: f64,
     /// A point above the middle of the floor.
     pub(crate) middle: DVec3,
@@ -76,7 +71,6 @@ pub(crate) struct ContentsInput<'a> {
 /// A camera in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frustum {
-    /// The camera, counted from zero.
     pub(crate) camera: usize,
     /// Where it stands.
     pub(crate) apex: DVec3,

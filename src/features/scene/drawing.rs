@@ -26,7 +26,6 @@ pub struct SceneOrder {
     pub eye: SceneCamera,
     /// Limbs, floor and lines.
     pub scene: SceneShapes<'static>,
-    /// The cameras.
     pub(crate) frusta: Vec<Frustum>,
     /// The frame whose pictures stand on the frusta, if they are to be seen.
     pub(crate) pictures: Option<Arc<FrameData>>,
@@ -112,8 +111,7 @@ fn draw(order: &SceneOrder, thumbnails: Option<&Thumbnails>) -> ColorImage {
         None => scene,
     };
     let [width, height] = order.size_px;
-    let mut frame =
-        if order.is_draft { SceneFrame::draft(width, height) } else { SceneFrame::new(width, height) };
+    let mut frame = SceneFrame::new(width, height, order.is_draft);
     frame.draw(&order.eye, PICTURE_GROUND, &scene);
     ColorImage::from_rgba_premultiplied([width as usize, height as usize], frame.image().as_raw())
 }

@@ -1,10 +1,4 @@
 //! The scene's tile: body, cameras with their pictures, floor and visual hull in three dimensions.
-//!
-//! | file | holds |
-//! |---|---|
-//! | this | title and menu; the picture, ordered again only when something in it has changed |
-//! | `input` | pointer and keys: orbit, pan, zoom, click on a camera |
-//! | `marks` | badges, the held joint, axes and words, over the picture |
 
 use std::sync::Arc;
 
@@ -15,14 +9,14 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{Icon, checkbox};
-use egui::{Align, Button, Color32, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use backlit_ui::widgets::{CHEVRON, checkbox, menu_words};
+use egui::{Align, Button, Color32, Layout, Popup, Rect, Ui, UiBuilder, pos2, vec2};
 use glam::DVec3;
 
 use super::raster::SceneCamera;
 use super::{
-    ContentsInput, Frustum, Orbit, Scene, SceneDrawing, SceneOrder, ScenePreferences, ShownHull, Upright,
-    Viewpoint, contents,
+    ContentsInput, Orbit, Scene, SceneDrawing, SceneOrder, ScenePreferences, ShownHull, Upright, Viewpoint,
+    contents,
 };
 use crate::context::command::{Command, SceneCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
@@ -59,7 +53,7 @@ impl Scene {
         ui.painter().rect_filled(picture, 0.0, PICTURE_GROUND);
         let Some(drawing) = &self.drawing else { return };
         show_drawing(ui, picture, drawing);
-        let seen = DrawnView::new(drawing, picture);
+        let seen = DrawnView { picture, order: &drawing.order };
         input::pick_camera(ui, context, &seen, requests);
         marks::show(ui, context, self, &seen);
         input::show_focus(ui, picture);
@@ -144,14 +138,8 @@ impl SceneView {
         scale: f32,
     ) -> ContentsInput<'a> {
         let (session, document) = (context.session, context.document());
-        let rotation = match context.selection.joint {
-            JointId::Root => None,
-            joint @ JointId::End(_) => {
-                let limb = crate::session::selection::Selection { joint, ..*context.selection }
-                    .limb(&document.model);
-                document.model.limbs().get(limb).map(|limb| limb.rotation)
-            }
-        };
+        let held = document.model.limbs().get(context.selection.limb(&document.model));
+        let held = held.filter(|_| context.selection.joint != JointId::Root);
         ContentsInput {
             preferences,
             model: &document.model,
@@ -159,7 +147,7 @@ impl SceneView {
             renderer: document.fit.renderer,
             sphere_level: context.views.drawn_level(),
             ghosts: context.ghosts,
-            rotation,
+            rotation: held.map(|limb| limb.rotation),
             cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
             uses: &document.cameras,
             active: context.selection.camera,
@@ -177,24 +165,17 @@ impl SceneView {
 struct DrawnView<'a> {
     /// The picture on the screen.
     picture: Rect,
-    eye: SceneCamera,
-    frusta: &'a [Frustum],
-    /// Where the held joint is.
-    held: Option<DVec3>,
+    /// What it shows.
+    order: &'a SceneOrder,
 }
 
-impl<'a> DrawnView<'a> {
-    fn new(drawing: &'a SceneDrawing, picture: Rect) -> Self {
-        let order = &drawing.order;
-        Self { picture, eye: order.eye, frusta: &order.frusta, held: order.held }
-    }
-
+impl DrawnView<'_> {
     /// Where a point appears on the screen, and its depth.
     fn on_screen(&self, point: DVec3) -> Option<egui::Pos2> {
         // In tenths of a point, so that marks do not jump by whole ones.
         const FINE: f32 = 10.0;
         let size = (self.picture.size() * FINE).round();
-        let (at, _) = self.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
+        let (at, _) = self.order.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
         let share = vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
         Some(self.picture.min + share).filter(|at| at.is_finite())
     }
@@ -251,9 +232,6 @@ fn show_drawing(ui: &Ui, picture: Rect, drawing: &SceneDrawing) {
     painter.image(texture.id(), place, uv, Color32::WHITE);
 }
 
-/// Space for the chevron behind the menu's name.
-const CHEVRON: f32 = 18.0;
-
 fn show_header(
     ui: &mut Ui,
     rect: Rect,
@@ -273,19 +251,12 @@ fn show_header(
 }
 
 fn menu(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
-    let palette = theme::palette(ui);
     let text = title(preferences);
     let font = egui::TextStyle::Button.resolve(ui.style());
     let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, Color32::PLACEHOLDER);
     job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
     let galley = ui.painter().layout_job(job);
-    let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Scene view: {text}")));
-    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
-    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
-    ui.painter().galley(pos2(rect.left(), rect.center().y - galley.size().y * 0.5), galley, colour);
-    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
-    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    let response = menu_words(ui, galley, &format!("Scene view: {text}"));
     let response = response.on_hover_text("Views, and what is shown");
     Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_min_width(190.0);

@@ -54,18 +54,15 @@ pub(crate) struct SceneLine {
     pub(crate) ends: [DVec3; 2],
     /// Its width in pixels.
     pub(crate) width_px: f64,
-    /// Its colour, which may be translucent.
     pub(crate) colour: Color32,
 }
 
 /// A square that faces the viewer, such as a cube of a hull seen from afar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dot {
-    /// Its middle.
     pub(crate) at: DVec3,
     /// Its side, as long as if it were in the scene.
     pub(crate) side: f64,
-    /// Its colour, which may be translucent.
     pub(crate) colour: Color32,
 }
 
@@ -80,7 +77,6 @@ pub(crate) struct FlatPicture<'a> {
     pub(crate) across: DVec3,
     /// From there to its lower left corner.
     pub(crate) down: DVec3,
-    /// What is shown.
     pub(crate) image: &'a RgbaImage,
     pub(crate) opacity: f32,
 }
@@ -88,13 +84,11 @@ pub(crate) struct FlatPicture<'a> {
 /// A square grid on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Floor {
-    /// Its middle.
     pub(crate) centre: DVec3,
     /// Two directions in the plane, each as long as a cell.
     pub(crate) cell: [DVec3; 2],
     /// Cells from the middle to each side.
     pub(crate) half_cells: u16,
-    /// The colour of its lines.
     pub(crate) colour: Color32,
 }
 

@@ -1,8 +1,10 @@
 //! Buttons, camera badges, check boxes, combo boxes and segments.
 
+use std::sync::Arc;
+
 use egui::{
-    Align2, Button, ComboBox, CornerRadius, FontId, Painter, Rect, Response, RichText, Role, Sense,
-    StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, WidgetText, pos2, vec2,
+    Align2, Button, ComboBox, CornerRadius, FontId, Galley, Painter, Popup, Rect, Response, RichText, Role,
+    Sense, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, WidgetText, pos2, vec2,
 };
 
 use super::Icon;
@@ -73,7 +75,6 @@ pub(super) fn focus_ring(ui: &Ui, response: &Response) {
     }
 }
 
-/// Size of the digit.
 const DIGIT: f32 = 12.0;
 
 /// The badge of the camera of this index, counted from zero; it shows the number counted from one.
@@ -91,6 +92,22 @@ pub fn paint_camera_badge(painter: &Painter, rect: Rect, index: usize) {
     painter.rect_filled(rect, CornerRadius::same(size::FIELD_RADIUS), colours.fill);
     let font = FontId::proportional(DIGIT);
     painter.text(rect.center(), Align2::CENTER_CENTER, index + 1, font, colours.text);
+}
+
+/// Space for the chevron behind the words that open a menu, in points.
+pub const CHEVRON: f32 = 18.0;
+
+/// Words with a chevron behind them that open a menu. `label` is their name for screen readers and tests.
+pub fn menu_words(ui: &mut Ui, words: Arc<Galley>, label: &str) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(words.size().x + CHEVRON, size::ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, label));
+    let palette = theme::palette(ui);
+    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
+    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
+    ui.painter().galley(pos2(rect.left(), rect.center().y - words.size().y * 0.5), words, colour);
+    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
+    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    response
 }
 
 /// A box with its label; a click on either changes `ticked`.

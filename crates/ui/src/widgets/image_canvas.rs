@@ -256,7 +256,6 @@ pub fn paint_picture(painter: &Painter, view: &ViewTransform, size_px: [usize; 2
 /// Lines between pixels begin to show at this size of a pixel, in points, and are whole at twice that.
 const GRID_FROM: f32 = 10.0;
 
-/// Opacity of the lines between pixels.
 const GRID_OPACITY: f32 = 0.22;
 
 /// Paints the lines between the pixels of `view` where each of them is large enough.

@@ -11,10 +11,8 @@ use super::buttons::focus_ring;
 use crate::style::theme::{size, space};
 use crate::style::{format, theme};
 
-/// Radius of the handle.
 const HANDLE_RADIUS: f32 = 6.0;
 
-/// Height of a limit mark.
 const LIMIT_HEIGHT: f32 = 16.0;
 
 /// The share of the range by which an arrow key moves the handle.
@@ -155,7 +153,6 @@ impl Widget for ValueSlider<'_> {
 
 /// Width of the name before the slider.
 const NAME: f32 = 68.0;
-/// Width of the field.
 const FIELD: f32 = 68.0;
 /// A field's drag over this many points runs through the range.
 const DRAG_POINTS: f64 = 300.0;

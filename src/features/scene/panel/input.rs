@@ -84,7 +84,7 @@ fn orbit(view: &SceneView) -> Orbit {
 
 /// A click on a camera's badge or picture makes its tile the active one.
 pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &DrawnView<'_>, requests: &mut Requests) {
-    for frustum in seen.frusta {
+    for frustum in &seen.order.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         let id = ui.scope_id().with(("scene camera", frustum.camera));
         let response = ui.interact(rect, id, Sense::click());
@@ -111,8 +111,8 @@ pub(super) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &DrawnView<'_>, 
 
 /// The camera whose picture is under the pointer, the nearest to the eye.
 fn picture_at(seen: &DrawnView<'_>, pointer: Pos2) -> Option<usize> {
-    let mut near: Vec<&Frustum> = seen.frusta.iter().collect();
-    let eye = seen.eye.position;
+    let mut near: Vec<&Frustum> = seen.order.frusta.iter().collect();
+    let eye = seen.order.eye.position;
     near.sort_by(|a, b| a.apex.distance(eye).total_cmp(&b.apex.distance(eye)));
     let hit = |frustum: &&&Frustum| {
         let corners: Option<Vec<Pos2>> =

@@ -55,7 +55,7 @@ fn beside(badge: Rect, text: Vec2, picture: Rect) -> Option<Pos2> {
 pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &DrawnView<'_>) {
     let painter = ui.painter().with_clip_rect(seen.picture.intersect(ui.clip_rect()));
     let small = TextStyle::Small.resolve(ui.style());
-    for frustum in seen.frusta {
+    for frustum in &seen.order.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         paint_camera_badge(&painter, rect, frustum.camera);
         let name = context.document().cameras.get(frustum.camera).map(|camera| camera.name.as_str());
@@ -66,7 +66,7 @@ pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &DrawnVi
             }
         }
     }
-    if let Some(at) = seen.held.and_then(|joint| seen.on_screen(joint)) {
+    if let Some(at) = seen.order.held.and_then(|joint| seen.on_screen(joint)) {
         painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
         painter.circle_filled(at, JOINT_RADIUS, SELECTED);
     }
@@ -84,7 +84,7 @@ pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &DrawnVi
 
 /// The world's axes as the eye sees them.
 fn axes(painter: &egui::Painter, seen: &DrawnView<'_>) {
-    let view_from_world = seen.eye.view_from_world();
+    let view_from_world = seen.order.eye.view_from_world();
     let origin = seen.picture.left_bottom() + AXES_AT;
     let axes = [(DVec3::X, "x", 4), (DVec3::Y, "y", 2), (DVec3::Z, "z", 0)];
     let mut seen = axes.map(|(axis, name, run)| (view_from_world * axis, name, run));

@@ -6,9 +6,8 @@ use image::{Rgba, RgbaImage};
 
 use super::{FlatPicture, NEAR, Pinhole, SceneCamera, SceneLine, SceneShapes};
 
-/// Samples across and down a pixel.
+/// Samples across and down a pixel, and those of a draft.
 const SAMPLES: u32 = 2;
-/// Samples of a draft.
 const DRAFT_SAMPLES: u32 = 1;
 
 /// A line is drawn this share of its depth closer than it is, so that it shows on surfaces it lies in.
@@ -18,7 +17,6 @@ const LINE_LIFT: f64 = 0.002;
 #[derive(Debug)]
 pub(crate) struct SceneFrame {
     size: [u32; 2],
-    /// Samples across and down a pixel.
     samples: u32,
     /// Samples across and down.
     pub(crate) width: usize,
@@ -36,17 +34,10 @@ pub(crate) struct Bounds {
 }
 
 impl SceneFrame {
-    /// A black frame of `width` × `height` pixels.
-    pub(crate) fn new(width: u32, height: u32) -> Self {
-        Self::with_samples(width, height, SAMPLES)
-    }
-
-    /// A frame that is drawn in a quarter of the time, with one sample a pixel: for what moves.
-    pub(crate) fn draft(width: u32, height: u32) -> Self {
-        Self::with_samples(width, height, DRAFT_SAMPLES)
-    }
-
-    fn with_samples(width: u32, height: u32, samples: u32) -> Self {
+    /// A black frame of `width` × `height` pixels. A draft is drawn in a quarter of the time, with one sample a pixel: for
+    /// what moves.
+    pub(crate) fn new(width: u32, height: u32, is_draft: bool) -> Self {
+        let samples = if is_draft { DRAFT_SAMPLES } else { SAMPLES };
         let sides = [width, height].map(|pixels| (pixels * samples) as usize);
         let count = sides[0] * sides[1];
         Self {
@@ -252,7 +243,7 @@ mod tests {
 
     /// One letter a pixel: the strongest of red, green and blue.
     fn letters(scene: &SceneShapes<'_>) -> Vec<String> {
-        let mut frame = SceneFrame::new(20, 10);
+        let mut frame = SceneFrame::new(20, 10, false);
         frame.draw(&CAMERA, Color32::BLACK, scene);
         let image = frame.image();
         let letter = |x, y| {
@@ -347,7 +338,7 @@ mod tests {
             image: &image,
             opacity: 0.25,
         };
-        let mut frame = SceneFrame::new(6, 4);
+        let mut frame = SceneFrame::new(6, 4, false);
         let scene = SceneShapes { pictures: vec![picture], ..SceneShapes::default() };
         frame.draw(&CAMERA, Color32::from_rgb(0, 0, 100), &scene);
         assert!(frame.image().pixels().all(|pixel| pixel.0 == [50, 0, 75, 255]));
@@ -374,7 +365,7 @@ mod tests {
             limbs: vec![capsule([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.8, RED)],
             ..SceneShapes::default()
         };
-        let mut frame = SceneFrame::new(41, 41);
+        let mut frame = SceneFrame::new(41, 41, false);
         frame.draw(&CAMERA, Color32::BLACK, &scene);
         let image = frame.image();
         let red = |x, y| image.get_pixel(x, y).0[0];

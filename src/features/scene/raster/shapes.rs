@@ -257,7 +257,7 @@ mod tests {
         let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
         let ball = Limb { ends: [DVec3::ZERO; 2], radius: 0.2, shape: Ends::Round, colour: Color32::RED };
         let draw = |scene: &SceneShapes<'_>| {
-            let mut frame = SceneFrame::draft(41, 41);
+            let mut frame = SceneFrame::new(41, 41, true);
             frame.draw(&camera, Color32::from_rgb(200, 0, 0), scene);
             let image = frame.image();
             [image.get_pixel(20, 20).0, image.get_pixel(20, 14).0, image.get_pixel(20, 2).0]
