@@ -5,9 +5,6 @@ use image::RgbaImage;
 
 use crate::Painter;
 
-/// Time from one frame to the next, in seconds: long enough that every animation ends within one.
-const FRAME_TIME: f64 = 0.25;
-
 /// An egui context that is driven by hand, frame by frame, and painted on the CPU.
 ///
 /// Its clock moves only with its frames, so what an app shows does not depend on how fast the machine is.
@@ -15,10 +12,13 @@ const FRAME_TIME: f64 = 0.25;
 pub struct Headless {
     /// The context. Set fonts and style here before the first frame.
     pub ctx: egui::Context,
-    painter: Painter,
+    /// What has painted so far, and what it could not paint.
+    pub painter: Painter,
     size: Vec2,
-    pixels_per_point: f32,
-    frame_time: f64,
+    /// Pixels per point.
+    pub pixels_per_point: f32,
+    /// Seconds from frame to frame: at first a quarter of a second, in which every animation of egui ends.
+    pub frame_time: f64,
     frames_run: u32,
 }
 
@@ -31,34 +31,15 @@ impl Headless {
             painter: Painter::default(),
             size: vec2(width.max(1.0), height.max(1.0)),
             pixels_per_point,
-            frame_time: FRAME_TIME,
+            frame_time: 0.25,
             frames_run: 0,
         }
-    }
-
-    /// The same with `seconds` from frame to frame. Without it they are a quarter of a second, in which every
-    /// animation of egui ends.
-    #[must_use]
-    pub fn with_frame_time(self, seconds: f64) -> Self {
-        Self { frame_time: seconds, ..self }
     }
 
     /// The size in points.
     #[must_use]
     pub fn size(&self) -> Vec2 {
         self.size
-    }
-
-    /// Pixels per point.
-    #[must_use]
-    pub fn pixels_per_point(&self) -> f32 {
-        self.pixels_per_point
-    }
-
-    /// What has painted so far, and what it could not paint.
-    #[must_use]
-    pub fn painter(&self) -> &Painter {
-        &self.painter
     }
 
     /// Runs `count` frames of `ui` (at least one) and paints the last, on the theme's panel colour. The first of

@@ -19,7 +19,7 @@
 //! let image = painter.paint(&primitives, output.pixels_per_point, [8, 5], egui::Color32::BLACK);
 //! assert_eq!(image.get_pixel(3, 2).0, [255, 0, 0, 255]);
 //! assert_eq!(image.get_pixel(1, 2).0, [0, 0, 0, 255]);
-//! assert_eq!(painter.skipped(), egui_painter::Skipped::default());
+//! assert_eq!(painter.skipped, egui_painter::Skipped::default());
 //! ```
 //!
 //! # Snapshots

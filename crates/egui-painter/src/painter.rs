@@ -17,7 +17,8 @@ use crate::textures::TextureStore;
 #[derive(Debug, Default)]
 pub struct Painter {
     textures: TextureStore,
-    skipped: Skipped,
+    /// What could not be painted until now.
+    pub skipped: Skipped,
 }
 
 /// How much could not be painted since a painter was made. All zero for what egui itself draws.
@@ -72,12 +73,6 @@ impl Painter {
         let size_px = (size * pixels_per_point).round();
         let background = ctx.global_style().visuals.panel_fill;
         self.paint(&primitives, pixels_per_point, [size_px.x as u32, size_px.y as u32], background)
-    }
-
-    /// What could not be painted until now.
-    #[must_use]
-    pub fn skipped(&self) -> Skipped {
-        self.skipped
     }
 }
 

@@ -30,7 +30,7 @@ fn paint(
     let clip_rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 7.4));
     let primitives = [ClippedPrimitive { clip_rect, primitive: Primitive::Mesh(mesh) }];
     let image = painter.paint(&primitives, 1.0, [size; 2], background);
-    assert_eq!(painter.skipped(), Skipped::default());
+    assert_eq!(painter.skipped, Skipped::default());
     image
 }
 
@@ -166,7 +166,7 @@ fn what_cannot_be_painted_is_left_out_and_counted() {
     let mut painter = painter(white(), TextureOptions::LINEAR);
     let image = painter.paint(&primitives, 1.0, [4, 4], Color32::BLACK);
     assert_eq!(digits(&image).concat(), "0".repeat(16));
-    assert_eq!(painter.skipped(), Skipped { callbacks: 1, meshes: 1, triangles: 4, images: 0 });
+    assert_eq!(painter.skipped, Skipped { callbacks: 1, meshes: 1, triangles: 4, images: 0 });
 }
 
 #[test]
@@ -189,9 +189,9 @@ fn images_that_do_not_fit_are_refused_and_counted() {
     ] {
         let mut delta = TexturesDelta::default();
         delta.push(id, ImageDelta { image: image.into(), options: TextureOptions::NEAREST, pos });
-        let before = painter.skipped().images;
+        let before = painter.skipped.images;
         painter.update(&mut delta);
-        assert_eq!(painter.skipped().images, before + 1, "{id:?} at {pos:?}");
+        assert_eq!(painter.skipped.images, before + 1, "{id:?} at {pos:?}");
         assert!(painter.paint(&square(), 1.0, [2, 2], RED).pixels().all(|p| p.0 == [255, 0, 0, 255]));
     }
 }
