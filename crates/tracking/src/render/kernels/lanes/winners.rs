@@ -144,7 +144,7 @@ impl<S: Simd> Challenge<'_, S> {
                     let (at, rays) = self.places.at(tile);
                     let tile = [(tile >> 16) as usize + first_row, (tile & 0xffff) as usize];
                     let here = (at, rays, grid.covers(tile));
-                    self.whole::<DOUBTS, LINEAR>(here, cells, fractions);
+                    self.whole::<DOUBTS, LINEAR>(self.solid, here, cells, fractions);
                 }
             }
         }
@@ -228,15 +228,17 @@ impl<S: Simd> Challenge<'_, S> {
         }
     }
 
-    /// A solid that is looked at as a whole, in one tile that covers a box.
+    /// A solid that is looked at as a whole, in one tile that covers a box. As an argument it is known to be apart from the
+    /// cells, so that its constants stay in registers.
     #[inline(always)]
     fn whole<const DOUBTS: bool, const LINEAR: bool>(
         &self,
+        solid: &LaneSolid,
         (at, [x, y], tile): (usize, [S::f32s; 2], Footprint),
         cells: &mut Cells<'_, S, DOUBTS>,
         fractions: &mut [S::f32s],
     ) {
-        let Self { simd, solid, owner, .. } = *self;
+        let Self { simd, owner, .. } = *self;
         let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, simd.splat_f32s(1.0)));
         let inverse_norm = simd.div_f32s(simd.splat_f32s(1.0), norm);
         let line = AxisPixels::new(simd, solid, [x, y]);
