@@ -54,8 +54,7 @@ fn sequences_run_on_a_take() {
     let ask = format!("experiment fig5.6 --take {take} --cameras cam2,cam4 --frames 9 --starts 1");
     let said = scene.ok(&format!("{ask} --out two"));
     assert!(!said.contains("own grey levels") && said.contains("fig5.6-report.png"), "{said}");
-    let numbers: Value =
-        serde_json::from_str(&std::fs::read_to_string(scene.path("two/fig5.6.json")).unwrap()).unwrap();
+    let numbers = scene.read_json("two/fig5.6.json");
     assert_eq!(numbers["options"]["cameras"], serde_json::json!(["cam2", "cam4"]));
     assert_eq!(numbers["options"]["size_px"], serde_json::json!([36, 48]));
     assert!(numbers["report"]["ways"][0]["joint_error_mm"]["mean"].as_f64().unwrap() > 0.0);
@@ -110,8 +109,7 @@ fn the_basin_map_of_a_frame_of_a_take() {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert!(std::fs::read_to_string(scene.path("map/basin-map.csv")).unwrap().lines().count() == 9);
-    let numbers: Value =
-        serde_json::from_str(&std::fs::read_to_string(scene.path("map/basin-map.json")).unwrap()).unwrap();
+    let numbers = scene.read_json("map/basin-map.json");
     assert_eq!((numbers["partial"].as_bool(), numbers["fits"]["total"].as_u64()), (Some(false), Some(8)));
     scene.fails(&format!("{map} --cells 1"), 1, &["cells", "2 to 61"]);
     scene.fails(&format!("{map} --starts 3"), 2, &["--starts", "--map"]);
@@ -148,8 +146,7 @@ fn ways_to_begin_are_compared() {
     for part in ["2, 10°: report", "ramp", "particles", "templates", "search", "of 1", "begin.png"] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    let printed = scene.ok(&format!("{ask} --no-start --methods ramp,templates --json --out two"));
-    let numbers: Value = serde_json::from_str(&printed).unwrap();
+    let numbers = scene.json(&format!("{ask} --no-start --methods ramp,templates --json --out two"));
     let rows = numbers["report"]["rows"].as_array().unwrap();
     assert_eq!((rows.len(), rows[1]["method"].as_str()), (2, Some("templates")));
     assert!(rows.iter().all(|row| row["degrees"].is_null() && row["evaluations"].as_f64().unwrap() > 10.0));

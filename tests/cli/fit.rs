@@ -4,7 +4,6 @@ use std::fs;
 
 use backlit_formats::images;
 use image::{DynamicImage, GrayImage, Luma};
-use serde_json::Value;
 
 use crate::scene::{FIT, RENDER, Scene};
 
@@ -32,7 +31,7 @@ fn fit_answers_in_json() {
     scene.masks();
     scene.start();
     let options = "--preset report --iterations 7 --no-stop --timing --json";
-    let answer: Value = serde_json::from_str(&scene.ok(&format!("{FIT} {options}"))).unwrap();
+    let answer = scene.json(&format!("{FIT} {options}"));
     assert_eq!(answer["iterations"].as_array().unwrap().len(), 7);
     assert_eq!(answer["costs"].as_array().unwrap().len(), 8);
     assert_eq!(answer["termination"]["reason"], "step-limit");
@@ -44,7 +43,7 @@ fn fit_answers_in_json() {
     // Far beyond convergence, where a step can only fail.
     for method in ["gauss-newton", "lm"] {
         let options = format!("--ramp half --method {method} --iterations 90 --no-stop --json");
-        let answer: Value = serde_json::from_str(&scene.ok(&format!("{FIT} {options}"))).unwrap();
+        let answer = scene.json(&format!("{FIT} {options}"));
         assert_eq!(answer["iterations"].as_array().unwrap().len(), 90, "{method}");
     }
 }
@@ -56,7 +55,7 @@ fn an_empty_mask_is_left_out_and_nothing_to_see_is_an_error() {
     scene.start();
     let empty = DynamicImage::ImageLuma8(GrayImage::from_pixel(128, 96, Luma([0])));
     images::write_png(&scene.path("masks/side.png"), &empty).unwrap();
-    let answer: Value = serde_json::from_str(&scene.ok(&format!("{FIT} --json"))).unwrap();
+    let answer = scene.json(&format!("{FIT} --json"));
     assert_eq!(answer["empty_cameras"][0], "side");
     assert!(scene.ok(FIT).contains("side"));
     images::write_png(&scene.path("masks/front.png"), &empty).unwrap();

@@ -2,9 +2,7 @@
 
 use backlit_formats::model_file;
 use backlit_tracking::body::Model;
-use serde_json::Value;
 
-use crate::scene::Scene;
 use crate::track;
 
 fn radius(model: &Model, limb: &str) -> f64 {
@@ -22,10 +20,9 @@ fn a_body_of_wrong_size_grows_to_the_silhouettes() {
     model_file::write(&scene.path("slim.toml"), &slim.unwrap()).unwrap();
     for keypoints in ["", " --without-keypoints"] {
         let command = format!("fit-body wave --model slim.toml --frames 0..=4 --count 3{keypoints}");
-        let printed = scene.ok(&format!("{command} --out person.toml --json"));
-        let report: Value = serde_json::from_str(&printed).unwrap();
+        let report = scene.json(&format!("{command} --out person.toml --json"));
         assert_eq!(report["frames"], serde_json::json!([0, 2, 4]));
-        assert!(report["iou"]["after"].as_f64().unwrap() > 0.95, "{printed}");
+        assert!(report["iou"]["after"].as_f64().unwrap() > 0.95, "{report}");
         let person = model_file::read(&scene.path("person.toml")).unwrap();
         for limb in ["right upper arm", "left forearm", "head"] {
             let (found, truth) = (radius(&person, limb), radius(&scene.model, limb));
@@ -44,9 +41,8 @@ fn a_body_of_wrong_size_grows_to_the_silhouettes() {
 #[test]
 fn a_body_is_acquired_where_nothing_is_known() {
     let scene = track::take();
-    let printed = scene.ok("fit-body wave --acquire --without-keypoints --frames 0..=4 --count 3 --json");
-    let report: Value = serde_json::from_str(&printed).unwrap();
-    assert!(report["iou"]["after"].as_f64().unwrap() > 0.8, "{printed}");
+    let report = scene.json("fit-body wave --acquire --without-keypoints --frames 0..=4 --count 3 --json");
+    assert!(report["iou"]["after"].as_f64().unwrap() > 0.8, "{report}");
     scene.fails("fit-body wave --acquire --start pose.json", 2, &["--start", "--acquire"]);
 }
 
@@ -59,12 +55,4 @@ fn what_cannot_be_fitted_is_explained() {
     scene.fails("fit-body wave --out nowhere/person.toml", 1, &["nowhere"]);
     scene.fails("fit-body wave --model nobody", 1, &["nobody", "upper_body"]);
     scene.fails("fit-body wave --model full_body --without-keypoints --cameras back", 1, &["back"]);
-}
-
-/// The help names the command.
-#[test]
-fn help_knows_it() {
-    let scene = Scene::new();
-    let said = scene.ok("fit-body --help");
-    assert!(said.contains("--without-keypoints") && said.contains("person.toml"), "{said}");
 }

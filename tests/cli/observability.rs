@@ -1,7 +1,5 @@
 //! `backlit observability` on the take that comes with the program.
 
-use serde_json::Value;
-
 use crate::scene::Scene;
 
 #[test]
@@ -11,8 +9,7 @@ fn directions_joints_and_sets_of_cameras_are_told() {
     let text = scene.ok(&format!("observability {take} --frame 3 --no-fit"));
     assert!(text.contains("36 of 48 directions are seen") && text.contains("right forearm twist"), "{text}");
     let names = "--cameras cam1,cam3";
-    let json = scene.ok(&format!("observability {take} --frame 3 --no-fit {names} --json"));
-    let answer: Value = serde_json::from_str(&json).unwrap();
+    let answer = scene.json(&format!("observability {take} --frame 3 --no-fit {names} --json"));
     assert_eq!((answer["columns"].as_u64(), answer["null"].as_u64()), (Some(48), Some(12)));
     let directions = answer["directions"].as_array().unwrap();
     assert_eq!(directions.len(), 48);

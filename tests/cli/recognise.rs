@@ -81,23 +81,21 @@ fn names_are_learnt_and_given() {
     small_folder(&scene);
     let said = scene.ok("recognise --train motions --out model.json");
     assert!(said.contains("learnt walk, wave from 6 motions"), "{said}");
-    let text = scene.ok("recognise --model model.json --test motions --json --confusion matrix.svg");
-    let found: Value = serde_json::from_str(&text).unwrap();
+    let found = scene.json("recognise --model model.json --test motions --json --confusion matrix.svg");
     for method in ["hmm", "svm", "nearest", "combined"] {
-        assert_eq!(found[method]["clips"], 1.0, "{text}");
-        assert!(found[method]["windows"].as_f64().unwrap() > 0.95, "{text}");
-        assert!(found[method]["joined"].as_f64().unwrap() > 0.8, "{text}");
+        assert_eq!(found[method]["clips"], 1.0, "{found}");
+        assert!(found[method]["windows"].as_f64().unwrap() > 0.95, "{found}");
+        assert!(found[method]["joined"].as_f64().unwrap() > 0.8, "{found}");
     }
     assert_eq!(found["confusion"]["clips"], serde_json::json!([[3, 0], [0, 3]]));
     assert!(fs::read_to_string(scene.path("matrix.svg")).unwrap().contains(">100 %<"));
     let text = scene.ok("recognise --test motions --leave-subjects-out --noise 10");
     assert!(text.contains("combined"), "{text}");
-    let text = scene.ok("recognise --model model.json motions/walk1.bvh motions/wave2.bvh --json");
-    let found: Value = serde_json::from_str(&text).unwrap();
+    let found = scene.json("recognise --model model.json motions/walk1.bvh motions/wave2.bvh --json");
     for (index, class) in ["walk", "wave"].into_iter().enumerate() {
         let track = &found["tracks"][index];
         assert_eq!(track["frames"].as_array().unwrap().len(), 75);
-        assert_eq!(track["frames"][40]["class"], class, "{text}");
+        assert_eq!(track["frames"][40]["class"], class, "{found}");
         assert_eq!(track["stretches"][0]["first_frame"], 0);
     }
     let text = scene.ok("recognise motions/walk1.bvh");
@@ -132,8 +130,7 @@ fn the_model_that_comes_with_the_program_knows_real_motions() {
     let scene = Scene::new();
     for (file, class) in [("16_35a", "run"), ("07_01a", "walk"), ("14_10a", "gesture")] {
         let path = corpus.join(format!("{file}.bvh"));
-        let text = scene.ok(&format!("recognise {} --json", path.display()));
-        let found: Value = serde_json::from_str(&text).unwrap();
+        let found = scene.json(&format!("recognise {} --json", path.display()));
         let frames = found["tracks"][0]["frames"].as_array().unwrap();
         let right = frames.iter().filter(|frame| frame["class"] == class).count();
         assert!(2 * right > frames.len(), "{file}: {right} of {}", frames.len());

@@ -10,6 +10,7 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
 use glam::DVec3;
 use image::DynamicImage;
+use serde_json::Value;
 use tempfile::TempDir;
 
 pub(crate) const RENDER: &str = "render --model upper_body --cameras cameras.json --pose pose.json --out out";
@@ -71,6 +72,16 @@ impl Scene {
         let complaint = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "backlit {arguments}: {complaint}");
         String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a command that must succeed and print JSON.
+    pub(crate) fn json(&self, arguments: &str) -> Value {
+        serde_json::from_str(&self.ok(arguments)).unwrap()
+    }
+
+    /// A JSON file.
+    pub(crate) fn read_json(&self, name: &str) -> Value {
+        serde_json::from_str(&fs::read_to_string(self.path(name)).unwrap()).unwrap()
     }
 
     /// Runs a command that must fail with this exit code and say all of these in one line.

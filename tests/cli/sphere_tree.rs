@@ -12,7 +12,6 @@ use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask, Overlap};
 use glam::{DQuat, DVec3};
-use serde_json::Value;
 
 use crate::scene::Scene;
 
@@ -29,8 +28,7 @@ fn a_mesh_becomes_levels_of_spheres() {
     scene.write("egg.obj", &obj);
     let table = scene.ok("sphere-tree egg.obj --spheres 16 --levels 2 --out egg.json");
     assert!(table.contains("covered") && table.contains("100.00 %") && table.contains("egg.json"), "{table}");
-    let tree: Value =
-        serde_json::from_str(&std::fs::read_to_string(scene.path("egg.json")).unwrap()).unwrap();
+    let tree = scene.read_json("egg.json");
     let levels = tree["levels"].as_array().unwrap();
     let counts: Vec<usize> = levels.iter().map(|level| level["spheres"].as_array().unwrap().len()).collect();
     assert!(counts.len() == 2 && counts[0] <= 4 && counts[1] <= 16, "{counts:?}");
@@ -38,9 +36,7 @@ fn a_mesh_becomes_levels_of_spheres() {
     assert!(levels[1]["spheres"][0]["parent"].as_u64().unwrap() < counts[0] as u64);
     assert_eq!(levels[1]["spheres"][0]["centre"].as_array().unwrap().len(), 3);
     assert_eq!(levels[1]["error"]["coverage"], 1.0);
-    let printed: Value =
-        serde_json::from_str(&scene.ok("sphere-tree egg.obj --spheres 16 --levels 2 --out egg.json --json"))
-            .unwrap();
+    let printed = scene.json("sphere-tree egg.obj --spheres 16 --levels 2 --out egg.json --json");
     assert_eq!(printed["levels"][1]["error"], levels[1]["error"]);
 
     // The same as a body, which the sphere-tree renderer draws.

@@ -90,25 +90,20 @@ fn lines(path: PathBuf) -> Vec<String> {
     fs::read_to_string(path).unwrap().lines().map(str::to_owned).collect()
 }
 
-fn json(path: PathBuf) -> Value {
-    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
-}
-
 #[test]
 fn a_take_is_tracked() {
     let scene = take();
-    let printed = scene.ok("track wave --out out --start-noise 2deg,1cm --json");
-    let summary: Value = serde_json::from_str(&printed).unwrap();
-    assert_eq!(summary, json(scene.path("out/summary.json")));
+    let summary = scene.json("track wave --out out --start-noise 2deg,1cm --json");
+    assert_eq!(summary, scene.read_json("out/summary.json"));
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(0)));
-    assert!(summary["iou"]["mean"].as_f64().unwrap() > 0.8, "{printed}");
-    assert!(summary["iou"]["by_camera"]["side"].as_f64().unwrap() > 0.8, "{printed}");
-    assert!(summary["joint_error_mm"]["mean"].as_f64().unwrap() < 40.0, "{printed}");
+    assert!(summary["iou"]["mean"].as_f64().unwrap() > 0.8, "{summary}");
+    assert!(summary["iou"]["by_camera"]["side"].as_f64().unwrap() > 0.8, "{summary}");
+    assert!(summary["joint_error_mm"]["mean"].as_f64().unwrap() < 40.0, "{summary}");
     let of_joint = &summary["joint_error_mm"]["by_joint"]["right forearm"];
     assert!(of_joint["median"].as_f64() <= of_joint["max"].as_f64() && of_joint["max"].is_f64());
     assert!(summary["ms_per_frame"]["median"].as_f64().unwrap() > 0.0);
 
-    let track = json(scene.path("out/track.json"));
+    let track = scene.read_json("out/track.json");
     let table = lines(scene.path("out/joints.csv"));
     assert_eq!(table.len(), 1 + FRAMES * (1 + scene.model.limbs().len()));
     for frame in 0..FRAMES {
@@ -129,8 +124,7 @@ fn a_take_is_tracked() {
 fn another_body_takes_the_place_of_the_take_s() {
     let scene = take();
     let mean = |options: &str| {
-        let printed = scene.ok(&format!("track wave --out out --json {options}"));
-        let summary: Value = serde_json::from_str(&printed).unwrap();
+        let summary = scene.json(&format!("track wave --out out --json {options}"));
         summary["joint_error_mm"]["mean"].as_f64().unwrap()
     };
     let small = scene.model.scaled(0.8).unwrap();
@@ -146,7 +140,7 @@ fn many_starts_are_counted() {
     let scene = take();
     let command = "experiment footage wave --starts 6 --start-noise 40deg,10cm --seed 4 --frames 0..2";
     let held = |options: &str| {
-        let numbers: Value = serde_json::from_str(&scene.ok(&format!("{command} --json {options}"))).unwrap();
+        let numbers = scene.json(&format!("{command} --json {options}"));
         let starts = numbers["starts"].as_array().unwrap();
         let seeds: Vec<u64> = starts.iter().map(|start| start["seed"].as_u64().unwrap()).collect();
         assert_eq!(seeds, [4, 5, 6, 7, 8, 9]);
@@ -194,11 +188,9 @@ fn parts_of_a_take() {
 #[test]
 fn one_frame_of_a_take_is_fitted() {
     let scene = take();
-    let answer: Value =
-        serde_json::from_str(&scene.ok(
-            "fit wave --frame 3 --start reference --start-noise 3deg,1cm --seed 4 --json --out fitted.json",
-        ))
-        .unwrap();
+    let answer = scene.json(
+        "fit wave --frame 3 --start reference --start-noise 3deg,1cm --seed 4 --json --out fitted.json",
+    );
     assert!(answer["rms"].as_f64().is_some());
     assert!(scene.path("fitted.json").exists());
     scene.fails("fit wave --frame 7", 1, &["frame 7", "5"]);
@@ -233,7 +225,7 @@ fn what_was_tracked_before_a_bad_picture_is_kept() {
         1,
         &["3 of 5 frames", "camera \"side\", frame 3", "side/03.png", "not a whole picture"],
     );
-    assert_eq!(json(scene.path("out/track.json"))["frames"].as_array().unwrap().len(), 3);
+    assert_eq!(scene.read_json("out/track.json")["frames"].as_array().unwrap().len(), 3);
 }
 
 #[test]
@@ -271,7 +263,7 @@ fn a_take_without_a_start_is_searched_for_one() {
     let scene = take();
     let (without, _) = TAKE.split_once("[reference]").unwrap();
     scene.write("wave/take.toml", &without.replace("start = \"start.json\"\n", ""));
-    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    let summary = scene.json("track wave --out out --json");
     assert_eq!(summary["begun"]["searched"], true);
     assert_eq!(summary["frames"].as_u64(), Some(FRAMES as u64));
     assert!(summary["iou"]["mean"].as_f64().unwrap() > 0.8, "{summary}");
@@ -295,7 +287,7 @@ fn masks_and_cameras_alone_are_tracked() {
         text = text.replace(&beside, &format!("masks = \"../masks/{camera}/frame_%06d.png\""));
     }
     scene.write("wave/take.toml", &text);
-    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    let summary = scene.json("track wave --out out --json");
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(0)));
     assert!(summary["joint_error_mm"]["mean"].as_f64().unwrap() < 40.0, "{summary}");
     scene.ok("fit wave --frame 1");
@@ -338,9 +330,9 @@ fn an_empty_frame_is_lost_and_the_track_goes_on() {
         )
         .unwrap();
     }
-    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    let summary = scene.json("track wave --out out --json");
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(1)));
-    assert_eq!(json(scene.path("out/track.json"))["frames"][2]["lost"], true);
+    assert_eq!(scene.read_json("out/track.json")["frames"][2]["lost"], true);
 }
 
 #[test]
@@ -360,7 +352,7 @@ fn a_picture_in_which_something_is_missing_is_an_error() {
 fn cues_are_told() {
     let scene = take();
     scene.ok("track wave --out out --cues flow,stereo");
-    let track = json(scene.path("out/track.json"));
+    let track = scene.read_json("out/track.json");
     let frame = &track["frames"][FRAMES - 1];
     assert!(frame["held_by_cues"].is_object() && frame["unsure"].is_array(), "{frame}");
     scene.fails("track wave --out out --cues keypoints", 1, &["--cues keypoints", "has no keypoints"]);
@@ -378,7 +370,7 @@ fn a_track_is_resumed() {
         scene.ok(&format!("track wave --out whole{options}"));
         assert!(!scene.path("whole/resume.json").exists(), "nothing is left to go on with");
         scene.ok(&format!("track wave --out parts{options} --frames 0..3"));
-        let stopped = json(scene.path("parts/track.json"));
+        let stopped = scene.read_json("parts/track.json");
         assert_eq!(stopped["frames"].as_array().unwrap().len(), 3);
         // The noise that the filter had is known: it is not estimated again, for which these are too few frames.
         let again = options.replace("--noise 150,6,1.5", "--tune");
@@ -389,7 +381,7 @@ fn a_track_is_resumed() {
         }
         assert!(!scene.path("parts/resume.json").exists());
         let mut summaries =
-            ["whole", "parts"].map(|folder| json(scene.path(&format!("{folder}/summary.json"))));
+            ["whole", "parts"].map(|folder| scene.read_json(&format!("{folder}/summary.json")));
         summaries.iter_mut().for_each(|summary| summary["ms_per_frame"] = Value::Null);
         assert_eq!(summaries[0], summaries[1], "{options}");
     }

@@ -39,7 +39,12 @@ fn results_that_cannot_be_written_are_refused_before_the_work() {
 fn help_explains() {
     let scene = Scene::new();
     assert!(scene.ok("--help").contains("Examples:"));
-    for (command, words) in [("render", "height × width"), ("fit", "white is the subject")] {
+    for (command, words) in [
+        ("render", "height × width"),
+        ("fit", "white is the subject"),
+        ("fit-body", "--without-keypoints"),
+        ("fit-body", "person.toml"),
+    ] {
         let help = scene.ok(&format!("{command} --help"));
         assert!(help.contains("Example") && help.contains(words), "{help}");
     }

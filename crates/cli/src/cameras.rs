@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use backlit_formats::atomic;
 use backlit_formats::calibration::write::{Format, to_text};
 use backlit_formats::calibration::{self, Calibration, CalibrationOptions};
+use backlit_tracking::camera::Camera;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use super::fit_options::above_zero;
-use super::output;
+use super::output::{self, number};
 use super::table::Table;
 
 const AFTER_HELP: &str = "\
@@ -80,30 +81,27 @@ fn write(out: &Path, texts: &[String]) -> anyhow::Result<()> {
 }
 
 fn table(found: &Calibration) -> String {
-    let titles = ["camera", "size", "fx", "fy", "cx", "cy", "lens", "x (m)", "y (m)", "z (m)"];
-    let mut table = Table::new(titles);
-    for camera in found.rig.cameras() {
-        let (k, centre) = (camera.intrinsics(), camera.centre());
-        let lens: Vec<String> = camera
-            .distortion()
-            .coefficients()
-            .iter()
-            .map(|(name, value)| format!("{name} {value:.4}"))
-            .collect();
-        table.row([
-            camera.name().to_owned(),
-            format!("{}×{}", camera.width(), camera.height()),
-            format!("{:.2}", k.fx),
-            format!("{:.2}", k.fy),
-            format!("{:.2}", k.cx),
-            format!("{:.2}", k.cy),
-            if lens.is_empty() { "ideal".to_owned() } else { lens.join(" ") },
-            format!("{:.3}", centre.x),
-            format!("{:.3}", centre.y),
-            format!("{:.3}", centre.z),
-        ]);
-    }
-    table.to_text()
+    let lens = |camera: &Camera| {
+        let coefficients = camera.distortion().coefficients();
+        let lens: Vec<String> =
+            coefficients.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        if lens.is_empty() { "ideal".to_owned() } else { lens.join(" ") }
+    };
+    Table::of(
+        found.rig.cameras(),
+        &[
+            ("camera", &|camera| camera.name().to_owned()),
+            ("size", &|camera| format!("{}×{}", camera.width(), camera.height())),
+            ("fx", &|camera| number(camera.intrinsics().fx, 2)),
+            ("fy", &|camera| number(camera.intrinsics().fy, 2)),
+            ("cx", &|camera| number(camera.intrinsics().cx, 2)),
+            ("cy", &|camera| number(camera.intrinsics().cy, 2)),
+            ("lens", &|camera| lens(camera)),
+            ("x (m)", &|camera| number(camera.centre().x, 3)),
+            ("y (m)", &|camera| number(camera.centre().y, 3)),
+            ("z (m)", &|camera| number(camera.centre().z, 3)),
+        ],
+    )
 }
 
 fn size(text: &str) -> Result<[u64; 2], String> {

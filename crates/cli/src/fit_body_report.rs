@@ -7,6 +7,7 @@ use backlit_tracking::body_fit::{BodyFit, SizeEstimate};
 use backlit_tracking::body_spheres::SphereBody;
 use serde::Serialize;
 
+use super::output::{number, percent_change};
 use super::table::Table;
 
 /// The result as JSON has it.
@@ -37,19 +38,6 @@ struct SpheresReport {
     iou_as_carved: Option<f64>,
     iou: Option<f64>,
     rms: Before<f64>,
-}
-
-impl SpheresReport {
-    fn new(spheres: &SphereBody) -> Self {
-        let [capsules, carved, iou] = [0, 1, 2].map(|index| spheres.iou.map(|iou| iou[index]));
-        Self {
-            levels: spheres.spheres.clone(),
-            iou_of_capsules: capsules,
-            iou_as_carved: carved,
-            iou,
-            rms: Before { before: spheres.rms[0], after: spheres.rms[1] },
-        }
-    }
 }
 
 #[derive(Debug, Serialize)]
@@ -102,7 +90,13 @@ impl BodyReport {
             rms: Before { before: fit.rms[0], after: fit.rms[1] },
             iterations: fit.iterations,
             termination: fit.termination.name(),
-            spheres: spheres.map(SpheresReport::new),
+            spheres: spheres.map(|one| SpheresReport {
+                levels: one.spheres.clone(),
+                iou_of_capsules: one.iou.map(|iou| iou[0]),
+                iou_as_carved: one.iou.map(|iou| iou[1]),
+                iou: one.iou.map(|iou| iou[2]),
+                rms: Before { before: one.rms[0], after: one.rms[1] },
+            }),
             sizes: fit.sizes.iter().map(size).collect(),
         }
     }
@@ -110,12 +104,11 @@ impl BodyReport {
 
 pub(crate) fn text(fit: &BodyFit, spheres: Option<&SphereBody>, written: Option<&Path>) -> String {
     let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
-    let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));
     let mut out = format!(
         "frames {}\nsize {}, girth {} beside it, of the body to begin with\n",
         frames.join(", "),
-        percent(fit.size),
-        percent(fit.girth)
+        percent_change(fit.size),
+        percent_change(fit.girth)
     );
     if let [Some(before), Some(after)] = fit.iou {
         out.push_str(&format!("IoU {before:.3} scaled as a whole, {after:.3} with its own sizes\n"));
@@ -140,15 +133,18 @@ pub(crate) fn text(fit: &BodyFit, spheres: Option<&SphereBody>, written: Option<
     for one in &fit.left_out {
         out.push_str(&format!("left out: camera {} in frame {}: {}\n", one.camera, one.frame, one.because));
     }
-    let mut table = Table::new(["mm", "before", "found", "±", ""]);
-    for size in &fit.sizes {
-        let mm = |metres: f64| format!("{:.1}", 1000.0 * metres);
-        let held = if size.is_held_by_prior() { "held by proportions" } else { "" };
-        let name = format!("{}, {}", size.name, size.kind);
-        table.row([name, mm(size.start), mm(size.found), mm(size.deviation), held.to_owned()]);
-    }
+    let held = |size: &SizeEstimate| if size.is_held_by_prior() { "held by proportions" } else { "" };
     out.push('\n');
-    out.push_str(&table.to_text());
+    out += &Table::of(
+        &fit.sizes,
+        &[
+            ("mm", &|size| format!("{}, {}", size.name, size.kind)),
+            ("before", &|size| number(1000.0 * size.start, 1)),
+            ("found", &|size| number(1000.0 * size.found, 1)),
+            ("±", &|size| number(1000.0 * size.deviation, 1)),
+            ("", &|size| held(size).to_owned()),
+        ],
+    );
     let of = |kind: SizeKind| {
         let held = fit.sizes.iter().filter(|size| size.kind == kind && size.is_held_by_prior());
         held.map(|size| size.name.as_str()).collect::<Vec<_>>().join(", ")

@@ -74,11 +74,12 @@ pub(crate) struct ErrorSummary {
     by_joint: BTreeMap<String, Distances>,
 }
 
-#[derive(Debug, Serialize)]
+/// Statistics of joint errors, millimetres.
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Distances {
     pub(crate) mean: f64,
-    median: f64,
-    p95: f64,
+    pub(crate) median: f64,
+    pub(crate) p95: f64,
     pub(crate) max: f64,
 }
 

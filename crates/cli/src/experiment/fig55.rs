@@ -23,6 +23,7 @@ use super::sequence::{SequenceArguments, SequenceMethod, ViewPictures};
 use super::{Experiment, Run, check_least};
 use crate::output::number;
 use crate::table::Table;
+use crate::track_report::Distances;
 
 /// The frames that the report shows, counted from 0.
 const FRAMES: [usize; 5] = [0, 8, 16, 24, 32];
@@ -71,19 +72,10 @@ struct ByMethod {
     /// Overlap of all cameras together, over the starts, frame by frame.
     median_iou: Vec<f64>,
     /// Of all frames of all starts; `None` where no joint is known.
-    joint_error_mm: Option<Spread>,
+    joint_error_mm: Option<Distances>,
     /// Frames of all starts that count as lost.
     lost: usize,
     sequences: Vec<FromStart>,
-}
-
-/// Statistics of mean joint errors, millimetres.
-#[derive(Debug, Clone, Copy, Serialize)]
-struct Spread {
-    mean: f64,
-    median: f64,
-    p95: f64,
-    max: f64,
 }
 
 /// One start, followed to the end: frame by frame.
@@ -111,7 +103,7 @@ impl<const WIDTH: u64, const HEIGHT: u64> Experiment for Followed<WIDTH, HEIGHT>
     }
 
     fn table(&self, report: &Report) -> String {
-        let spread = |method: &&ByMethod, of: fn(Spread) -> f64| number(method.joint_error_mm.map(of), 1);
+        let spread = |method: &&ByMethod, of: fn(Distances) -> f64| number(method.joint_error_mm.map(of), 1);
         let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len().max(1) as f64;
         Table::of(
             &report.ways,
@@ -225,13 +217,11 @@ impl FromStart {
 impl ByMethod {
     fn of(name: &str, sequences: Vec<FromStart>) -> Self {
         let all: Vec<f64> = sequences.iter().flat_map(|one| one.joint_errors_mm.iter().copied()).collect();
-        let spread =
-            |all: Statistics| Spread { mean: all.mean, median: all.median, p95: all.p95, max: all.max };
         Self {
             name: name.to_owned(),
             median_joint_error_mm: medians(sequences.iter().map(|one| one.joint_errors_mm.clone())),
             median_iou: medians(sequences.iter().map(|one| one.iou.clone())),
-            joint_error_mm: Statistics::of(&all).map(spread),
+            joint_error_mm: Statistics::of(&all).map(Distances::from),
             lost: sequences.iter().map(|one| one.lost).sum(),
             sequences,
         }

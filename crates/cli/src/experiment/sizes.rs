@@ -1,8 +1,7 @@
 //! A person's own sizes found from a track with the average body, silhouettes exact and too wide: what they are worth after.
 //!
 //! The builds of [`PEOPLE`] go through a movement before four cameras around them or before two telephones; the average body is
-//! scaled to the first frame and followed; sizes come from that track, as before there was a survey, a widening and frames
-//! held out, and as now; then everything is followed again with each body.
+//! scaled to the first frame and followed; sizes come from that track; then everything is followed again with each body.
 
 use std::sync::Arc;
 
@@ -13,8 +12,8 @@ use backlit_lab::synthetic::{capsules, motion, squats, studio};
 use backlit_tracking::body::{Kinematics, Limb, Model, Pose, builtin};
 use backlit_tracking::body_fit::widening::narrowed;
 use backlit_tracking::body_fit::{
-    Approach, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, OwnSizesError, OwnSizesOptions, PosedFrame,
-    approach, fit_body, frames, own_sizes,
+    Approach, BodyFitError, BodyFitOptions, CLOTHED, OwnSizesError, OwnSizesOptions, PosedFrame, approach,
+    own_sizes,
 };
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{FitOptions, FitView};
@@ -29,9 +28,6 @@ use super::measures::masked;
 use super::{Experiment, Run};
 use crate::interrupt::Interrupted;
 use crate::table::Table;
-
-/// Frames that sizes were fitted to before.
-const BEFORE: usize = 8;
 
 /// Cameras and movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -76,7 +72,7 @@ pub(crate) struct OwnSizes {
     /// Seed of the poses that tracks begin with
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// How much the proportions count, before and now.
+    /// How much the proportions count in the first frame, and afterwards.
     #[arg(skip = [20.0, CLOTHED])]
     proportions: [f64; 2],
     #[arg(skip = BodyFitOptions::default().widening)]
@@ -107,11 +103,9 @@ struct Case {
     name: &'static str,
     /// The average body, scaled as a whole to the first frame.
     average: BodyErrors,
-    /// Sizes as they were fitted before.
-    before: BodyErrors,
-    /// Sizes as they are fitted now, whether taken or not.
+    /// Sizes as they are fitted, whether taken or not.
     found: BodyErrors,
-    /// The body that is gone on with now, as the masks show it.
+    /// The body that is gone on with, as the masks show it.
     now: BodyErrors,
     /// The person instead, on masks that are narrowed by what was found; `None` where nothing sure was.
     now_narrowed: Option<BodyErrors>,
@@ -165,28 +159,21 @@ impl Experiment for OwnSizes {
             format!("{:.0} %, {:.1} px", 100.0 * cases[0].widened, mean(cases, &|case| case.widened_px))
         };
         let refused = |cases: &&[Case]| cases.iter().filter(|case| !case.doubts.is_empty()).count();
-        let table = Table::of(
+        Table::of(
             report.cases.chunk_by(|a, b| a.setting == b.setting && a.widened == b.widened),
             &[
                 ("mm, means of all builds", &|cases| cases[0].setting.label().to_owned()),
                 ("too wide", &too_wide),
-                ("lengths: before", &|cases| mm(cases, &|case| case.before.length_mm)),
-                ("now", &|cases| mm(cases, &|case| case.now.length_mm)),
-                ("radii: before", &|cases| mm(cases, &|case| case.before.radius_mm)),
-                ("now", &|cases| mm(cases, &|case| case.now.radius_mm)),
-                ("girth: before", &|cases| girth(cases, &|case| case.before.girth)),
-                ("now", &|cases| girth(cases, &|case| case.now.girth)),
+                ("lengths", &|cases| mm(cases, &|case| case.now.length_mm)),
+                ("radii", &|cases| mm(cases, &|case| case.now.radius_mm)),
+                ("girth", &|cases| girth(cases, &|case| case.now.girth)),
                 ("joints: average body", &|cases| mm(cases, &|case| case.average.track_mm)),
-                ("before", &|cases| mm(cases, &|case| case.before.track_mm)),
-                ("now", &|cases| mm(cases, &|case| case.now.track_mm)),
+                ("own sizes", &|cases| mm(cases, &|case| case.now.track_mm)),
                 ("worst build: average body", &|cases| worst(cases, |case| case.average.track_mm)),
-                ("before", &|cases| worst(cases, |case| case.before.track_mm)),
-                ("now", &|cases| worst(cases, |case| case.now.track_mm)),
+                ("own sizes", &|cases| worst(cases, |case| case.now.track_mm)),
                 ("not taken", &|cases| format!("{} of {}", refused(cases), cases.len())),
             ],
-        );
-        table
-            + "\nBefore: a generic prior, silhouettes taken as they are, frames evenly spread, all that is found taken.\n"
+        )
     }
 }
 
@@ -273,16 +260,6 @@ impl FilmedPerson {
         let average = Arc::new(adult.scaled(size.exp())?);
         let start = &first[0].start;
         let (average_report, track) = self.follow(&average, start, 0.0, run)?;
-        let all: Vec<usize> = (0..self.views.len()).collect();
-        let to_fit = frames::spread(&all, BEFORE).into_iter().map(|frame| BodyFrame {
-            frame,
-            views: self.views[frame].clone(),
-            start: track[frame].pose.clone(),
-            joints: ReferenceJoints::new(),
-        });
-        let before = fit_body(adult.clone(), to_fit.collect(), Some(size), &old, cancel, |_| {});
-        let before = of_person(self.person, before)?;
-        let before = self.follow(&Arc::new(before.model), start, 0.0, run)?.0;
         let fit = BodyFitOptions { widening: options.widening_deviation_m, ..BodyFitOptions::default() };
         let now = OwnSizesOptions {
             fit: fit.with_proportions(options.proportions[1]),
@@ -314,7 +291,6 @@ impl FilmedPerson {
             widened_px: self.widened_px,
             name: self.person.name,
             average: average_report,
-            before,
             found,
             now: if own.is_taken() { found } else { follow(own.model(), own.as_seen(), 0.0)? },
             now_narrowed: if narrow == 0.0 {

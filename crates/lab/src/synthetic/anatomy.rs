@@ -4,14 +4,13 @@
 
 use glam::DVec3;
 
-use super::figure::{Build, Figure, Layers};
+use super::figure::{Build, Figure, HAIR, HEAD, Layers};
 use super::motion::ANKLE_HEIGHT;
 use super::solid::{ellipsoid, frustum, noise, round_cone, rounded_box, smooth_max, smooth_min};
 
 impl Figure {
     pub(super) fn head_layers(&self, point: DVec3) -> Layers {
-        let size = self.build.head;
-        let p = self.head.local(point) / size;
+        let p = self.head.local(point) / HEAD;
         let side = DVec3::new(p.x.abs(), p.y, p.z);
         let skull = ellipsoid(p, DVec3::new(0.0, 0.008, 0.112), DVec3::new(0.074, 0.094, 0.09));
         let jaw = ellipsoid(p, DVec3::new(0.0, 0.044, 0.04), DVec3::new(0.052, 0.056, 0.062));
@@ -24,19 +23,15 @@ impl Figure {
         let ear = ellipsoid(side, DVec3::new(0.078, 0.0, 0.078), DVec3::new(0.009, 0.022, 0.03));
         face = smooth_min(face, ear, 0.01);
         // Full hair that leaves the face and the ears free, thicker at the back.
-        let thick = self.build.hair;
-        let cap = ellipsoid(
-            p,
-            DVec3::new(0.0, -0.006, 0.12),
-            DVec3::new(0.074 + thick, 0.093 + thick, 0.086 + thick),
-        );
+        let cap =
+            ellipsoid(p, DVec3::new(0.0, -0.006, 0.12), DVec3::new(0.074 + HAIR, 0.093 + HAIR, 0.086 + HAIR));
         let cap = displaced(cap, || 0.006 * noise(p * 42.0));
         let brow_line = p.y - 0.062 - 0.55 * (p.z - 0.15).max(-0.03) + 0.35 * (p.x + 0.02).abs();
         let nape = 0.02 - p.z + 0.5 * (p.y + 0.02).max(0.0);
         let hair = smooth_max(smooth_max(cap, brow_line, 0.02), nape, 0.02);
         let mut layers = Layers::FAR;
-        layers.0[0] = face * size;
-        layers.0[4] = hair * size;
+        layers.0[0] = face * HEAD;
+        layers.0[4] = hair * HEAD;
         layers
     }
 
@@ -98,7 +93,7 @@ impl Figure {
     }
 
     pub(super) fn arm_layers(&self, which: usize, point: DVec3) -> Layers {
-        let Build { arms: girth, muscle, cloth, folds, .. } = self.build;
+        let Build { arms: girth, cloth, folds, .. } = self.build;
         let chain = &self.arms[which];
         let mirrored = DVec3::new(chain.mirror, 1.0, 1.0);
         // From here x points outward on both sides.
@@ -108,14 +103,14 @@ impl Figure {
         let upper = round_cone(u, DVec3::ZERO, elbow, 0.05 * girth, 0.037 * girth);
         let biceps = ellipsoid(
             u,
-            DVec3::new(-0.004, 0.012 * muscle, -0.15),
-            DVec3::new(0.043, 0.047, 0.1) * DVec3::new(girth, girth, 1.0) * (0.7 + 0.3 * muscle),
+            DVec3::new(-0.004, 0.012, -0.15),
+            DVec3::new(0.043, 0.047, 0.1) * DVec3::new(girth, girth, 1.0),
         );
         let lower = round_cone(l, DVec3::ZERO, wrist, 0.037 * girth, 0.026 * girth);
         let forearm = ellipsoid(
             l,
-            DVec3::new(0.011 * muscle, 0.002, -0.075),
-            DVec3::new(0.042, 0.039, 0.1) * DVec3::new(girth, girth, 1.0) * (0.7 + 0.3 * muscle),
+            DVec3::new(0.011, 0.002, -0.075),
+            DVec3::new(0.042, 0.039, 0.1) * DVec3::new(girth, girth, 1.0),
         );
         let skin = smooth_min(smooth_min(upper, biceps, 0.04), smooth_min(lower, forearm, 0.04), 0.035);
         let hand = hand(l - wrist);
@@ -147,7 +142,7 @@ impl Figure {
     }
 
     pub(super) fn leg_layers(&self, which: usize, point: DVec3) -> Layers {
-        let Build { legs: girth, muscle, cloth, folds, .. } = self.build;
+        let Build { legs: girth, cloth, folds, .. } = self.build;
         let chain = &self.legs[which];
         let mirrored = DVec3::new(chain.mirror, 1.0, 1.0);
         let (u, l, f) = (
@@ -165,17 +160,11 @@ impl Figure {
             0.09 * girth + loose,
             0.06 * girth + loose,
         );
-        let front = ellipsoid(
-            u,
-            DVec3::new(0.008, 0.02 * muscle, -0.17),
-            DVec3::new(0.082 * girth, 0.08 * girth, 0.17) * (0.7 + 0.3 * muscle),
-        );
+        let front =
+            ellipsoid(u, DVec3::new(0.008, 0.02, -0.17), DVec3::new(0.082 * girth, 0.08 * girth, 0.17));
         let shin = round_cone(l, DVec3::ZERO, ankle * 0.9, 0.058 * girth + loose, 0.045 * girth + loose);
-        let calf = ellipsoid(
-            l,
-            DVec3::new(0.006, -0.027 * muscle, -0.125),
-            DVec3::new(0.056 * girth, 0.058 * girth, 0.12) * (0.7 + 0.3 * muscle),
-        );
+        let calf =
+            ellipsoid(l, DVec3::new(0.006, -0.027, -0.125), DVec3::new(0.056 * girth, 0.058 * girth, 0.12));
         let mut trousers = smooth_min(smooth_min(thigh, front, 0.05), smooth_min(shin, calf, 0.05), 0.04);
         // Cloth bunches at the knee and above the shoe.
         trousers = displaced(trousers, || {

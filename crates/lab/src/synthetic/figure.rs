@@ -15,6 +15,11 @@ pub(super) const STEP: f64 = 0.8;
 /// A part farther off than this beyond the nearest one cannot shape the surface.
 const REACH: f64 = 0.12;
 
+/// Size of the head, of an average adult's.
+pub(super) const HEAD: f64 = 1.05;
+/// Thickness of the hair, metres.
+pub(super) const HAIR: f64 = 0.014;
+
 /// The sizes in which one person differs from another, as factors of an average adult; and the clothes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Build {
@@ -24,33 +29,17 @@ pub struct Build {
     pub arms: f64,
     /// Girth of the legs.
     pub legs: f64,
-    /// Size of the head.
-    pub head: f64,
-    /// Bulges of calf, thigh, upper arm and forearm beside the axes; 0 for plain tapered limbs.
-    pub muscle: f64,
     /// How far cloth stands off the body, 1 for a loose T-shirt and slim trousers.
     pub cloth: f64,
     /// Height of the folds in the cloth, metres.
     pub folds: f64,
-    /// Thickness of the hair, metres.
-    pub hair: f64,
     /// Contrast of a pattern of blotches all over skin and clothes, as of a patterned long sleeve; 0 for none.
     pub pattern: f64,
 }
 
 impl Default for Build {
     fn default() -> Self {
-        Self {
-            trunk: 1.0,
-            arms: 1.0,
-            legs: 1.0,
-            head: 1.05,
-            muscle: 1.0,
-            cloth: 1.0,
-            folds: 0.0035,
-            hair: 0.014,
-            pattern: 0.0,
-        }
+        Self { trunk: 1.0, arms: 1.0, legs: 1.0, cloth: 1.0, folds: 0.0035, pattern: 0.0 }
     }
 }
 
@@ -348,7 +337,7 @@ impl Figure {
             Part::Head => Ball {
                 centre: self.head.origin
                     + self.head.local_from_world.transpose() * DVec3::new(0.0, 0.0, 0.06),
-                radius: 0.2 * widest([self.build.head, 1.0]) + self.build.hair,
+                radius: 0.2 * HEAD + HAIR,
             },
             Part::Trunk => Ball {
                 centre: (self.pelvis.origin + self.chest.origin) * 0.5

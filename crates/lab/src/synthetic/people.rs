@@ -34,68 +34,20 @@ pub struct Person {
     pub trunk_girth: f64,
 }
 
+/// A person by the factors in the order of the fields.
+const fn person(name: &'static str, factors: [f64; 7]) -> Person {
+    let [stature, legs, arms, breadth, head, girth, trunk_girth] = factors;
+    Person { name, stature, legs, arms, breadth, head, girth, trunk_girth }
+}
+
 /// The builds of the experiment.
 pub const PEOPLE: [Person; 6] = [
-    Person {
-        name: "child of six, slim",
-        stature: 0.66,
-        legs: 0.94,
-        arms: 0.95,
-        breadth: 1.0,
-        head: 1.3,
-        girth: 0.95,
-        trunk_girth: 1.05,
-    },
-    Person {
-        name: "child of ten, broad",
-        stature: 0.8,
-        legs: 0.97,
-        arms: 0.97,
-        breadth: 1.05,
-        head: 1.15,
-        girth: 1.15,
-        trunk_girth: 1.05,
-    },
-    Person {
-        name: "short adult, broad",
-        stature: 0.88,
-        legs: 0.96,
-        arms: 0.96,
-        breadth: 1.06,
-        head: 1.06,
-        girth: 1.2,
-        trunk_girth: 1.05,
-    },
-    Person {
-        name: "average adult",
-        stature: 1.0,
-        legs: 1.0,
-        arms: 1.0,
-        breadth: 1.0,
-        head: 1.0,
-        girth: 1.0,
-        trunk_girth: 1.0,
-    },
-    Person {
-        name: "tall adult, slim",
-        stature: 1.09,
-        legs: 1.04,
-        arms: 1.04,
-        breadth: 0.97,
-        head: 0.94,
-        girth: 0.85,
-        trunk_girth: 0.95,
-    },
-    Person {
-        name: "tall adult, broad",
-        stature: 1.1,
-        legs: 0.98,
-        arms: 1.02,
-        breadth: 1.08,
-        head: 0.96,
-        girth: 1.15,
-        trunk_girth: 1.05,
-    },
+    person("child of six, slim", [0.66, 0.94, 0.95, 1.0, 1.3, 0.95, 1.05]),
+    person("child of ten, broad", [0.8, 0.97, 0.97, 1.05, 1.15, 1.15, 1.05]),
+    person("short adult, broad", [0.88, 0.96, 0.96, 1.06, 1.06, 1.2, 1.05]),
+    person("average adult", [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+    person("tall adult, slim", [1.09, 1.04, 1.04, 0.97, 0.94, 0.85, 0.95]),
+    person("tall adult, broad", [1.1, 0.98, 1.02, 1.08, 0.96, 1.15, 1.05]),
 ];
 
 impl Person {
