@@ -18,6 +18,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use engine::{Fault, Figures, Target};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 /// A case that still runs after this many looks, one a second, is a fault.
 const PATIENCE_LOOKS: u32 = 30;
@@ -42,17 +44,26 @@ fn a_few_hundred_cases_of_every_reader() {
     }
 }
 
-/// Every reader answers each seed that is cut, and texts that are nested without end are refused.
+/// Every reader answers each seed that is cut, with one byte changed, or whose beginning noise follows; and texts that are nested
+/// without end are refused.
 #[test]
-fn cut_and_deep_files_are_answered() {
+fn cut_changed_and_deep_files_are_answered() {
+    let mut random = Pcg64Mcg::seed_from_u64(1);
     for target in targets::all() {
         let answer = |bytes: &[u8]| {
             let outcome = engine::one(&target, bytes, &mut Figures::default());
             outcome.unwrap_or_else(|fault| panic!("{}; {}", fault.what, keep(target.name, bytes).display()))
         };
         for seed in &target.seeds {
-            for length in (0..seed.len()).step_by(1 + seed.len() / 100) {
-                answer(&seed[..length]);
+            for place in (0..seed.len()).step_by(1 + seed.len() / 100) {
+                answer(&seed[..place]);
+                let mut changed = seed.clone();
+                changed[place] = random.random();
+                answer(&changed);
+            }
+            for head in 0..12 {
+                let noise: [u8; 200] = random.random();
+                answer(&[&seed[..head.min(seed.len())], &noise].concat());
             }
         }
         // A table of labels without rows is empty, whatever its header.
