@@ -66,30 +66,12 @@ mod tests {
     use super::super::{CalibrationOptions, parse};
     use super::*;
 
-    fn pickle(entries: &[(&str, &[u8], &[f64])]) -> Vec<u8> {
-        let mut out = b"\x80\x04}(".to_vec();
-        for (key, shape, numbers) in entries {
-            out.extend([0x8c, key.len() as u8]);
-            out.extend(key.as_bytes());
-            let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-            out.extend(array(shape, "f8", &bytes));
-        }
-        out.extend(b"u.");
-        out
-    }
-
-    const ENTRIES: [(&str, &[u8], &[f64]); 5] = [
-        ("intrinsicMat", &[3, 3], &[900.0, 0.0, 360.5, 0.0, 901.0, 640.25, 0.0, 0.0, 1.0]),
-        ("distortion", &[1, 5], &[0.1, -0.2, 0.001, 0.002, 0.3]),
-        ("imageSize", &[2, 1], &[1280.0, 720.0]),
-        ("rotation", &[3, 3], &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
-        ("translation", &[3, 1], &[100.0, 200.0, 3000.0]),
-    ];
+    const FILE: &[u8] = include_bytes!("../../fuzz/corpus/pickle/0-camera.pickle");
 
     #[test]
     fn millimetres_and_the_height_first() {
         let path = Path::new("Videos/Cam1/cameraIntrinsicsExtrinsics.pickle");
-        let rig = parse(path, &pickle(&ENTRIES), CalibrationOptions::default()).unwrap();
+        let rig = parse(path, FILE, CalibrationOptions::default()).unwrap();
         let camera = &rig.cameras()[0];
         assert_eq!((camera.name(), camera.width(), camera.height()), ("Cam1", 720, 1280));
         assert_eq!((camera.intrinsics().fy, camera.intrinsics().cx), (901.0, 360.5));
@@ -98,22 +80,19 @@ mod tests {
 
     #[test]
     fn errors_name_the_field() {
-        let message = |entries: &[(&str, &[u8], &[f64])]| {
-            let found = parse(Path::new("c.pickle"), &pickle(entries), CalibrationOptions::default());
-            found.unwrap_err().to_string()
-        };
-        let without = [ENTRIES[0], ENTRIES[2]];
-        assert!(message(&without).contains("`distortion` is missing"), "{}", message(&without));
-        let mut bad = ENTRIES;
-        bad[4].2 = &[0.0, f64::NAN, 1.0];
-        assert!(
-            message(&bad).contains("`translation[1]` is NaN; expected a finite number"),
-            "{}",
-            message(&bad)
-        );
-        bad = ENTRIES;
-        bad[3] = ("rotation", &[2, 2], &[1.0; 4]);
-        assert!(message(&bad).contains("`rotation` is 4 numbers"), "{}", message(&bad));
+        let four = [&b"}(\x8c\x08rotation"[..], &array(&[2, 2], "f8", &[0; 32])].concat();
+        let (number, none) = (200.0_f64.to_le_bytes(), f64::NAN.to_le_bytes());
+        for (from, to, expected) in [
+            (&b"distortion"[..], &b"distortio_"[..], "`distortion` is missing"),
+            (&number, &none, "`translation[1]` is NaN; expected a finite number"),
+            (b"}(", &four, "`rotation` is 4 numbers"),
+        ] {
+            let at = FILE.windows(from.len()).position(|part| part == from).unwrap();
+            let changed = [&FILE[..at], to, &FILE[at + from.len()..]].concat();
+            let found = parse(Path::new("c.pickle"), &changed, CalibrationOptions::default());
+            let message = found.unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     #[test]

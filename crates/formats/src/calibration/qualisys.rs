@@ -72,18 +72,15 @@ fn camera(element: Element<'_, '_>, pictures: Option<[u64; 2]>) -> Result<Partia
     let rotation = rows.transpose();
     let centre = row("x", "y", "z")? * 0.001;
     let camera_from_world = CameraFromWorld { rotation, translation: -(rotation * centre) };
-    let mut turned = Turned { size: [width, height], intrinsics, distortion, camera_from_world };
+    let mut part = PartialCamera::new(element.attribute("serial").unwrap_or_default(), element.line());
+    part.size = Some([width, height]);
+    part.lens = Some((Pinhole::Pixels(intrinsics), distortion));
+    part.place = Some(camera_from_world);
     let turns = quarter_turns(element)?;
-    if turns % 2 == 1 && pictures.is_some_and(|size| is_portrait(size) != is_portrait(turned.size)) {
-        (0..turns).for_each(|_| turned = turned.clockwise());
+    if turns % 2 == 1 && pictures.is_some_and(|size| is_portrait(size) != is_portrait([width, height])) {
+        (0..turns).for_each(|_| part = clockwise(&part));
     }
-    let name = element.attribute("serial").unwrap_or_default();
-    Ok(PartialCamera {
-        size: Some(turned.size),
-        lens: Some((Pinhole::Pixels(turned.intrinsics), turned.distortion)),
-        place: Some(turned.camera_from_world),
-        ..PartialCamera::new(name, element.line())
-    })
+    Ok(part)
 }
 
 /// Clockwise, from the sensor's picture to the upright one.
@@ -101,36 +98,31 @@ fn is_portrait([width, height]: [u64; 2]) -> bool {
     height > width
 }
 
-/// What a camera is made of, while its picture is turned.
-#[derive(Clone, Copy)]
-struct Turned {
-    size: [u64; 2],
-    intrinsics: Intrinsics,
-    distortion: Distortion,
-    camera_from_world: CameraFromWorld,
-}
-
-impl Turned {
-    /// The camera of the picture turned by a quarter clockwise: (u, v) becomes (height − 1 − v, u).
-    fn clockwise(self) -> Self {
-        let [width, height] = self.size;
-        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
-        let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
-        Self {
-            size: [height, width],
-            intrinsics: Intrinsics { fx: fy, fy: fx, cx: height as f64 - 1.0 - cy, cy: cx },
-            distortion: match self.distortion {
-                // Radial terms look the same from all sides; the tangential pair turns with the picture.
-                Distortion::OpenCv { k1, k2, p1, p2, k3 } => {
-                    Distortion::OpenCv { k1, k2, p1: p2, p2: -p1, k3 }
-                }
-                other => other,
-            },
-            camera_from_world: CameraFromWorld {
-                rotation: turn * self.camera_from_world.rotation,
-                translation: turn * self.camera_from_world.translation,
-            },
-        }
+/// The camera of the picture turned by a quarter clockwise: (u, v) becomes (height − 1 − v, u).
+fn clockwise(part: &PartialCamera) -> PartialCamera {
+    let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
+    let lens = part.size.zip(part.lens).map(|([_, height], (pinhole, distortion))| {
+        let pinhole = match pinhole {
+            Pinhole::Pixels(Intrinsics { fx, fy, cx, cy }) => {
+                Pinhole::Pixels(Intrinsics { fx: fy, fy: fx, cx: height as f64 - 1.0 - cy, cy: cx })
+            }
+            other => other,
+        };
+        let distortion = match distortion {
+            // Radial terms look the same from all sides; the tangential pair turns with the picture.
+            Distortion::OpenCv { k1, k2, p1, p2, k3 } => Distortion::OpenCv { k1, k2, p1: p2, p2: -p1, k3 },
+            other => other,
+        };
+        (pinhole, distortion)
+    });
+    PartialCamera {
+        size: part.size.map(|[width, height]| [height, width]),
+        lens,
+        place: part.place.map(|place| CameraFromWorld {
+            rotation: turn * place.rotation,
+            translation: turn * place.translation,
+        }),
+        ..part.clone()
     }
 }
 
