@@ -58,7 +58,8 @@ pub struct BvhJoint {
 pub struct BvhMotion {
     /// Parents before children.
     joints: Vec<BvhJoint>,
-    frame_seconds: f64,
+    /// Seconds from frame to frame.
+    pub frame_seconds: f64,
     channels: usize,
     /// Frame after frame, `channels` each.
     values: Vec<f64>,
@@ -69,12 +70,6 @@ impl BvhMotion {
     #[must_use]
     pub fn joints(&self) -> &[BvhJoint] {
         &self.joints
-    }
-
-    /// Seconds from frame to frame.
-    #[must_use]
-    pub fn frame_seconds(&self) -> f64 {
-        self.frame_seconds
     }
 
     /// How many frames there are.
@@ -258,7 +253,7 @@ mod tests {
     #[test]
     fn joints_stand_where_their_channels_put_them() {
         let motion = parse(Path::new("a.bvh"), SMALL.as_bytes()).unwrap();
-        assert_eq!((motion.frame_count(), motion.frame_seconds(), motion.joints().len()), (2, 0.04, 3));
+        assert_eq!((motion.frame_count(), motion.frame_seconds, motion.joints().len()), (2, 0.04, 3));
         assert_eq!(
             (motion.joints()[1].name.as_str(), motion.joints()[2].name.as_str()),
             ("Left Leg", "Left Leg end")

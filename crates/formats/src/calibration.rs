@@ -186,7 +186,7 @@ fn companions(path: &Path) -> Vec<PathBuf> {
 
 fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<Calibration> {
     match content {
-        Content::Rig(rig) => Ok(rig.into()),
+        Content::Rig(rig) => Ok(Calibration { rig, left_out: Vec::new() }),
         Content::Partial(parts) => parts.calibration(path, options),
     }
 }

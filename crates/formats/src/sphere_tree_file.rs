@@ -2,66 +2,33 @@
 
 use std::path::Path;
 
-use backlit_sphere_tree::{Level, SphereTree};
-use serde::Serialize;
+use backlit_sphere_tree::{Level, SphereTree, TreeSphere};
+use serde_json::json;
 
 use crate::{Result, atomic};
-
-#[derive(Serialize)]
-struct TreeJson {
-    levels: Vec<LevelJson>,
-}
-
-#[derive(Serialize)]
-struct LevelJson {
-    spheres: Vec<SphereJson>,
-    error: ErrorJson,
-}
-
-#[derive(Serialize)]
-struct SphereJson {
-    centre: [f64; 3],
-    radius: f64,
-    parent: Option<usize>,
-}
-
-#[derive(Serialize)]
-struct ErrorJson {
-    outside_greatest: f64,
-    outside_mean: f64,
-    inside_greatest: f64,
-    inside_mean: f64,
-    coverage: f64,
-}
-
-impl From<&Level> for LevelJson {
-    fn from(level: &Level) -> Self {
-        let sphere = |sphere: &backlit_sphere_tree::TreeSphere| SphereJson {
-            centre: sphere.centre.to_array(),
-            radius: sphere.radius,
-            parent: sphere.parent,
-        };
-        let error = &level.error;
-        Self {
-            spheres: level.spheres.iter().map(sphere).collect(),
-            error: ErrorJson {
-                outside_greatest: error.outside_greatest,
-                outside_mean: error.outside_mean,
-                inside_greatest: error.inside_greatest,
-                inside_mean: error.inside_mean,
-                coverage: error.coverage,
-            },
-        }
-    }
-}
 
 /// The content of a tree's file.
 #[must_use]
 pub fn to_text(tree: &SphereTree) -> String {
-    let tree = TreeJson { levels: tree.levels.iter().map(LevelJson::from).collect() };
-    #[expect(clippy::expect_used, reason = "a tree has only lists and finite numbers")]
-    let text = serde_json::to_string(&tree).expect("a tree can be written as JSON");
-    text + "\n"
+    let levels: Vec<String> = tree.levels.iter().map(level).collect();
+    format!("{{\"levels\":[{}]}}\n", levels.join(","))
+}
+
+fn level(level: &Level) -> String {
+    let sphere = |sphere: &TreeSphere| {
+        let (centre, radius) = (json!(sphere.centre.to_array()), json!(sphere.radius));
+        format!("{{\"centre\":{centre},\"radius\":{radius},\"parent\":{}}}", json!(sphere.parent))
+    };
+    let (spheres, error) = (level.spheres.iter().map(sphere).collect::<Vec<_>>(), &level.error);
+    let error = [
+        ("outside_greatest", error.outside_greatest),
+        ("outside_mean", error.outside_mean),
+        ("inside_greatest", error.inside_greatest),
+        ("inside_mean", error.inside_mean),
+        ("coverage", error.coverage),
+    ];
+    let error = error.map(|(key, value)| format!("\"{key}\":{}", json!(value)));
+    format!("{{\"spheres\":[{}],\"error\":{{{}}}}}", spheres.join(","), error.join(","))
 }
 
 /// Writes a tree's file; see [`atomic`].

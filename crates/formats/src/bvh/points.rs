@@ -54,7 +54,7 @@ impl BvhMotion {
             }
         };
         let frames = (0..self.frame_count()).map(at).collect();
-        Ok(Clip { frame_seconds: self.frame_seconds(), frames })
+        Ok(Clip { frame_seconds: self.frame_seconds, frames })
     }
 }
 

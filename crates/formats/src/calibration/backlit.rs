@@ -60,7 +60,7 @@ struct DistortionSpec {
     k6: Option<f64>,
 }
 
-#[derive(Serialize, Deserialize, Default, Clone, Copy)]
+#[derive(Debug, Serialize, Deserialize, Default, Clone, Copy)]
 #[serde(rename_all = "lowercase")]
 enum Lens {
     #[default]
@@ -68,18 +68,6 @@ enum Lens {
     OpenCv,
     Rational,
     Fisheye,
-}
-
-impl Lens {
-    /// What the model is called in a file.
-    fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::OpenCv => "opencv",
-            Self::Rational => "rational",
-            Self::Fisheye => "fisheye",
-        }
-    }
 }
 
 impl DistortionSpec {
@@ -133,7 +121,10 @@ pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig
                 Lens::None => {
                     ("\"none\" beside coefficients".to_owned(), "\"opencv\", or no coefficients".to_owned())
                 }
-                model => (format!("\"{}\" beside `{stray}`", model.name()), format!("no `{stray}`")),
+                model => {
+                    let model = format!("{model:?}").to_lowercase();
+                    (format!("\"{model}\" beside `{stray}`"), format!("no `{stray}`"))
+                }
             };
             let field = format!("cameras[{index}].distortion.model");
             return Err(FileProblem::field(field, found, expected).at(path, None));

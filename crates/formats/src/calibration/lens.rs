@@ -15,10 +15,7 @@ pub(super) fn opencv(field: &Field<'_>) -> Result<Distortion> {
             "a lens with a thin prism or a tilted sensor",
             "k1 k2 p1 p2 k3 k4 k5 k6, and zeros after them",
         )),
-        None => {
-            Err(field
-                .error(&format!("{} numbers", numbers.len()), "4, 5, 8, 12 or 14 coefficients of OpenCV"))
-        }
+        None => Err(field.other_count(numbers.len(), "4, 5, 8, 12 or 14 coefficients of OpenCV")),
     }
 }
 
@@ -46,7 +43,7 @@ pub(super) fn fisheye(field: &Field<'_>) -> Result<Distortion> {
     let numbers = field.numbers()?;
     // Tools that keep five write zeros after the fourth.
     if numbers.is_empty() || numbers.iter().skip(4).any(|&value| value != 0.0) {
-        return Err(field.error(&format!("{} numbers", numbers.len()), "the four coefficients of a fisheye"));
+        return Err(field.other_count(numbers.len(), "the four coefficients of a fisheye"));
     }
     let value = |index: usize| numbers.get(index).copied().unwrap_or(0.0);
     Ok(Distortion::Fisheye { k1: value(0), k2: value(1), k3: value(2), k4: value(3) })

@@ -192,6 +192,6 @@ pub(super) fn size(field: &Field<'_>) -> Result<Option<[u64; 2]>> {
     match *sides.as_slice() {
         [width, height] => Ok(Some([side(width)?, side(height)?])),
         [height, width, _channels] => Ok(Some([side(width)?, side(height)?])),
-        _ => Err(both.error(&format!("{} numbers", sides.len()), "[width, height]")),
+        _ => Err(both.other_count(sides.len(), "[width, height]")),
     }
 }

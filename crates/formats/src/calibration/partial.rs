@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
 
 use super::{Calibration, CalibrationOptions, MAX_CAMERAS, SkippedCamera, rig};
@@ -164,12 +164,5 @@ impl PartialCameras {
             })?);
         }
         Ok(Calibration { rig: rig(path, whole, options.size)?, left_out })
-    }
-}
-
-/// The rig of cameras that are given whole.
-impl From<Rig> for Calibration {
-    fn from(rig: Rig) -> Self {
-        Self { rig, left_out: Vec::new() }
     }
 }

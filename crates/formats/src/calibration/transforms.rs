@@ -91,7 +91,7 @@ fn place(frame: &Field<'_>) -> Result<CameraFromWorld> {
     let matrix = frame.need(&["transform_matrix"], "4 × 4 numbers")?;
     let numbers = matrix.numbers()?;
     if numbers.len() != 16 && numbers.len() != 12 {
-        return Err(matrix.error(&format!("{} numbers", numbers.len()), "4 × 4 numbers"));
+        return Err(matrix.other_count(numbers.len(), "4 × 4 numbers"));
     }
     let column = |index: usize| DVec3::new(numbers[index], numbers[4 + index], numbers[8 + index]);
     let world_from_camera = DMat3::from_cols(column(0), -column(1), -column(2));

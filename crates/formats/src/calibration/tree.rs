@@ -126,6 +126,11 @@ impl<'a> Field<'a> {
         FileProblem::field(self.name.as_str(), found, expected).at(self.path, self.node.line)
     }
 
+    /// The error that another count of numbers stands here.
+    pub(super) fn other_count(&self, count: usize, expected: &str) -> FileError {
+        self.error(&format!("{count} numbers"), expected)
+    }
+
     pub(super) fn unexpected(&self, expected: &str) -> FileError {
         self.error(&self.node.describe(), expected)
     }
@@ -171,7 +176,7 @@ impl<'a> Field<'a> {
                 && rows.checked_mul(columns) != Some(numbers.len() as u64)
             {
                 let expected = format!("{rows} × {columns} numbers");
-                return Err(data.error(&format!("{} numbers", numbers.len()), &expected));
+                return Err(data.other_count(numbers.len(), &expected));
             }
             return Ok(numbers);
         }
@@ -195,7 +200,7 @@ impl<'a> Field<'a> {
         let numbers = self.numbers()?;
         let count = numbers.len();
         let array: Option<[f64; N]> = numbers.try_into().ok();
-        array.ok_or_else(|| self.error(&format!("{count} numbers"), &format!("{N} numbers")))
+        array.ok_or_else(|| self.other_count(count, &format!("{N} numbers")))
     }
 
     /// Three by three, row after row.
@@ -209,10 +214,7 @@ impl<'a> Field<'a> {
         match *numbers.as_slice() {
             [x, y, z] => Ok(rotation_from_vector([x, y, z])),
             _ if numbers.len() == 9 => self.matrix(),
-            _ => {
-                let found = format!("{} numbers", numbers.len());
-                Err(self.error(&found, "a 3 × 3 matrix or a vector of three numbers"))
-            }
+            _ => Err(self.other_count(numbers.len(), "a 3 × 3 matrix or a vector of three numbers")),
         }
     }
 }

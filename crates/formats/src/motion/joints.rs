@@ -113,7 +113,7 @@ pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack> {
     let places = |frame| motion.joints_at(frame).into_iter().map(|(place, _)| place).collect();
     Ok(with_own_names(JointTrack {
         joints: joints.iter().map(|joint| joint.name.clone()).collect(),
-        frame_rate: 1.0 / motion.frame_seconds(),
+        frame_rate: 1.0 / motion.frame_seconds,
         frames: (0..frames).map(|frame| (frame, places(frame))).collect(),
         up: Some(DVec3::Y),
     }))

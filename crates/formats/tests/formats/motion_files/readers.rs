@@ -16,7 +16,7 @@ pub(super) fn bvh(bytes: &[u8]) -> (Points, f64) {
         let places = motion.joints().iter().zip(motion.joints_at(frame));
         places.map(|(joint, (place, _))| (joint.name.replace(" end", "_end"), place)).collect()
     };
-    ((0..motion.frame_count()).map(frame).collect(), motion.frame_seconds())
+    ((0..motion.frame_count()).map(frame).collect(), motion.frame_seconds)
 }
 
 /// Markers of a TRC by frame number; an empty map in a gap.
