@@ -8,10 +8,9 @@ mod timing;
 
 use std::hint::black_box;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
-use backlit_tracking::segment::{Background, SegmentOptions, Segmenter, segment};
+use backlit_tracking::segment::{Background, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Mask, Measurement, SignedDistance};
 use image::RgbImage;
 use image::imageops::{FilterType, resize};
@@ -29,66 +28,45 @@ fn main() {
 }
 
 /// A camera's empty room and one frame, from the built-in take.
-fn footage(camera: usize, width: u32, height: u32) -> (Arc<Background>, RgbImage) {
+fn footage(camera: usize, width: u32, height: u32) -> (Background, RgbImage) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../assets/take/cam{}", camera + 1));
     let picture = |name: String| {
         let picture = image::open(folder.join(name)).unwrap().to_rgb8();
         resize(&picture, width, height, FilterType::Triangle)
     };
     let empty: Vec<RgbImage> = (0..6).map(|index| picture(format!("empty_{index:03}.jpg"))).collect();
-    (Arc::new(Background::from_frames(&empty).unwrap()), picture("frame_010.jpg".to_owned()))
-}
-
-/// Threshold, opening and closing, and nothing else.
-fn plain() -> SegmentOptions {
-    SegmentOptions {
-        match_exposure: false,
-        shadow: None,
-        min_component_px: 0,
-        min_group_fraction: 0.0,
-        fill_holes_px: 0,
-        dont_know: None,
-        ..SegmentOptions::default()
-    }
+    (Background::from_frames(&empty).unwrap(), picture("frame_010.jpg".to_owned()))
 }
 
 fn segmentation(cameras: usize, width: u32, height: u32) {
     let views: Vec<_> = (0..cameras).map(|camera| footage(camera, width, height)).collect();
-    let ready = |options: SegmentOptions| -> Vec<Segmenter> {
-        views
-            .iter()
-            .map(|(background, _)| Segmenter::new(background.clone(), options.clone()).unwrap())
-            .collect()
+    let masks = || -> Vec<Mask> {
+        let of = |(background, frame): &(Background, RgbImage)| {
+            segment(frame, background, &SegmentOptions::default()).unwrap()
+        };
+        views.iter().map(of).collect()
     };
-    let (plain, full) = (ready(plain()), ready(SegmentOptions::default()));
-    let masks = |ready: &[Segmenter]| -> Vec<Mask> {
-        ready.iter().zip(&views).map(|(ready, (_, frame))| ready.segment(frame).unwrap()).collect()
-    };
-    let found = masks(&plain);
+    let found = masks();
     let pictures: Vec<_> = found.iter().map(Mask::to_gray).collect();
-    let smooth = |masks: &[Mask], into: &mut [Measurement]| {
-        for (mask, measurement) in masks.iter().zip(into) {
-            measurement.average(mask, 1);
-            black_box(measurement);
-        }
-    };
     let mut measurements: Vec<_> =
         found.iter().map(|mask| Measurement::from_mask_averaged(mask, 1)).collect();
-    let mut others = measurements.clone();
     let bytes = vec![1_u8; cameras * (width * height) as usize];
     let mut copy = bytes.clone();
     Table::new(format!("Segmentation, {cameras} × {width} × {height}"))
         .add("memcpy, one byte a pixel", || copy.copy_from_slice(black_box(&bytes)))
-        .add("threshold, open 3×3, close 5×5", || drop(black_box(masks(&plain))))
-        .add("smooth 3×3", || smooth(&found, &mut measurements))
-        .add("threshold, open, close, smooth", || smooth(&masks(&plain), &mut others))
+        .add("smooth 3×3", || {
+            for (mask, measurement) in found.iter().zip(&mut measurements) {
+                measurement.average(mask, 1);
+                black_box(measurement);
+            }
+        })
         .add("open and close alone, by imageproc", || {
             for picture in &pictures {
                 let opened = morphology::open(picture, Norm::LInf, 1);
                 black_box(morphology::close(&opened, Norm::LInf, 2));
             }
         })
-        .add("all steps of the default options", || drop(black_box(masks(&full))))
+        .add("all steps of the default options", || drop(black_box(masks())))
         .run(BUDGET);
 }
 

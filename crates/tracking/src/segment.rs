@@ -25,4 +25,4 @@ pub use dont_know::DontKnowOptions;
 pub use learning::{LearningFrame, LearningOptions, LearntPlate, learn_plate};
 pub use options::{BETA, SegmentOptions};
 pub use shadow::{ShadowOptions, ShadowTest};
-pub use subtraction::{SegmentError, Segmenter, segment};
+pub use subtraction::{SegmentError, segment};

@@ -4,8 +4,6 @@
 //! The largest of the three z-scores decides, not their sum: noise is then judged channel by channel, and a difference in
 //! one colour alone (skin before wood) is not diluted by the others.
 
-use std::sync::Arc;
-
 use image::RgbImage;
 
 use super::background::Background;
@@ -13,7 +11,7 @@ use super::bit_image::BitImage;
 use super::dont_know::dark_places;
 use super::options::SegmentOptions;
 use super::shadow::clear_shadows;
-use super::threshold::{Limits, Threshold};
+use super::threshold::Threshold;
 use super::{components, exposure};
 use crate::numbers::Brief;
 use crate::silhouette::{Label, Mask, MaskError};
@@ -44,7 +42,7 @@ pub enum SegmentError {
     Mask(#[from] MaskError),
 }
 
-/// Finds the subject in a frame. For many frames of one camera [`Segmenter`] does the same.
+/// Finds the subject in a frame.
 ///
 /// # Errors
 /// If the frame and the background differ in size, if an option is not a usable number, or if the frame has no pixels or
@@ -55,49 +53,6 @@ pub fn segment(
     options: &SegmentOptions,
 ) -> Result<Mask, SegmentError> {
     options.check()?;
-    find_subject(frame, background, options, None)
-}
-
-/// A background and options, made ready for many frames.
-///
-/// Where the exposure is not matched ([`SegmentOptions::match_exposure`]), the levels that are background are the same in
-/// every frame, and are worked out once. The masks are those of [`segment`], to the bit.
-#[derive(Clone, Debug)]
-pub struct Segmenter {
-    background: Arc<Background>,
-    options: SegmentOptions,
-    limits: Option<Limits>,
-}
-
-impl Segmenter {
-    /// Makes a background ready.
-    ///
-    /// # Errors
-    /// If an option is not a usable number.
-    pub fn new(background: Arc<Background>, options: SegmentOptions) -> Result<Self, SegmentError> {
-        options.check()?;
-        let fixed = !options.match_exposure;
-        let limits = fixed.then(|| Limits::new(&background, options.z_threshold, options.noise_floor));
-        Ok(Self { background, options, limits })
-    }
-
-    /// Finds the subject in a frame.
-    ///
-    /// # Errors
-    /// If the frame and the background differ in size, or if the frame has no pixels or more than
-    /// [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS).
-    pub fn segment(&self, frame: &RgbImage) -> Result<Mask, SegmentError> {
-        find_subject(frame, &self.background, &self.options, self.limits.as_ref())
-    }
-}
-
-/// [`segment`] with options that were checked, and with limits that were made from them or without.
-fn find_subject(
-    frame: &RgbImage,
-    background: &Background,
-    options: &SegmentOptions,
-    limits: Option<&Limits>,
-) -> Result<Mask, SegmentError> {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     if (width, height) != (background.width(), background.height()) {
         let background = (background.width(), background.height());
@@ -107,10 +62,7 @@ fn find_subject(
     let gains = if options.match_exposure { exposure::gains(frame, background) } else { [1.0; 3] };
     let threshold = Threshold { gains, z: options.z_threshold, noise_floor: options.noise_floor };
 
-    let mut subject = match limits {
-        Some(limits) => limits.foreground(frame),
-        None => threshold.foreground(frame, background),
-    };
+    let mut subject = threshold.foreground(frame, background);
     if let Some(region) = options.region {
         subject.retain(|x, y| region.contains(x, y));
     }

@@ -1,7 +1,4 @@
 //! The deviation test: a pixel is foreground if |i − g µ| > β max(σ, floor) in some channel.
-//!
-//! Where the gain g is known to be 1, the levels that pass the test are an interval for each pixel and channel, the same in
-//! every frame: [`Limits`]. Comparing bytes with bytes is many times faster than fetching µ and σ.
 
 use image::RgbImage;
 use pulp::{Simd, WithSimd};
@@ -83,86 +80,6 @@ impl WithSimd for ByDeviation<'_> {
     }
 }
 
-/// For each pixel and channel the levels that are background.
-#[derive(Clone, Debug)]
-pub(super) struct Limits {
-    width: usize,
-    low: Vec<u8>,
-    /// Below `low` where no level is background.
-    high: Vec<u8>,
-}
-
-impl Limits {
-    /// The levels that pass a test with gains of 1.
-    pub(super) fn new(background: &Background, z: f32, noise_floor: f32) -> Self {
-        let threshold = Threshold { gains: [1.0; 3], z, noise_floor };
-        let [mean, deviation] = [background.mean(), background.deviation()].map(<[_]>::as_flattened);
-        let limits = mean.iter().zip(deviation).map(|(&mean, &deviation)| {
-            let is_off = |level: u8| threshold.is_level_off(level, 1.0, mean, deviation);
-            interval(mean, z * deviation.max(noise_floor), is_off)
-        });
-        let (low, high) = limits.unzip();
-        Self { width: background.width(), low, high }
-    }
-
-    /// For each pixel whether some channel is off.
-    pub(super) fn foreground(&self, frame: &RgbImage) -> BitImage {
-        processor::run(ByLimits { limits: self, frame })
-    }
-}
-
-/// The first and the last level that are not off, or (1, 0). They lie next to `mean` ± `reach`, but rounding decides which.
-fn interval(mean: f32, reach: f32, is_off: impl Fn(u8) -> bool) -> (u8, u8) {
-    // A float cast saturates.
-    let mut low = (mean - reach).ceil() as u8;
-    while low > 0 && !is_off(low - 1) {
-        low -= 1;
-    }
-    while is_off(low) {
-        if low == u8::MAX || f32::from(low) > mean {
-            return (1, 0);
-        }
-        low += 1;
-    }
-    let mut high = ((mean + reach).floor() as u8).max(low);
-    while high < u8::MAX && !is_off(high + 1) {
-        high += 1;
-    }
-    while is_off(high) {
-        high -= 1;
-    }
-    (low, high)
-}
-
-/// The work of [`Limits::foreground`], compiled once more for wider vectors.
-struct ByLimits<'a> {
-    limits: &'a Limits,
-    frame: &'a RgbImage,
-}
-
-impl WithSimd for ByLimits<'_> {
-    type Output = BitImage;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> BitImage {
-        let Limits { width, low, high } = self.limits;
-        let row = 3 * width;
-        let mut off = vec![0_u8; row];
-        let mut pixels = vec![0_u8; *width];
-        let mut foreground = BitImage::empty(*width, low.len() / row);
-        let rows =
-            self.frame.as_raw().chunks_exact(row).zip(low.chunks_exact(row).zip(high.chunks_exact(row)));
-        for (y, (levels, (low, high))) in rows.enumerate() {
-            for ((off, &level), (&low, &high)) in off.iter_mut().zip(levels).zip(low.iter().zip(high)) {
-                *off = u8::from(level < low) | u8::from(level > high);
-            }
-            any_channel(&off, &mut pixels);
-            foreground.set_row(y, &pixels);
-        }
-        foreground
-    }
-}
-
 /// For each pixel whether one of its three channels is set.
 #[inline(always)]
 fn any_channel(channels: &[u8], pixels: &mut [u8]) {
@@ -180,7 +97,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn limits_decide_as_the_test_does(
+        fn rows_decide_as_pixels_do(
             first in any::<[u8; 3]>(),
             second in any::<[u8; 3]>(),
             z in prop_oneof![Just(0.0_f32), 0.0..6_f32, Just(1e30)],
@@ -191,7 +108,6 @@ mod tests {
             let all_levels = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8; 3]));
             for background in [plate, Background::from_frames(&frames).unwrap()] {
                 let threshold = Threshold { gains: [1.0; 3], z, noise_floor };
-                let limits = Limits::new(&background, z, noise_floor);
                 for channel in 0..3 {
                     let mut frame = RgbImage::from_pixel(256, 1, Rgb(second));
                     for (pixel, level) in frame.pixels_mut().zip(all_levels.pixels()) {
@@ -199,7 +115,6 @@ mod tests {
                     }
                     let expected: Vec<u8> =
                         (0..256).map(|index| u8::from(threshold.is_off(&frame, &background, index))).collect();
-                    prop_assert_eq!(&limits.foreground(&frame).to_bytes(), &expected, "limits, channel {}", channel);
                     prop_assert_eq!(&threshold.foreground(&frame, &background).to_bytes(), &expected, "channel {}", channel);
                 }
             }

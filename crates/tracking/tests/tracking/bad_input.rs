@@ -10,7 +10,7 @@ use backlit_tracking::camera::{
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData};
-use backlit_tracking::segment::{Background, SegmentOptions, Segmenter, segment};
+use backlit_tracking::segment::{Background, SegmentOptions, segment};
 use backlit_tracking::silhouette::{
     Label, MAX_PIXELS, Mask, MaskError, Measurement, MeasurementError, SignedDistance, contours,
 };
@@ -213,15 +213,14 @@ fn pictures_of_no_or_countless_pixels_are_errors() {
 fn segmentation_of_nothing_is_an_error() {
     let nothing = RgbImage::new(0, 4);
     let background = Background::from_plate(&nothing);
-    assert!(segment(&nothing, &background, &SegmentOptions::default()).is_err());
     for match_exposure in [true, false] {
         let options = SegmentOptions { match_exposure, ..SegmentOptions::default() };
-        let ready = Segmenter::new(background.clone().into(), options).unwrap();
-        assert!(ready.segment(&nothing).is_err());
-        assert!(ready.segment(&RgbImage::new(3, 3)).is_err());
+        assert!(segment(&nothing, &background, &options).is_err());
+        assert!(segment(&RgbImage::new(3, 3), &background, &options).is_err());
     }
     let options = SegmentOptions { z_threshold: f32::NAN, ..SegmentOptions::default() };
-    assert!(Segmenter::new(background.into(), options).is_err());
+    let wall = RgbImage::new(3, 3);
+    assert!(segment(&wall, &Background::from_plate(&wall), &options).is_err());
 }
 
 #[test]
