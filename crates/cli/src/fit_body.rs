@@ -10,8 +10,7 @@ use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
 use backlit_tracking::body::{Model, Pose, SizeChoice};
 use backlit_tracking::body_fit::{
-    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, approach, fit_body, fit_body_from, frames,
-    scale,
+    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, FirstSizes, approach, fit_body, frames, scale,
 };
 use backlit_tracking::body_spheres::{PosedViews, SphereBody, SphereBodyOptions, sphere_body};
 use backlit_tracking::cancel::CancelToken;
@@ -243,12 +242,9 @@ fn follow_and_fit(
         let (stage, stages) = (progress.stage + 1, progress.stages);
         spinner.set_message(format!("stage {stage} of {stages}, step {}", progress.iterations));
     };
-    let fit = if Arc::ptr_eq(model, followed) {
-        fit_body(Arc::clone(model), frames.clone(), Some(size), options, &cancel, told)?
-    } else {
-        let grown = followed.scaled(size.exp())?;
-        fit_body_from(Arc::clone(model), frames.clone(), &grown, options, &cancel, told)?
-    };
+    let grown = if Arc::ptr_eq(model, followed) { None } else { Some(followed.scaled(size.exp())?) };
+    let first = grown.as_ref().map_or(FirstSizes::Scaled(size), FirstSizes::Known);
+    let fit = fit_body(Arc::clone(model), frames.clone(), first, options, &cancel, told)?;
     spinner.finish_and_clear();
     let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
     Ok((BodyFit { model: fit.model.clone().renamed(&name), ..fit }, frames))

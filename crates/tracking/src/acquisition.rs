@@ -12,7 +12,7 @@
 //! 4. **Turning on the way.** After each round of growing a fit turns all limbs of the grown body, and growing begins again.
 //!
 //! There is no prior of proportions and no least squares: it is quick and rough, a body to begin
-//! [`fit_body_from`](crate::body_fit::fit_body_from) or a track with. Lengths that end nowhere (spine, hips, clavicles) keep the body's
+//! [`fit_body`](crate::body_fit::fit_body) or a track with. Lengths that end nowhere (spine, hips, clavicles) keep the body's
 //! proportions.
 
 mod sizes;

@@ -29,7 +29,7 @@ pub mod survey;
 pub mod widening;
 
 pub use approach::{Approach, approach};
-pub use fit::{BodyFitError, BodyProgress, fit_body, fit_body_from};
+pub use fit::{BodyFitError, BodyProgress, FirstSizes, fit_body};
 pub use frames::{BodyFrame, PosedFrame};
 pub use options::{BodyFitOptions, BodyStage, CLOTHED, WELL_SEEN};
 pub use own_sizes::{

@@ -13,7 +13,7 @@ mod distortion;
 mod rectify;
 mod rig;
 
-pub use adjust::{AdjustOptions, Adjusted, Sighting, adjust};
+pub use adjust::{Adjusted, Sighting, adjust};
 pub use camera::{
     Camera, CameraError, CameraFromWorld, FARTHEST, Intrinsics, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE,
 };

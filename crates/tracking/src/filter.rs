@@ -14,7 +14,6 @@
 //! it is the plain fit, as the report derives. Nothing here knows of bodies: how a pose takes a step is the
 //! caller's. F and G are the Jacobians of steps on the manifold ([`tangent`]).
 
-pub mod consistency;
 mod constant_velocity;
 pub mod smoother;
 pub mod tangent;
@@ -22,8 +21,8 @@ pub mod update;
 
 use thiserror::Error;
 
-pub use consistency::Innovation;
 pub use constant_velocity::{Belief, ConstantVelocity};
+pub use update::Innovation;
 
 /// Why a filter cannot go on from what it believes.
 #[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use backlit_runs::person::{PersonSearch, PersonSearchError};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Model, Pose, SizeKind};
 use backlit_tracking::body_fit::{
-    BodyFit, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, Person, fit_body, frames as choice,
+    BodyFit, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, FirstSizes, Person, fit_body, frames as choice,
 };
 use backlit_tracking::body_spheres::{
     PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
@@ -85,7 +85,7 @@ pub(super) fn sizes(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Ap
         |PosedViews { frame, views, pose }| BodyFrame { frame, views, start: pose, joints: Vec::new() };
     let frames = frames.into_iter().map(start).collect();
     let options = BodyFitOptions::default().with_proportions(CLOTHED);
-    match fit_body(Arc::clone(model), frames, None, &options, out.cancel(), |_| {}) {
+    match fit_body(Arc::clone(model), frames, FirstSizes::Silhouettes, &options, out.cancel(), |_| {}) {
         Ok(fit) => out.send(applied(move |_, context, requests| take_in_sizes(&fit, context, requests))),
         Err(BodyFitError::Cancelled) => {}
         Err(error) => out.send(refused(format!("The body cannot be fitted: {error}."))),

@@ -17,7 +17,7 @@ use backlit_lab::synthetic::people::{PEOPLE, Person};
 use backlit_lab::synthetic::{capsules, motion, studio};
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, FirstPose, acquire, acquire_posed};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::body_fit::{BodyFitOptions, BodyFrame, WELL_SEEN, fit_body, fit_body_from};
+use backlit_tracking::body_fit::{BodyFitOptions, BodyFrame, FirstSizes, WELL_SEEN, fit_body};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, FitView};
@@ -138,10 +138,8 @@ impl BodyMethod {
         let moments = || moments.context("no body was grown before");
         let fitted = |moments: &Moments<'_>, from: Option<&Model>| {
             let (average, frames) = (Arc::clone(average), moments.frames.to_vec());
-            let fitted = match from {
-                Some(grown) => fit_body_from(average, frames, grown, &moments.fit, cancel, |_| {})?,
-                None => fit_body(average, frames, None, &moments.fit, cancel, |_| {})?,
-            };
+            let first = from.map_or(FirstSizes::Silhouettes, FirstSizes::Known);
+            let fitted = fit_body(average, frames, first, &moments.fit, cancel, |_| {})?;
             let poses = fitted.frames.iter().copied().zip(fitted.poses).collect();
             Ok(PosedBody { model: Arc::new(fitted.model), poses })
         };

@@ -122,17 +122,14 @@ impl StepRecord {
         ];
         check_numbers(field, &numbers)?;
         let iteration = Iteration {
-            point: self.pose.pose(model, &format!("{field}.pose"))?,
             stage: self.stage,
-            cost: self.cost,
-            rms: 0.0,
             trial_cost: self.trial_cost.unwrap_or(f64::INFINITY),
             predicted_decrease: self.foretold.unwrap_or(f64::NAN),
             actual_decrease: self.fell.unwrap_or(f64::NEG_INFINITY),
             damping: self.damping.unwrap_or(f64::INFINITY),
             step_norm: self.step_norm.unwrap_or(f64::INFINITY),
-            gradient_max: 0.0,
             accepted: self.accepted,
+            ..Iteration::start(self.pose.pose(model, &format!("{field}.pose"))?, self.cost)
         };
         let Self { mismatch, rms, iou, joint_error_mm, seconds, .. } = *self;
         Ok(RunStep { iteration, mismatch, rms, iou, joint_error_mm, seconds })

@@ -1,6 +1,6 @@
 //! What keypoints say: how a calibration that is off must be mended, a pose to begin with, and the person's height.
 
-use backlit_tracking::camera::{AdjustOptions, Adjusted, Camera, Sighting, adjust};
+use backlit_tracking::camera::{Adjusted, Camera, Sighting, adjust};
 use glam::DVec2;
 
 use super::plates::{Keypoints, spread};
@@ -51,7 +51,7 @@ pub(super) fn adjusted_rig(found: &ImportSurvey) -> Result<Option<Adjusted>, Imp
     if points.len() < FEWEST_POINTS {
         return Ok(None);
     }
-    let adjusted = adjust(&cameras, &points, &sightings, &AdjustOptions::default());
+    let adjusted = adjust(&cameras, &points, &sightings);
     Ok(adjusted.filter(|adjusted| adjusted.median_px[1] < WORTHWHILE * adjusted.median_px[0]))
 }
 

@@ -7,8 +7,8 @@ use backlit_lab::synthetic::{capsules, motion, people::PEOPLE, studio};
 use backlit_tracking::body::{Model, Pose, SizeKind, builtin};
 use backlit_tracking::body_fit::survey::{LeftOut, Unusable};
 use backlit_tracking::body_fit::{
-    BodyFitError, BodyFitOptions, BodyFrame, Doubt, OwnSizes, OwnSizesError, OwnSizesOptions, PosedFrame,
-    WELL_SEEN, fit_body, own_sizes,
+    BodyFitError, BodyFitOptions, BodyFrame, Doubt, FirstSizes, OwnSizes, OwnSizesError, OwnSizesOptions,
+    PosedFrame, WELL_SEEN, fit_body, own_sizes,
 };
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
@@ -156,7 +156,14 @@ fn takes_that_cannot_be_right_are_refused() {
         joints: ReferenceJoints::new(),
     };
     let options = BodyFitOptions::default();
-    let alone = fit_body(Arc::new(body.clone()), vec![frame], None, &options, &CancelToken::new(), |_| {});
+    let alone = fit_body(
+        Arc::new(body.clone()),
+        vec![frame],
+        FirstSizes::Silhouettes,
+        &options,
+        &CancelToken::new(),
+        |_| {},
+    );
     assert!(matches!(alone, Err(BodyFitError::Unusable(LeftOut { frame: 3, .. }))), "{alone:?}");
     // One camera that says nothing is left out, and said.
     let (seen, dark) = (as_seen(|_, label| label), as_seen(black));
@@ -191,7 +198,9 @@ fn people_of_all_builds_get_their_sizes() {
             BodyFrame { frame, views: cameras.iter().map(see).collect(), start, joints: Vec::new() }
         };
         let frames = [0.0, 16.0, 31.0, 50.0].into_iter().enumerate().map(frame).collect();
-        let fit = fit_body(adult.clone(), frames, None, &options, &CancelToken::new(), |_| {}).unwrap();
+        let fit =
+            fit_body(adult.clone(), frames, FirstSizes::Silhouettes, &options, &CancelToken::new(), |_| {})
+                .unwrap();
         for size in fit.sizes.iter().filter(|size| !size.is_held_by_prior()) {
             let is_it = |name: &str| name == size.name || name.strip_prefix("right ") == Some(&size.name);
             let limb = body.limbs().iter().find(|limb| is_it(&limb.name)).unwrap();

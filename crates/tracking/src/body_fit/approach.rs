@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::fit::{BodyFitError, fit_body};
+use super::fit::{BodyFitError, FirstSizes, fit_body};
 use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
 use super::scale;
@@ -61,17 +61,16 @@ pub fn approach<E: From<BodyFitError>>(
         start: approach.start.normalized(),
         joints: joints(first),
     };
-    let mut size = approach.size;
-    if size.is_none() {
+    let size = approach.size.unwrap_or_else(|| {
         let (rough, poses) = scale::from_silhouettes(model, std::slice::from_ref(&start), 0.0);
-        start.start = poses.into_iter().next().unwrap_or(start.start);
-        size = Some(rough);
-    }
+        start.start = poses.into_iter().next().unwrap_or_else(|| start.start.clone());
+        rough
+    });
     // One frame says little of proportions.
     let choice = SizeChoice { lengths: false, radii: false, ..options.choice };
     let mut whole = BodyFitOptions { choice, ..options.clone() };
     whole.stages.truncate(FIRST_STAGES);
-    let scaled = fit_body(model.clone(), vec![start], size, &whole, cancel, |_| {})?;
+    let scaled = fit_body(model.clone(), vec![start], FirstSizes::Scaled(size), &whole, cancel, |_| {})?;
     let pose = scaled.poses[0].clone();
     let mut tracker = Tracker::new(Arc::new(scaled.model), FitOptions::default(), pose)
         .map_err(at_frame(first))?

@@ -66,41 +66,30 @@ const SURE: f64 = 3.0;
 /// Stages that are gone through again where a widening is not believed.
 const LAST_STAGES: usize = 2;
 
+/// The sizes that a fit begins with.
+#[derive(Debug, Clone, Copy)]
+pub enum FirstSizes<'a> {
+    /// The body's, scaled as a whole by what the silhouettes say.
+    Silhouettes,
+    /// The body's, scaled by exp of this.
+    Scaled(f64),
+    /// A body's whose sizes are about right, as [`acquire`](crate::acquisition::acquire) finds them. The fit begins with the
+    /// stages in which sizes are free.
+    Known(&'a Model),
+}
+
 /// Fits sizes and poses together. Frames without any silhouette are left out.
 ///
-/// The body begins as `start` scaled by exp(`size`), `None`: by what the silhouettes say. A widening of the silhouettes that
+/// `start` is the body whose proportions the prior knows. A widening of the silhouettes that
 /// is not surely there is taken for none, and the last stages are gone through again without it.
 ///
 /// # Errors
-/// Poses that are not the model's, data that are not the cameras', options out of range, or no silhouette at all.
+/// Poses that are not the model's, data that are not the cameras', options out of range, no silhouette at all, or known sizes
+/// of a body of other limbs.
 pub fn fit_body(
     start: Arc<Model>,
     frames: Vec<BodyFrame>,
-    size: Option<f64>,
-    options: &BodyFitOptions,
-    cancel: &CancelToken,
-    mut progress: impl FnMut(BodyProgress),
-) -> Result<BodyFit, BodyFitError> {
-    check(options)?;
-    let usable = usable(&start, frames)?;
-    let sizes = Sizes::new(start.clone(), options.choice);
-    let (size, poses) = match size {
-        Some(size) => (size, posed(&usable.0)),
-        None => scale::from_silhouettes(&start, &usable.0, 0.0),
-    };
-    let begin = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
-    fit(&sizes, usable, begin, 0, options, cancel, &mut progress)
-}
-
-/// The same begun with sizes that are about right, as [`acquire`](crate::acquisition::acquire) finds them, and with the stages in which
-/// sizes are free. `start` is the body whose proportions the prior knows.
-///
-/// # Errors
-/// As [`fit_body`], or `sizes` is a body of other limbs.
-pub fn fit_body_from(
-    start: Arc<Model>,
-    frames: Vec<BodyFrame>,
-    sizes: &Model,
+    first: FirstSizes<'_>,
     options: &BodyFitOptions,
     cancel: &CancelToken,
     mut progress: impl FnMut(BodyProgress),
@@ -108,15 +97,26 @@ pub fn fit_body_from(
     check(options)?;
     let names =
         |model: &Model| -> Vec<String> { model.limbs().iter().map(|limb| limb.name.clone()).collect() };
-    if names(&start) != names(sizes) {
-        return Err(BodyFitError::OtherLimbs { body: sizes.name().to_owned(), of: start.name().to_owned() });
+    if let FirstSizes::Known(known) = first
+        && names(&start) != names(known)
+    {
+        return Err(BodyFitError::OtherLimbs { body: known.name().to_owned(), of: start.name().to_owned() });
     }
     let usable = usable(&start, frames)?;
-    let known = sizes;
-    let sizes = Sizes::new(start, options.choice);
-    let begin = BodyState { poses: posed(&usable.0), body: BodySizes::of(&sizes, known) };
-    let first = options.stages.iter().position(|stage| stage.slack >= 1.0).unwrap_or(0);
-    fit(&sizes, usable, begin, first, options, cancel, &mut progress)
+    let sizes = Sizes::new(start.clone(), options.choice);
+    let mut stage = 0;
+    let (poses, body) = match first {
+        FirstSizes::Silhouettes => {
+            let (size, poses) = scale::from_silhouettes(&start, &usable.0, 0.0);
+            (poses, BodySizes::scaled(&sizes, size))
+        }
+        FirstSizes::Scaled(size) => (posed(&usable.0), BodySizes::scaled(&sizes, size)),
+        FirstSizes::Known(known) => {
+            stage = options.stages.iter().position(|stage| stage.slack >= 1.0).unwrap_or(0);
+            (posed(&usable.0), BodySizes::of(&sizes, known))
+        }
+    };
+    fit(&sizes, usable, BodyState { poses, body }, stage, options, cancel, &mut progress)
 }
 
 fn posed(frames: &[BodyFrame]) -> Vec<Pose> {

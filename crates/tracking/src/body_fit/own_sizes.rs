@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::fit::{BodyFitError, BodyProgress, fit_body};
+use super::fit::{BodyFitError, BodyProgress, FirstSizes, fit_body};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
 use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
@@ -216,7 +216,8 @@ pub fn own_sizes<E: From<OwnSizesError>>(
         return Err(error.into());
     }
     let fit = |frames: Vec<BodyFrame>, options: &BodyFitOptions, progress: &mut dyn FnMut(BodyProgress)| {
-        fit_body(Arc::clone(model), frames, Some(0.0), options, cancel, progress).map_err(OwnSizesError::from)
+        fit_body(Arc::clone(model), frames, FirstSizes::Scaled(0.0), options, cancel, progress)
+            .map_err(OwnSizesError::from)
     };
     let own = fit(fitted.clone(), &options.fit, &mut |at| progress(OwnSizesProgress::Fitting(at)))?;
     let choice_of_sizes = SizeChoice { lengths: false, radii: false, ..options.fit.choice };

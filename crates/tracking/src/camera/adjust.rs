@@ -21,6 +21,18 @@ const COLUMNS: usize = 9;
 const DIFFERENCES: [f64; COLUMNS] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-2, 1e-2];
 /// The same of a point, metres.
 const POINT_DIFFERENCE: f64 = 1e-5;
+/// Standard deviation of a sighting, as a share of the picture's height.
+const SIGHTING: f64 = 0.005;
+/// Of a camera's turn about each axis, radians.
+const TURN_RAD: f64 = 0.02;
+/// Of a camera's place along each axis, metres.
+const PLACE_M: f64 = 0.03;
+/// Of the focal length, as a share of it.
+const FOCAL: f64 = 0.005;
+/// Of the principal point, as a share of the picture's height.
+const PRINCIPAL: f64 = 0.005;
+/// Most rounds.
+const ROUNDS: usize = 60;
 /// A round that lowers the cost by a smaller share is the last one.
 const TOLERANCE: f64 = 1e-6;
 /// Damping beyond which no step helps.
@@ -40,29 +52,6 @@ pub struct Sighting {
     pub pixel: DVec2,
 }
 
-/// How far cameras may be from what they were, as standard deviations, and how sightings spread.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AdjustOptions {
-    /// Of a sighting, as a share of the picture's height.
-    pub sighting: f64,
-    /// Of a camera's turn about each axis, radians.
-    pub turn_rad: f64,
-    /// Of a camera's place along each axis, metres.
-    pub place_m: f64,
-    /// Of the focal length, as a share of it.
-    pub focal: f64,
-    /// Of the principal point, as a share of the picture's height.
-    pub principal: f64,
-    /// Most rounds.
-    pub rounds: usize,
-}
-
-impl Default for AdjustOptions {
-    fn default() -> Self {
-        Self { sighting: 0.005, turn_rad: 0.02, place_m: 0.03, focal: 0.005, principal: 0.005, rounds: 60 }
-    }
-}
-
 /// Cameras that see the points where they are marked, as far as that can be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjusted {
@@ -76,12 +65,7 @@ pub struct Adjusted {
 
 /// Adjusts cameras and points to the sightings. `None` where fewer than two cameras see a point, an index is beyond its
 /// list, or the sightings say nothing about the cameras.
-pub fn adjust(
-    cameras: &[Camera],
-    points: &[DVec3],
-    sightings: &[Sighting],
-    options: &AdjustOptions,
-) -> Option<Adjusted> {
+pub fn adjust(cameras: &[Camera], points: &[DVec3], sightings: &[Sighting]) -> Option<Adjusted> {
     let is_known = |sighting: &Sighting| sighting.camera < cameras.len() && sighting.point < points.len();
     let mut seeing: Vec<usize> = sightings.iter().map(|sighting| sighting.camera).collect();
     seeing.sort_unstable();
@@ -89,7 +73,7 @@ pub fn adjust(
     if seeing.len() < 2 || !sightings.iter().all(is_known) {
         return None;
     }
-    let mut bundle = Bundle { given: cameras, sightings, options, equations: None };
+    let mut bundle = Bundle { given: cameras, sightings, equations: None };
     let none = vec![[0.0; COLUMNS]; cameras.len()];
     let before = bundle.median_px(cameras, points);
     let start = Adjustment { changes: none, cameras: cameras.to_vec(), points: points.to_vec() };
@@ -99,7 +83,7 @@ pub fn adjust(
         raise: |damping| 4.0 * damping,
         most_damping: MOST_DAMPING,
         max_trials: usize::MAX,
-        max_steps: options.rounds,
+        max_steps: ROUNDS,
         tolerance: TOLERANCE,
     };
     let found = descend(&mut bundle, start, &descent);
@@ -118,7 +102,6 @@ struct Adjustment {
 struct Bundle<'a> {
     given: &'a [Camera],
     sightings: &'a [Sighting],
-    options: &'a AdjustOptions,
     equations: Option<Equations>,
 }
 
@@ -166,14 +149,13 @@ impl Bundle<'_> {
 
     /// What a camera's numbers deviate by.
     fn deviations(&self, camera: usize) -> [f64; COLUMNS] {
-        let AdjustOptions { turn_rad, place_m, focal, principal, .. } = *self.options;
-        let principal = principal * self.given[camera].height() as f64;
-        [turn_rad, turn_rad, turn_rad, place_m, place_m, place_m, focal, principal, principal]
+        let principal = PRINCIPAL * self.given[camera].height() as f64;
+        [TURN_RAD, TURN_RAD, TURN_RAD, PLACE_M, PLACE_M, PLACE_M, FOCAL, principal, principal]
     }
 
     /// How far a sighting is off, in deviations.
     fn miss(&self, sighting: &Sighting, camera: &Camera, point: DVec3) -> Option<DVec2> {
-        let deviation_px = self.options.sighting * self.given[sighting.camera].height() as f64;
+        let deviation_px = SIGHTING * self.given[sighting.camera].height() as f64;
         Some((camera.project(point)? - sighting.pixel) / deviation_px)
     }
 
@@ -367,8 +349,7 @@ mod tests {
 
     /// A calibration that is off by what calibrations are off by.
     fn disturbed(cameras: &[Camera]) -> Vec<Camera> {
-        let none = AdjustOptions::default();
-        let bundle = Bundle { given: cameras, sightings: &[], options: &none, equations: None };
+        let bundle = Bundle { given: cameras, sightings: &[], equations: None };
         let off = |k: usize| {
             std::array::from_fn(|column| {
                 [0.004, 0.01, 0.002, 6.0][[0, 0, 0, 1, 1, 1, 2, 3, 3][column]]
@@ -386,7 +367,7 @@ mod tests {
             sighting.pixel += DVec2::new(170.0, -230.0);
         }
         let given = disturbed(&cameras);
-        let adjusted = adjust(&given, &points, &sightings, &AdjustOptions::default()).unwrap();
+        let adjusted = adjust(&given, &points, &sightings).unwrap();
         let [before, after] = adjusted.median_px;
         assert!(before > 6.0 && after < 0.3, "{before} px before, {after} px after");
         // The points given are the true ones: the rig lies where it was.
@@ -401,7 +382,7 @@ mod tests {
     #[test]
     fn an_exact_calibration_stays_as_it_is() {
         let (cameras, points, sightings) = scene();
-        let adjusted = adjust(&cameras, &points, &sightings, &AdjustOptions::default()).unwrap();
+        let adjusted = adjust(&cameras, &points, &sightings).unwrap();
         for (found, truth) in adjusted.cameras.iter().zip(&cameras) {
             assert!(found.centre().distance(truth.centre()) < 1e-6);
         }
@@ -410,11 +391,10 @@ mod tests {
     #[test]
     fn one_camera_or_a_point_that_is_not_there_is_no_bundle() {
         let (cameras, points, sightings) = scene();
-        let options = AdjustOptions::default();
         let alone: Vec<Sighting> =
             sightings.iter().copied().filter(|sighting| sighting.camera == 0).collect();
-        assert_eq!(adjust(&cameras, &points, &alone, &options), None);
-        assert_eq!(adjust(&cameras, &points[..9], &sightings, &options), None);
-        assert_eq!(adjust(&[], &[], &[], &options), None);
+        assert_eq!(adjust(&cameras, &points, &alone), None);
+        assert_eq!(adjust(&cameras, &points[..9], &sightings), None);
+        assert_eq!(adjust(&[], &[], &[]), None);
     }
 }

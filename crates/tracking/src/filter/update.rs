@@ -1,14 +1,39 @@
 //! What a measurement adds to a belief, in information form, by Joseph's formula.
 
+use std::ops::AddAssign;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::Belief;
 use super::FilterError;
-use super::consistency::Innovation;
 use super::tangent;
 
 /// A direction counts as seen where the measurement takes this share of its predicted variance off.
 const SEEN: f64 = 0.1;
+
+/// The normalised innovation squared, or a sum of such, and its degrees of freedom: χ² of as many degrees as directions are seen, if belief
+/// and errors are of one model. ν is what a measurement adds to what was predicted, S its covariance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Innovation {
+    /// νᵀ S⁻¹ ν.
+    pub squared: f64,
+    /// Directions that are seen.
+    pub directions: usize,
+}
+
+impl Innovation {
+    /// The mean square: 1 where errors are as the model says. `None` where nothing is seen.
+    pub fn ratio(self) -> Option<f64> {
+        (self.directions > 0).then(|| self.squared / self.directions as f64)
+    }
+}
+
+impl AddAssign for Innovation {
+    fn add_assign(&mut self, other: Self) {
+        self.squared += other.squared;
+        self.directions += other.directions;
+    }
+}
 
 /// The belief after a measurement, about the pose that the step leads to, and how the measurement agreed with what was predicted, over
 /// the directions that it sees.

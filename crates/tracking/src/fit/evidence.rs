@@ -174,19 +174,9 @@ impl FitView {
         match (stage.data, stage.ramp, distance) {
             (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
                 let Ok(ramp) = DistanceRamp::new(inner_px as f32, outer_px as f32) else { return whole() };
-                let sd = distance.values();
-                match distance.to_unknown() {
-                    None => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
-                        let pixels = sd[pixels.clone()].iter().zip(&labels[pixels]);
-                        for ((value, weight), (&sd, label)) in values.iter_mut().zip(weights).zip(pixels) {
-                            (*value, *weight) = (ramp.level(sd), measurement::weight(label));
-                        }
-                    }),
-                    Some(unknown) => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
-                        let distances = [sd, unknown].map(|all| &all[pixels.clone()]);
-                        ramp.fill(distances, &labels[pixels], values, weights);
-                    }),
-                }
+                SampledData::of_rows(size, stage.stride, |pixels, values, weights| {
+                    ramp.fill(distance, pixels.clone(), &labels[pixels], values, weights);
+                })
             }
             (DataView::Averaged { .. }, ..) => whole(),
             _ => SampledData::of_rows(size, stage.stride, |pixels, values, weights| {

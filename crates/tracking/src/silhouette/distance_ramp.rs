@@ -12,8 +12,11 @@
 //! among the known pixels, as normalised convolution has it (H. Knutsson & C.-F. Westin, CVPR 1993), and so is its w, the
 //! share of known ones.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
+use super::SignedDistance;
 use super::mask::Label;
 use super::measurement::{BACKGROUND_LEVEL, MeasurementError, weight};
 use crate::processor;
@@ -55,16 +58,24 @@ impl DistanceRamp {
         (0.5 * (known + other), weight(label) * (1.0 - open * open))
     }
 
-    /// D and the weights of some pixels with their distances, from the border and from the nearest unknown pixel, and their
-    /// labels.
+    /// D and the weights of some pixels of a field, whose labels are these.
     pub(crate) fn fill(
         self,
-        distances: [&[f32]; 2],
+        distance: &SignedDistance,
+        pixels: Range<usize>,
         labels: &[Label],
         values: &mut [f32],
         weights: &mut [f32],
     ) {
-        processor::run(Fill { ramp: self, distances, labels, values, weights });
+        let border = &distance.values()[pixels.clone()];
+        if let Some(unknown) = distance.to_unknown() {
+            let distances = [border, &unknown[pixels]];
+            processor::run(Fill { ramp: self, distances, labels, values, weights });
+            return;
+        }
+        for ((value, slot), (&sd, label)) in values.iter_mut().zip(weights).zip(border.iter().zip(labels)) {
+            (*value, *slot) = (self.level(sd), weight(label));
+        }
     }
 }
 
@@ -94,7 +105,7 @@ impl WithSimd for Fill<'_> {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::{Mask, Measurement, SignedDistance};
+    use super::super::{Mask, Measurement};
     use super::*;
 
     /// A mask, and the same with its unknown pixels turned out to be one thing or the other.

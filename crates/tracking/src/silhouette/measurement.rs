@@ -167,12 +167,8 @@ impl Measurement {
             return Err(MeasurementError::SizeMismatch { distance, mask: (width, height) });
         }
         let ramp = DistanceRamp::new(inner_px, outer_px)?;
-        let Some(to_unknown) = distance.to_unknown() else {
-            let values = distance.values().iter().map(|&sd| ramp.level(sd)).collect();
-            return Ok(Self { width, height, values, weights: mask_weights(mask) });
-        };
         let (mut values, mut weights) = (vec![0.0; width * height], vec![0.0; width * height]);
-        ramp.fill([distance.values(), to_unknown], mask.labels(), &mut values, &mut weights);
+        ramp.fill(distance, 0..width * height, mask.labels(), &mut values, &mut weights);
         Ok(Self { width, height, values, weights })
     }
 

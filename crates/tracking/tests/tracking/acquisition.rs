@@ -7,7 +7,7 @@ use backlit_lab::synthetic::people::PEOPLE;
 use backlit_lab::synthetic::{capsules, motion, studio};
 use backlit_tracking::acquisition::{AcquireError, AcquireOptions, Acquired, acquire, acquire_posed};
 use backlit_tracking::body::{Model, Pose, builtin};
-use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, fit_body, fit_body_from};
+use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, FirstSizes, fit_body};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
@@ -120,16 +120,15 @@ fn a_fit_of_sizes_goes_on_from_a_grown_body() {
     let start = start::perturb(&adult, &one.truth, 0.05, 0.02, 1);
     let frames = vec![BodyFrame { frame: 0, views: one.views, start, joints: Vec::new() }];
     let options = BodyFitOptions::default();
-    let from = |sizes: &Model| {
-        fit_body_from(Arc::clone(&adult), frames.clone(), sizes, &options, &CancelToken::new(), |_| {})
+    let from = |sizes: FirstSizes<'_>| {
+        fit_body(Arc::clone(&adult), frames.clone(), sizes, &options, &CancelToken::new(), |_| {})
     };
-    let begun = from(&one.body).unwrap();
-    let plain =
-        fit_body(Arc::clone(&adult), frames.clone(), None, &options, &CancelToken::new(), |_| {}).unwrap();
+    let begun = from(FirstSizes::Known(&one.body)).unwrap();
+    let plain = from(FirstSizes::Silhouettes).unwrap();
     // Begun with the truth, it stays nearer to it than from the average, in fewer steps.
     let [near, far] = [&begun, &plain].map(|fit| errors(&fit.model, &one.body)[0]);
     assert!(near < far && begun.iterations < plain.iterations, "{near:.1} {far:.1} mm");
-    let refused = from(&builtin::upper_body()).unwrap_err();
+    let refused = from(FirstSizes::Known(&builtin::upper_body())).unwrap_err();
     assert!(matches!(refused, BodyFitError::OtherLimbs { .. }), "{refused}");
 }
 
