@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::refine::Silhouettes;
 use super::*;
 use crate::body::{LimbSphere, Parameters, builtin};
-use crate::fixtures;
+use crate::fixtures::{self, Failures};
 use crate::render::predict;
 use crate::silhouette::{Label, Mask};
 
@@ -56,7 +56,7 @@ fn sphere_gradients_match_differences() {
     let silhouettes = Silhouettes::new(&body, &frames, 1);
     let (_, blocks) = silhouettes.blocks(&body);
     let scale = blocks.iter().map(|block| block.forces.amax()).fold(0.0, f64::max);
-    let (mut failures, mut compared) = (Vec::new(), 0);
+    let (mut failures, mut compared) = (Failures::default(), 0);
     let mut index = 0;
     for (limb_index, limb) in body.limbs().iter().enumerate() {
         for number in 0..limb.spheres.len() {
@@ -79,16 +79,13 @@ fn sphere_gradients_match_differences() {
                 let analytic = -2.0 * blocks[index].forces[component];
                 compared += usize::from(analytic.abs() > 1e-3 * scale);
                 // Where the winner of a pixel changes within the step the cost has a kink.
-                if (numeric - analytic).abs() > 2e-3 * scale + 1e-3 * analytic.abs() {
-                    failures
-                        .push(format!("{}, sphere {number}, {component}: {numeric} {analytic}", limb.name));
-                }
+                let what = format_args!("{}, sphere {number}, {component}", limb.name);
+                failures.near(what, numeric, analytic, 2e-3 * scale + 1e-3 * analytic.abs());
             }
             index += 1;
         }
     }
     assert!(compared > 40, "only {compared}");
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]

@@ -63,6 +63,7 @@ fn blocks(step: &DVector<f64>, of_rotation: impl Fn(DVec3) -> DMat3) -> DMatrix<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::Failures;
 
     fn vector(values: impl Fn(usize) -> f64) -> DVector<f64> {
         DVector::from_fn(9, |index, _| values(index))
@@ -74,16 +75,14 @@ mod tests {
         let (step, velocity) =
             (vector(|i| 0.4 * (1.3 * i as f64).sin()), vector(|i| 2.0 * (0.7 * i as f64).cos()));
         let h = 1e-6;
-        let mut failures = Vec::new();
+        let mut failures = Failures::default();
         let mut compare = |name: &str, found: &DMatrix<f64>, of: &dyn Fn(&DVector<f64>) -> DVector<f64>| {
             for column in 0..found.ncols() {
                 let mut by = DVector::zeros(found.ncols());
                 by[column] = h;
                 let numeric = (of(&by) - of(&-&by)) / (2.0 * h);
                 let worst = (numeric - found.column(column)).amax();
-                if worst > 1e-8 {
-                    failures.push(format!("{name}, column {column}: {worst:.1e}"));
-                }
+                failures.expect(worst <= 1e-8, format_args!("{name}, column {column}: {worst:.1e}"));
             }
         };
         compare("reset", &reset(&step), &|by| compose(&-&step, &(&step + by)));
@@ -97,6 +96,5 @@ mod tests {
             out
         };
         compare("transition", &transition(&velocity, seconds), &carried);
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }

@@ -285,6 +285,7 @@ impl Primitive {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::Failures;
 
     const RAMPS: [Ramp; 5] = [
         Ramp::Thesis,
@@ -358,7 +359,7 @@ mod tests {
             Ramp::Distance { inner_px: 60.0, outer_px: 9.0 },
         ];
         let (radius, focal, h) = (0.06, 400.0, 1e-7);
-        let mut failures = Vec::new();
+        let mut failures = Failures::default();
         let mut compared = 0;
         for ramp in ramps {
             for depth in [1.0, 3.0] {
@@ -367,13 +368,11 @@ mod tests {
                     let numeric = (level(radius + h) - level(radius - h)) / (2.0 * h);
                     let analytic = ramp.radius_rate(radius, depth, focal, d * d);
                     compared += usize::from(analytic != 0.0);
-                    if (numeric - analytic).abs() > 1e-4 * (1.0 + numeric.abs()) {
-                        failures.push(format!("{ramp}, z {depth}, d {d}: {numeric} {analytic}"));
-                    }
+                    let what = format_args!("{ramp}, z {depth}, d {d}");
+                    failures.near(what, analytic, numeric, 1e-4 * (1.0 + numeric.abs()));
                 }
             }
         }
         assert!(compared > 30, "{compared}");
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }

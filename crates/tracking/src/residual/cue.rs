@@ -251,7 +251,7 @@ impl CueSet {
 mod tests {
     use super::*;
     use crate::body::{Pose, builtin};
-    use crate::fixtures::{self, BOTH, check_gradient};
+    use crate::fixtures::{self, BOTH, Failures, check_gradient, differences};
     use crate::optimize::NormalEquations;
     use crate::residual::silhouette::StateMap;
 
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn derivatives_match_differences() {
         let model = builtin::upper_body();
-        let mut failures = Vec::new();
+        let mut failures = Failures::default();
         for loss in [Loss::Squares, Loss::Cauchy { scale: 0.1 }, Loss::Huber { scale: 0.1 }] {
             let set = set(&model, loss);
             for parameters in BOTH {
@@ -313,23 +313,14 @@ mod tests {
                 let add = |equations: &mut NormalEquations, pose: &Pose| *equations = cost(pose);
                 let name = format!("{loss:?}");
                 let here = check_gradient(&name, parameters, &pose, add, 5e-6, &mut failures);
-                let h = 1e-6;
-                let mut jacobian = nalgebra::DMatrix::zeros(2 * set.pulls.len(), n);
-                for column in 0..n {
-                    let moved = |sign: f64| rows(&pose.nudged(parameters, column, sign * h));
-                    for (row, (a, b)) in moved(1.0).into_iter().zip(moved(-1.0)).enumerate() {
-                        jacobian[(row, column)] = (b - a) / (2.0 * h);
-                    }
-                }
                 if loss == Loss::Squares {
+                    let jacobian = differences(parameters, &pose, rows);
                     let worst = (jacobian.tr_mul(&jacobian) - &here.jtj).amax() / here.jtj.amax();
-                    if worst > 1e-5 {
-                        failures.push(format!("{parameters:?}: JᵀJ differs by {worst:.1e}"));
-                    }
+                    failures
+                        .expect(worst <= 1e-5, format_args!("{parameters:?}: JᵀJ differs by {worst:.1e}"));
                 }
             }
         }
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 
     #[test]

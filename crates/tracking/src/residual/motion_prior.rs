@@ -75,7 +75,7 @@ fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::fixtures::{BOTH, bent, check_gradient};
+    use crate::fixtures::{BOTH, Failures, bent, check_gradient, differences};
 
     /// Jᵀρ against differences of the cost, JᵀJ against differences of δ.
     #[test]
@@ -85,27 +85,17 @@ mod tests {
         let n = Parameters::Tangent.columns(model.rotation_count());
         let half = DMatrix::from_fn(n, n, |i, j| ((i * 5 + j * 11) as f64 * 0.37).sin());
         let prior = MotionPrior { mean, information: &half * half.transpose(), variance: 1.5 };
-        let mut failures = Vec::new();
+        let mut failures = Failures::default();
         for parameters in BOTH {
             let residual = |equations: &mut NormalEquations, pose: &Pose| {
                 add(equations, parameters, pose, &prior, 0.25);
             };
             let here = check_gradient("motion", parameters, &pose, residual, 5e-7, &mut failures);
-            let h = 1e-6;
-            let mut differences = DMatrix::zeros(n, here.columns());
-            for column in 0..here.columns() {
-                let at = |sign: f64| {
-                    let moved = pose.nudged(parameters, column, sign * h);
-                    step_and_rates(parameters, &moved, &prior.mean).0
-                };
-                differences.set_column(column, &((at(1.0) - at(-1.0)) / (2.0 * h)));
-            }
-            let expected = differences.transpose() * &prior.information * differences * (1.5 * 0.25);
+            let steps = |pose: &Pose| step_and_rates(parameters, pose, &prior.mean).0.as_slice().to_vec();
+            let jacobian = differences(parameters, &pose, steps);
+            let expected = jacobian.transpose() * &prior.information * jacobian * (1.5 * 0.25);
             let worst = (&expected - &here.jtj).amax() / expected.amax();
-            if worst > 1e-7 {
-                failures.push(format!("{parameters:?}: JᵀJ differs by {worst:.1e}"));
-            }
+            failures.expect(worst <= 1e-7, format_args!("{parameters:?}: JᵀJ differs by {worst:.1e}"));
         }
-        assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }

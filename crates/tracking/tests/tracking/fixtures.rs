@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "the crate's own tests use some, those outside it others")]
 
+use std::fmt::Arguments;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
@@ -11,6 +12,7 @@ use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask};
 use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
 
 /// Both parametrisations.
 pub(crate) const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
@@ -103,6 +105,49 @@ pub(crate) fn fit_view(model: &Model, pose: &Pose, camera: impl Into<Arc<Camera>
     FitView::of_mask(camera, mask)
 }
 
+/// What went wrong in a test that goes on nevertheless. The test fails where this ends, if there is anything, and tells all of it.
+#[derive(Debug, Default)]
+pub(crate) struct Failures(Vec<String>);
+
+impl Failures {
+    /// Remembers what is said if something is not as it should be.
+    pub(crate) fn expect(&mut self, is_right: bool, otherwise: Arguments<'_>) {
+        if !is_right {
+            self.0.push(otherwise.to_string());
+        }
+    }
+
+    /// Remembers a number that is farther than this from the one expected.
+    pub(crate) fn near(&mut self, what: Arguments<'_>, found: f64, expected: f64, within: f64) {
+        let is_near = (found - expected).abs() <= within;
+        self.expect(is_near, format_args!("{what} is {found} instead of {expected}"));
+    }
+}
+
+impl Drop for Failures {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let count = self.0.len();
+            self.0.truncate(50);
+            assert!(count == 0, "{count} failures:\n{}", self.0.join("\n"));
+        }
+    }
+}
+
+/// Rows of a function of the pose by central differences, a column for each of the state's.
+pub(crate) fn differences(
+    parameters: Parameters,
+    pose: &Pose,
+    function: impl Fn(&Pose) -> Vec<f64>,
+) -> DMatrix<f64> {
+    let (columns, h) = (parameters.columns(pose.rotations.len()), 1e-6);
+    let column = |column: usize| {
+        let at = |offset: f64| DVector::from_vec(function(&pose.nudged(parameters, column, offset)));
+        (at(h) - at(-h)) / (2.0 * h)
+    };
+    DMatrix::from_columns(&(0..columns).map(column).collect::<Vec<_>>())
+}
+
 /// −2 Jᵀρ of what a residual adds against central differences of the cost, all columns reported at once. Returns what it adds.
 pub(crate) fn check_gradient(
     name: &str,
@@ -110,7 +155,7 @@ pub(crate) fn check_gradient(
     pose: &Pose,
     add: impl Fn(&mut NormalEquations, &Pose),
     tolerance: f64,
-    failures: &mut Vec<String>,
+    failures: &mut Failures,
 ) -> NormalEquations {
     let columns = parameters.columns(pose.rotations.len());
     let at = |pose: &Pose| {
@@ -122,10 +167,8 @@ pub(crate) fn check_gradient(
     for column in 0..columns {
         let cost = |offset: f64| at(&pose.nudged(parameters, column, offset)).cost;
         let numeric = -0.5 * (cost(h) - cost(-h)) / (2.0 * h);
-        let analytic = here.jtr[column];
-        if (numeric - analytic).abs() > tolerance * here.jtr.amax() {
-            failures.push(format!("{name}, {parameters:?}, column {column}: {analytic} for {numeric}"));
-        }
+        let what = format_args!("{name}, {parameters:?}, column {column}");
+        failures.near(what, here.jtr[column], numeric, tolerance * here.jtr.amax());
     }
     here
 }

@@ -10,6 +10,8 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 
+use crate::fixtures::Failures;
+
 /// Largest difference of λ, grey levels: half a unit of the file's last decimal, and a margin.
 const LEVEL_TOLERANCE: f64 = 1e-4;
 /// Largest difference of a Jacobian entry, relative to the largest entry of its column.
@@ -116,44 +118,35 @@ impl Case {
     }
 }
 
-fn report(failures: &[String]) {
-    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
-}
-
 #[test]
 fn joints_are_where_the_reference_has_them() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for case in cases() {
         let kinematics = Kinematics::new(&case.model, &case.pose);
         for (limb, expected) in numbers(&case.value["leaf_joints"]).chunks(3).enumerate() {
             let error = kinematics.ends()[limb].distance(DVec3::from_slice(expected));
-            if error > 1e-10 {
-                failures.push(format!("{}: limb {limb} is {error:.1e} m off", case.name));
-            }
+            failures.expect(error <= 1e-10, format_args!("{}: limb {limb} is {error:.1e} m off", case.name));
         }
     }
-    report(&failures);
 }
 
 #[test]
 fn predictions_match() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for case in cases() {
         let expected = numbers(&case.value["lam"]);
         let found = case.levels(&case.pose);
         assert_eq!(found.len(), expected.len(), "{}", case.name);
         for (pixel, (found, expected)) in found.iter().zip(&expected).enumerate() {
-            if (found - expected).abs() > LEVEL_TOLERANCE {
-                failures.push(format!("{}: pixel {pixel}: λ = {found}, expected {expected}", case.name));
-            }
+            let what = format_args!("{}: pixel {pixel}: λ", case.name);
+            failures.near(what, *found, *expected, LEVEL_TOLERANCE);
         }
     }
-    report(&failures);
 }
 
 #[test]
 fn jacobians_match() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for case in cases() {
         let jacobian = case.jacobian(&case.pose, Parameters::Raw);
         let pixels: Vec<usize> = numbers(&case.value["jac_pixels"]).iter().map(|&x| x as usize).collect();
@@ -162,30 +155,23 @@ fn jacobians_match() {
             let values = numbers(values);
             let scale = values.iter().fold(1.0_f64, |largest, value| largest.max(value.abs()));
             for (&pixel, expected) in pixels.iter().zip(&values) {
-                let found = jacobian[(pixel, column)];
-                if (found - expected).abs() > JACOBIAN_TOLERANCE * scale {
-                    failures.push(format!(
-                        "{}: pixel {pixel}, column {column}: {found}, expected {expected}",
-                        case.name
-                    ));
-                }
+                let what = format_args!("{}: pixel {pixel}, column {column}", case.name);
+                failures.near(what, jacobian[(pixel, column)], *expected, JACOBIAN_TOLERANCE * scale);
             }
         }
         // No gradient where the reference has none.
         let excluded: Vec<usize> = numbers(&case.value["excluded"]).iter().map(|&x| x as usize).collect();
         for pixel in 0..jacobian.nrows() {
             let active = jacobian.row(pixel).iter().any(|&x| x != 0.0);
-            if active && !pixels.contains(&pixel) && !excluded.contains(&pixel) {
-                failures.push(format!("{}: pixel {pixel} has a gradient, the reference has none", case.name));
-            }
+            let is_right = !active || pixels.contains(&pixel) || excluded.contains(&pixel);
+            failures.expect(is_right, format_args!("{}: pixel {pixel} has a gradient here alone", case.name));
         }
     }
-    report(&failures);
 }
 
 #[test]
 fn costs_and_normal_equations_match() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let mut compared = 0;
     for case in cases().into_iter().filter(|case| case.value.get("state2").is_some()) {
         compared += 1;
@@ -193,17 +179,15 @@ fn costs_and_normal_equations_match() {
         let (data, prediction) = (case.levels(&data_pose), case.levels(&case.pose));
         let residual = DVector::from_iterator(data.len(), data.iter().zip(&prediction).map(|(d, l)| d - l));
         let cost = case.value["cost"].as_f64().unwrap();
-        if (residual.norm_squared() / cost - 1.0).abs() > 1e-6 {
-            failures.push(format!("{}: cost {} expected {cost}", case.name, residual.norm_squared()));
-        }
+        let what = format_args!("{}: cost", case.name);
+        failures.near(what, residual.norm_squared(), cost, 1e-6 * cost);
         for (parameters, key) in [(Parameters::Raw, "g_raw"), (Parameters::Tangent, "g_tangent")] {
             let gradient = case.jacobian(&case.pose, parameters).transpose() * &residual;
             let expected = numbers(&case.value[key]);
             let scale = expected.iter().fold(1.0_f64, |largest, value| largest.max(value.abs()));
             for (column, (found, expected)) in gradient.iter().zip(&expected).enumerate() {
-                if (found - expected).abs() > 1e-4 * scale {
-                    failures.push(format!("{}: {key}[{column}] = {found}, expected {expected}", case.name));
-                }
+                let what = format_args!("{}: {key}[{column}]", case.name);
+                failures.near(what, *found, *expected, 1e-4 * scale);
             }
         }
         let jacobian = case.jacobian(&case.pose, Parameters::Tangent);
@@ -213,11 +197,9 @@ fn costs_and_normal_equations_match() {
         let expected = numbers(&case.value["JtJ_eigs_tangent"]);
         let scale = expected.iter().fold(0.0_f64, |largest, value| largest.max(*value));
         for (found, expected) in eigenvalues.iter().zip(&expected) {
-            if (found - expected).abs() > 1e-4 * expected.abs() + 1e-9 * scale {
-                failures.push(format!("{}: eigenvalue {found}, expected {expected}", case.name));
-            }
+            let what = format_args!("{}: eigenvalue", case.name);
+            failures.near(what, *found, *expected, 1e-4 * expected.abs() + 1e-9 * scale);
         }
     }
     assert!(compared >= 6);
-    report(&failures);
 }

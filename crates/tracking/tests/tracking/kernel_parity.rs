@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
 use crate::bodies::with_own_spheres;
-use crate::fixtures;
+use crate::fixtures::{self, Failures};
 
 const RAMPS: [Ramp; 6] = [
     Ramp::Thesis,
@@ -86,7 +86,7 @@ fn compare(
     camera: &Camera,
     (renderer, ramp): (RendererKind, Ramp),
     data: &SampledData,
-    failures: &mut Vec<String>,
+    failures: &mut Failures,
 ) {
     let view = view(model, pose, camera, renderer, ramp);
     let mut lanes = vec![WrenchBlock::default(); model.limbs().len()];
@@ -97,9 +97,8 @@ fn compare(
     lanes.fill(WrenchBlock::default());
     let lanes_cost = data.accumulate(&view, &mut memory, &mut lanes);
     let scalar_cost = data.accumulate_scalar(&view, &mut KernelMemory::default(), &mut scalar);
-    if (lanes_cost - scalar_cost).abs() > COST_TOLERANCE * scalar_cost.max(1.0) {
-        failures.push(format!("{name}: cost {lanes_cost} instead of {scalar_cost}"));
-    }
+    let what = format_args!("{name}: cost");
+    failures.near(what, lanes_cost, scalar_cost, COST_TOLERANCE * scalar_cost.max(1.0));
     let tolerance = if renderer == RendererKind::Cylinder { FLAT_CAP_TOLERANCE } else { EQUATION_TOLERANCE };
     let found = equations(model, pose, camera, &lanes);
     let expected = equations(model, pose, camera, &scalar);
@@ -109,10 +108,11 @@ fn compare(
     let roots = diagonal.map(|entry| entry.max(LEAST_DIAGONAL * largest).sqrt());
     let mut check = |place: String, difference: f64, largest: f64, own: f64| {
         let agrees = difference.abs() <= tolerance * largest && difference.abs() <= ENTRY_TOLERANCE * own;
-        if !agrees {
-            let (of_largest, of_own) = (difference / largest, difference / own);
-            failures.push(format!("{name}: {place} differs by {of_largest:.1e}, {of_own:.1e} of its own"));
-        }
+        let (of_largest, of_own) = (difference / largest, difference / own);
+        failures.expect(
+            agrees,
+            format_args!("{name}: {place} differs by {of_largest:.1e}, {of_own:.1e} of its own"),
+        );
     };
     for i in 0..roots.len() {
         let difference = found.jtr[i] - expected.jtr[i];
@@ -126,7 +126,7 @@ fn compare(
 
 #[test]
 fn lanes_are_the_scalar_kernel() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let mut taken = 0;
     let capsule = RendererKind::Capsule;
     let spheres = RendererKind::SphereTree { spheres: None };
@@ -153,14 +153,13 @@ fn lanes_are_the_scalar_kernel() {
         }
     }
     assert!(taken > 300, "only {taken} views were taken by the lanes");
-    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }
 
 /// A picture of many bands, in which no solid is in all of them; and cameras among and in front of the limbs: whoever takes
 /// the view, the sums are those of the reference.
 #[test]
 fn bands_and_near_and_crossing_limbs_are_the_scalar_kernel_too() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let model = builtin::upper_body();
     let bands = (0..).zip(RAMPS).map(|(seed, ramp)| ([300, 500], 0.7, 3.0, (0.2, 0.05), seed, ramp));
     let near = (0..)
@@ -174,7 +173,6 @@ fn bands_and_near_and_crossing_limbs_are_the_scalar_kernel_too() {
             (format!("{width}×{height}, {distance} m, {ramp}"), (RendererKind::Capsule, ramp));
         compare(&name, &model, &pose, &camera, solid, &data, &mut failures);
     }
-    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }
 
 /// λ from the lanes, grey levels.
@@ -208,7 +206,7 @@ fn one_pixel(
 /// Pixel by pixel: the same pixels have a gradient, with the same level and the same row of the Jacobian.
 #[test]
 fn every_pixel_of_the_lanes_is_the_scalar_kernel_s() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let model = builtin::upper_body();
     let own = with_own_spheres(&model);
     let spheres = RendererKind::SphereTree { spheres: None };
@@ -238,19 +236,15 @@ fn every_pixel_of_the_lanes_is_the_scalar_kernel_s() {
             let mut ties = Vec::new();
             for (pixel, ((fast_level, fast_row), (level, row))) in rows.iter().enumerate() {
                 let place = format!("{name}, pixel ({}, {})", pixel % 40, pixel / 40);
-                let same = (fast_level - level).abs() <= LEVEL_TOLERANCE;
-                if !same {
-                    failures.push(format!("{place}: λ is {fast_level} instead of {level}"));
-                }
+                failures.near(format_args!("{place}: λ"), *fast_level, *level, LEVEL_TOLERANCE);
                 let error = (fast_row - row).amax() / scale;
                 if error > ROW_TOLERANCE || !fast_row.iter().all(|x| x.is_finite()) {
                     ties.push(format!("{place}: the Jacobian differs by {error:.1e}"));
                 }
             }
             if ties.len() as f64 > MOST_TIES * rows.len() as f64 {
-                failures.extend(ties);
+                ties.iter().for_each(|tie| failures.expect(false, format_args!("{tie}")));
             }
         }
     }
-    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }

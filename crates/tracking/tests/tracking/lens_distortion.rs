@@ -7,7 +7,7 @@ use backlit_tracking::search::start;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
 
-use crate::fixtures;
+use crate::fixtures::{self, Failures};
 
 /// A ramp, and by how many grey levels the two ways may differ: at worst in a pixel with data, and in the mean over the
 /// pixels that either way are not background. Half a level is rounding; the rest is what bilinear mixing does to a ramp that
@@ -68,7 +68,7 @@ fn difference(rectification: &Rectification, rectified: &RgbImage, ideal: &[f64]
 #[test]
 fn rays_through_the_lens_agree_with_the_rectified_picture() {
     let model = builtin::upper_body();
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let renderers =
         [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
     for (lens_name, lens) in [("barrel", BARREL), ("pincushion", PINCUSHION)] {
@@ -88,9 +88,10 @@ fn rays_through_the_lens_agree_with_the_rectified_picture() {
                     let cylinder = renderer == RendererKind::Cylinder;
                     let (worst, mean) = if cylinder { (255.0, CYLINDER_MEAN) } else { (worst, mean) };
                     let agrees = found.worst < worst && found.mean < mean;
-                    if !(agrees && found.grey > 2000) {
-                        failures.push(format!("{lens_name}, pose {seed}, {renderer}, {ramp}: {found:?}"));
-                    }
+                    failures.expect(
+                        agrees && found.grey > 2000,
+                        format_args!("{lens_name}, pose {seed}, {renderer}, {ramp}: {found:?}"),
+                    );
                     // The lens does bend: without rectification the pictures are far apart.
                     let apart =
                         difference(&Rectification::new(&raw.without_distortion()), &picture, &straight);
@@ -99,7 +100,6 @@ fn rays_through_the_lens_agree_with_the_rectified_picture() {
             }
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// A pincushion's ideal corners lie outside the raw picture; a barrel's raw corners lie outside the ideal one.

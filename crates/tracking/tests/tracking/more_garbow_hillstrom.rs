@@ -9,6 +9,8 @@ use backlit_tracking::optimize::{
 use nalgebra::{DMatrix, DVector};
 use problems::{C, Problem};
 
+use crate::fixtures::Failures;
+
 /// Published minima have six figures, the last one cut off.
 const SIX_FIGURES: f64 = 1e-5;
 /// What counts as a minimum of zero.
@@ -67,18 +69,18 @@ fn solve(mut problem: &Problem) -> (f64, usize, Termination) {
 
 #[test]
 fn the_published_minima_are_found() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for problem in &problems::all() {
         let (cost, iterations, why) = solve(problem);
         let line = format!("{}: {cost:.6e} after {iterations} iterations: {why}", problem.name);
         println!("{line}");
         // Where all residuals come to zero to the bit, no pull is left.
         let is_converged = why.name().starts_with("converged") || why == Termination::NoGradient;
-        if !(is_converged && is_at_a_minimum(problem, cost)) {
-            failures.push(format!("{line}; published {:?}", problem.minima));
-        }
+        failures.expect(
+            is_converged && is_at_a_minimum(problem, cost),
+            format_args!("{line}; published {:?}", problem.minima),
+        );
     }
-    assert!(failures.is_empty(), "{} problems:\n{}", failures.len(), failures.join("\n"));
 }
 
 /// Where J is singular at the minimum every step goes half of the way, so there is no end, and none is claimed.

@@ -13,7 +13,7 @@ use backlit_tracking::silhouette::Measurement;
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-use crate::fixtures::{self, BOTH};
+use crate::fixtures::{self, BOTH, Failures};
 
 /// Largest relative error of sums in f32 lanes. Where two limbs share a joint they tie, and rounding may give
 /// such a pixel to either: with raw coefficients its stretch then counts for the other limb.
@@ -136,13 +136,10 @@ fn compare(
     jacobian: &DMatrix<f64>,
     residual: &DVector<f64>,
     tolerance: f64,
-    failures: &mut Vec<String>,
+    failures: &mut Failures,
 ) {
     let mut check = |what: String, found: f64, expected: f64, scale: f64| {
-        let agrees = (found - expected).abs() <= tolerance * scale;
-        if !agrees {
-            failures.push(format!("{name}: {what} = {found}, expected {expected}"));
-        }
+        failures.near(format_args!("{name}: {what}"), found, expected, tolerance * scale);
     };
     let (jtj, jtr) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(residual));
     let (diagonal, cost) = (jtj.diagonal(), residual.norm_squared());
@@ -156,14 +153,9 @@ fn compare(
     check("cost".into(), found.cost, cost, cost);
 }
 
-fn report(failures: &[String]) {
-    let listed = failures.iter().take(50).cloned().collect::<Vec<_>>().join("\n");
-    assert!(failures.is_empty(), "{} mismatches:\n{listed}", failures.len());
-}
-
 #[test]
 fn wrench_sums_are_the_dense_normal_equations() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let renderers =
         [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
     for (name, model, up) in bodies() {
@@ -181,7 +173,6 @@ fn wrench_sums_are_the_dense_normal_equations() {
             }
         }
     }
-    report(&failures);
 }
 
 /// Where a limb keeps the rotation of one that it does not grow from, no rotation before it carries a whole branch, and
@@ -192,18 +183,17 @@ fn sums_of_limbs_that_lean_on_others_are_the_dense_ones_too() {
     let hand = spec.limbs.iter_mut().find(|limb| limb.name == "left forearm").unwrap();
     hand.rigid_with = Some("torso".into());
     let model = Model::new(&spec).unwrap();
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for parameters in BOTH {
         let problem = problem(&model, DVec3::Y, parameters, 1, RendererKind::Capsule);
         let (jacobian, residual) = (&problem.jacobian, &problem.residual);
         compare(&format!("{parameters:?}"), &problem.sums, jacobian, residual, 1e-10, &mut failures);
     }
-    report(&failures);
 }
 
 #[test]
 fn the_undamped_step_is_the_dense_least_squares_solution() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for (name, Problem { sums, jacobian, residual, .. }) in problems() {
         let step = sums.step(0.0);
         // Eigenvalues of JᵀJ below 1e-6 of the largest are null: singular values below 1e-3.
@@ -212,23 +202,17 @@ fn the_undamped_step_is_the_dense_least_squares_solution() {
         let nulls = svd.singular_values.iter().filter(|value| **value < 1e-3 * largest).count();
         let dense = svd.solve(&residual, 1e-3 * largest).unwrap();
         let error = (&step - &dense).norm() / dense.norm();
-        let agrees = error < 1e-6;
-        if !agrees {
-            failures.push(format!("{name}: the step is {error:.1e} off, {nulls} null directions"));
-        }
+        failures.expect(error < 1e-6, format_args!("{name}: {error:.1e} off, {nulls} null directions"));
         let fallen = residual.norm_squared() - (&residual - &jacobian * &step).norm_squared();
         let predicted = sums.predicted_decrease(&step);
-        let agrees = (predicted / fallen - 1.0).abs() < 1e-8;
-        if !agrees {
-            failures.push(format!("{name}: predicted decrease {predicted}, the linear model's {fallen}"));
-        }
+        let what = format_args!("{name}: predicted over actual decrease");
+        failures.near(what, predicted / fallen, 1.0, 1e-8);
     }
-    report(&failures);
 }
 
 #[test]
 fn the_damped_step_is_the_augmented_least_squares_solution() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for (name, Problem { sums, jacobian, residual, .. }) in problems() {
         for damping in [1e-3, 0.1] {
             let (rows, columns) = jacobian.shape();
@@ -240,13 +224,9 @@ fn the_damped_step_is_the_augmented_least_squares_solution() {
             let data = residual.clone().resize_vertically(rows + columns, 0.0);
             let dense = augmented.svd(true, true).solve(&data, 0.0).unwrap();
             let error = (sums.step(damping) - &dense).norm() / dense.norm();
-            let agrees = error < 1e-8;
-            if !agrees {
-                failures.push(format!("{name}, damping {damping}: {error:.1e} off"));
-            }
+            failures.expect(error < 1e-8, format_args!("{name}, damping {damping}: {error:.1e} off"));
         }
     }
-    report(&failures);
 }
 
 /// Compares what a prior adds with differences of its weighted residuals √w ρ(X), written out again here.
@@ -256,7 +236,7 @@ fn check_prior(
     pose: &Pose,
     add: impl Fn(&mut NormalEquations, &Pose),
     residual: impl Fn(&Pose) -> Vec<f64>,
-    failures: &mut Vec<String>,
+    failures: &mut Failures,
 ) {
     let columns = parameters.columns(pose.rotations.len());
     let mut equations = NormalEquations::zeros(columns);
@@ -281,7 +261,7 @@ fn weighted(weight: f64, vectors: impl IntoIterator<Item = DVec3>) -> Vec<f64> {
 
 #[test]
 fn priors_match_differences_of_their_residuals() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for (name, model, _) in bodies() {
         for parameters in BOTH {
             for (phase, size) in [(0.3, 0.15), (1.7, 0.4), (4.0, 0.6)] {
@@ -333,10 +313,9 @@ fn priors_match_differences_of_their_residuals() {
             }
         }
     }
-    report(&failures);
 }
 
-fn check_limits(name: &str, model: &Model, parameters: Parameters, pose: &Pose, failures: &mut Vec<String>) {
+fn check_limits(name: &str, model: &Model, parameters: Parameters, pose: &Pose, failures: &mut Failures) {
     let weight = 300.0;
     let excess = |pose: &Pose| {
         let each = model.rotation_owners().iter().zip(&pose.rotations).filter_map(|(&owner, q)| {
@@ -356,7 +335,7 @@ fn check_limits(name: &str, model: &Model, parameters: Parameters, pose: &Pose, 
     check_prior(name, parameters, pose, add, excess, failures);
 }
 
-fn check_point(name: &str, model: &Model, parameters: Parameters, pose: &Pose, failures: &mut Vec<String>) {
+fn check_point(name: &str, model: &Model, parameters: Parameters, pose: &Pose, failures: &mut Failures) {
     let targets = [None, Some(0), Some(3), Some(model.limbs().len() - 1)].map(|limb| PointTarget {
         limb,
         target: DVec3::new(0.2, 0.4, -0.3),

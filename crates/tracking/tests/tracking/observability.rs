@@ -14,7 +14,7 @@ use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use glam::{DQuat, DVec3};
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use crate::fixtures;
+use crate::fixtures::{self, Failures};
 
 fn options() -> FitOptions {
     FitOptions::preset(Preset::Robust)
@@ -147,7 +147,7 @@ fn joints_of_noisy_fits_scatter_as_foretold() {
     }
     assert!((pixel / DEVIATION - 1.0).abs() < 0.05, "{pixel}");
     assert!(together < 1.3, "independent pixels err by themselves: {together}");
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for joint in foretold.joints.iter().filter(|joint| joint.limb.is_some()) {
         let name = &model.limbs()[joint.limb.unwrap()].name;
         let found = &scatter[joint.limb.unwrap()];
@@ -155,13 +155,12 @@ fn joints_of_noisy_fits_scatter_as_foretold() {
         let eigen = joint.covariance.symmetric_eigen();
         for (axis, variance) in eigen.eigenvectors.column_iter().zip(eigen.eigenvalues.iter()) {
             let ratio = (axis.dot(&(found * axis)) / variance).sqrt();
-            if !(0.8..1.25).contains(&ratio) {
-                failures
-                    .push(format!("{name}: {:.3} mm, scatter is {ratio:.2} of it", 1e3 * variance.sqrt()));
-            }
+            failures.expect(
+                (0.8..1.25).contains(&ratio),
+                format_args!("{name}: {:.3} mm, scatter is {ratio:.2} of it", 1e3 * variance.sqrt()),
+            );
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// Sums of cameras are what a fit steps on, and sets of them are what looking through those alone gives.

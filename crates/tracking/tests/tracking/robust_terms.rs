@@ -14,13 +14,13 @@ use backlit_tracking::residual::pose_prior;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Label;
 
-use crate::fixtures::{BOTH, bent, check_gradient};
+use crate::fixtures::{BOTH, Failures, bent, check_gradient};
 
 #[test]
 fn robust_proximal_priors_match_differences() {
     let model = builtin::upper_body();
     let reference = bent(&model, 0.3, 2.1);
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let scale = 0.35;
     for loss in [Loss::Squares, Loss::Huber { scale }, Loss::Cauchy { scale }, Loss::Tukey { scale }] {
         for (phase, size) in [(0.3, 0.1), (1.7, 0.4)] {
@@ -35,12 +35,11 @@ fn robust_proximal_priors_match_differences() {
             }
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]
 fn interpenetration_matches_differences() {
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     let mut overlapping = 0;
     for model in [builtin::upper_body(), builtin::full_body()] {
         let pairs = LimbPairs::of(&model);
@@ -58,7 +57,6 @@ fn interpenetration_matches_differences() {
             }
         }
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
     assert!(overlapping >= 16, "only {overlapping} poses overlap");
 }
 

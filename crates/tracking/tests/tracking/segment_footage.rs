@@ -8,6 +8,8 @@ use backlit_tracking::silhouette::{Label, Mask};
 
 use crate::footage::footage;
 
+use crate::fixtures::Failures;
+
 fn picture(path: &Path) -> image::RgbImage {
     image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).to_rgb8()
 }
@@ -28,7 +30,7 @@ fn a_person_is_found_whole_and_alone() {
         ("cam03", [(9_600, (105..201), (98..341)), (8_000, (50..186), (95..312))]),
         ("cam04", [(10_500, (30..170), (110..360)), (9_500, (38..261), (94..319))]),
     ];
-    let mut failures = Vec::new();
+    let mut failures = Failures::default();
     for (camera, frames) in expected {
         let plate = picture(&footage.join(format!("background/{camera}.png")));
         let background = Background::from_plate(&plate);
@@ -37,14 +39,9 @@ fn a_person_is_found_whole_and_alone() {
             let mask = segment(&image, &background, &SegmentOptions::default()).unwrap();
             let found = mask.count(Label::Subject);
             let outside = found - subject_in(&mask, columns, rows);
-            if found.abs_diff(pixels) * 20 > pixels || outside > 0 {
-                failures.push(format!(
-                    "{camera}, frame {frame}: {found} pixels of subject instead of about {pixels}, {outside} of them \
-                     away from the person, bounds {:?}",
-                    mask.bounds()
-                ));
-            }
+            let is_right = found.abs_diff(pixels) * 20 <= pixels && outside == 0;
+            failures.expect(is_right, format_args!(
+"{camera}, frame {frame}: {found} pixels instead of about {pixels}, {outside} outside, {:?}", mask.bounds()));
         }
     }
-    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
