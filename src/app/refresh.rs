@@ -143,37 +143,30 @@ impl Inspector {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::app::testing::{Breaks, open};
     use crate::context::preferences::Layout;
     use backlit_document::edit::Edit;
 
     #[test]
     fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
-        let (mut window, mut app) = open(Layout::Pose);
-        let mut pose = app.inspector.shown_pose().clone();
+        let mut app = open(Layout::Pose);
+        let mut pose = app.shown_pose().clone();
         pose.root.x += 0.01;
-        app.inspector
-            .state
-            .edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
-        let posed =
-            super::PosedInputs { inputs: app.inspector.context().fit_inputs().unwrap(), pose: pose.clone() };
-        let pool = app.inspector.state.pool.clone();
-        app.inspector.refresh.prediction.begin(&pool, posed, |_| Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.inspector.refresh.prediction.failure().is_some() && app.inspector.state.session.is_stale);
-        assert_eq!(errors(&app).len(), 1, "it is said once");
+        app.state.edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
+        let posed = super::PosedInputs { inputs: app.context().fit_inputs().unwrap(), pose: pose.clone() };
+        app.break_down(|all, pool| all.refresh.prediction.begin(pool, posed, |_| Breaks));
+        assert!(app.refresh.prediction.failure().is_some() && app.state.session.is_stale);
+        assert_eq!(app.errors().len(), 1, "it is said once");
         pose.root.x += 0.01;
-        app.inspector.state.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
-        settle(&mut window, &mut app);
-        assert!(!app.inspector.state.session.is_stale, "it is drawn now");
+        app.state.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
+        app.settle();
+        assert!(!app.state.session.is_stale, "it is drawn now");
     }
 
     #[test]
     fn a_frame_that_cannot_be_read_is_said_once_and_nothing_waits_for_it() {
-        let (mut window, mut app) = open(Layout::Pose);
-        let pool = app.inspector.state.pool.clone();
-        app.inspector.refresh.frame.begin(&pool, (0, Default::default()), |_| Breaks);
-        settle(&mut window, &mut app);
-        assert_eq!(errors(&app), ["Reading the frame broke down: thirteen. Your work is unharmed."]);
+        let mut app = open(Layout::Pose);
+        app.break_down(|all, pool| all.refresh.frame.begin(pool, (0, Default::default()), |_| Breaks));
+        assert_eq!(app.errors(), ["Reading the frame broke down: thirteen. Your work is unharmed."]);
     }
 }

@@ -1,13 +1,15 @@
 //! The window for tests of the features: without display, with the pool that tests turn themselves.
 
+use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use backlit_jobs::Pool;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use egui_painter::Headless;
 
-use super::{App, AppOptions, Opening};
+use super::{App, AppOptions, Inspector, Opening};
 use crate::context::command::Command;
 use crate::context::notices::Severity;
 use crate::context::preferences::Layout;
@@ -21,40 +23,89 @@ impl<O> backlit_jobs::Job<O> for Breaks {
     }
 }
 
-/// Runs frames until nothing is being worked on.
-pub(crate) fn settle(window: &mut Headless, app: &mut App) {
-    let began = Instant::now();
-    window.run(2, Vec::new(), |ui| app.frame(ui));
-    while !app.inspector.is_idle() {
-        assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
-        window.run(1, Vec::new(), |ui| app.frame(ui));
+/// The window, with the inspector that it shows.
+pub(crate) struct TestWindow {
+    window: Headless,
+    app: App,
+}
+
+impl Deref for TestWindow {
+    type Target = Inspector;
+
+    fn deref(&self) -> &Inspector {
+        &self.app.inspector
     }
 }
 
-/// Does a command, and all that follows from it.
-pub(crate) fn do_command(window: &mut Headless, app: &mut App, command: Command) {
-    app.run(command);
-    settle(window, app);
+impl DerefMut for TestWindow {
+    fn deref_mut(&mut self) -> &mut Inspector {
+        &mut self.app.inspector
+    }
+}
+
+impl TestWindow {
+    pub(crate) fn frames(&mut self, count: usize) {
+        self.window.run(count, Vec::new(), |ui| self.app.frame(ui));
+    }
+
+    /// Runs frames until nothing is being worked on.
+    pub(crate) fn settle(&mut self) {
+        let began = Instant::now();
+        self.frames(2);
+        while !self.is_idle() {
+            assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
+            self.frames(1);
+        }
+    }
+
+    pub(crate) fn run(&mut self, command: Command) {
+        self.app.run(command);
+    }
+
+    /// Does a command, and all that follows from it.
+    pub(crate) fn does(&mut self, command: Command) {
+        self.run(command);
+        self.settle();
+    }
+
+    pub(crate) fn open(&mut self, opening: Opening) {
+        self.app.open(opening);
+        self.settle();
+    }
+
+    /// Begins a job that breaks down, and does all that follows from it.
+    pub(crate) fn break_down(&mut self, begin: impl FnOnce(&mut Inspector, &Pool)) {
+        let pool = self.state.pool.clone();
+        begin(self, &pool);
+        self.settle();
+    }
+
+    /// What was said to have gone wrong.
+    pub(crate) fn errors(&self) -> Vec<&str> {
+        let all = self.state.notices.all().iter();
+        all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
+    }
 }
 
 /// A window on the demonstration of a single limb, in a layout.
-pub(crate) fn open(layout: Layout) -> (Headless, App) {
+pub(crate) fn open(layout: Layout) -> TestWindow {
     open_take(Demonstration::SingleLimb, layout)
 }
 
-pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> (Headless, App) {
+pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> TestWindow {
     open_source(TakeSource::Demonstration(demonstration), layout)
 }
 
-pub(crate) fn open_source(source: TakeSource, layout: Layout) -> (Headless, App) {
-    let mut window = Headless::new(1100.0, 700.0, 1.0);
+pub(crate) fn open_source(source: TakeSource, layout: Layout) -> TestWindow {
+    let window = Headless::new(1100.0, 700.0, 1.0);
     let opening = Some(Opening::Take(source));
     let options = AppOptions { opening, is_inline: true, ..AppOptions::default() };
-    let mut app = App::new(window.ctx.clone(), options).unwrap();
-    settle(&mut window, &mut app);
-    app.inspector.state.preferences.layout = layout;
-    settle(&mut window, &mut app);
-    (window, app)
+    let app = App::new(window.ctx.clone(), options).unwrap();
+    let mut window = TestWindow { window, app };
+    window.settle();
+    window.state.preferences.layout = layout;
+    window.settle();
+    window
 }
 
 /// The first pictures of the built-in take as a take of its own, with a line more in its file.
@@ -86,10 +137,4 @@ pub(crate) fn small_take(folder: &Path, line: &str) -> PathBuf {
         }
     }
     folder.to_owned()
-}
-
-/// What was said to have gone wrong.
-pub(crate) fn errors(app: &App) -> Vec<&str> {
-    let all = app.inspector.state.notices.all().iter();
-    all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
 }

@@ -216,33 +216,30 @@ mod tests {
     use backlit_document::edit::Edit;
 
     use super::*;
-    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::app::testing::{Breaks, open};
     use crate::context::preferences::Layout;
 
     #[test]
     fn there_is_no_motion_before_a_frame_has_a_pose() {
-        let (_window, mut app) = open(Layout::Pose);
+        let mut app = open(Layout::Pose);
         let command = Command::Export(ExportCommand::Motion);
         assert!(
-            app.inspector
-                .features
-                .unavailable(command, &app.inspector.context())
+            app.features
+                .unavailable(command, &app.context())
                 .is_some_and(|why| why.contains("No frame has a pose"))
         );
-        app.inspector.state.edit(Edit::SetKey { frame: 0 }, None);
-        assert_eq!(app.inspector.features.unavailable(command, &app.inspector.context()), None);
+        app.state.edit(Edit::SetKey { frame: 0 }, None);
+        assert_eq!(app.features.unavailable(command, &app.context()), None);
     }
 
     #[test]
     fn an_export_that_breaks_down_is_said_once_and_is_over() {
-        let (mut window, mut app) = open(Layout::Pose);
-        let pool = app.inspector.state.pool.clone();
-        let export = &mut app.inspector.features.export;
+        let mut app = open(Layout::Pose);
+        let export = &mut app.features.export;
         export.running =
             Some(ExportProgress { path: "a.png".into(), done: 0, total: 1, outcome: Exported::Stopped });
-        export.task.begin(&pool, (), |()| Breaks);
-        settle(&mut window, &mut app);
-        assert_eq!(app.inspector.features.export.progress(), None);
-        assert_eq!(errors(&app), ["The export broke down: thirteen. Your work is unharmed."]);
+        app.break_down(|all, pool| all.features.export.task.begin(pool, (), |()| Breaks));
+        assert_eq!(app.features.export.progress(), None);
+        assert_eq!(app.errors(), ["The export broke down: thirteen. Your work is unharmed."]);
     }
 }

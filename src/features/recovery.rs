@@ -63,15 +63,13 @@ impl Recovery {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::app::testing::{Breaks, open};
     use crate::context::preferences::Layout;
 
     #[test]
     fn a_copy_that_breaks_down_is_said_once() {
-        let (mut window, mut app) = open(Layout::Pose);
-        let pool = app.inspector.state.pool.clone();
-        app.inspector.features.recovery.task.begin(&pool, Version::NONE, |_| Breaks);
-        settle(&mut window, &mut app);
-        assert_eq!(errors(&app), ["Writing a file broke down: thirteen. Your work is unharmed."]);
+        let mut app = open(Layout::Pose);
+        app.break_down(|all, pool| all.features.recovery.task.begin(pool, Version::NONE, |_| Breaks));
+        assert_eq!(app.errors(), ["Writing a file broke down: thirteen. Your work is unharmed."]);
     }
 }

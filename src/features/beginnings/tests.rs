@@ -2,44 +2,41 @@
 
 use backlit_document::edit::Edit;
 use backlit_take::demonstration::Demonstration;
-use egui_painter::Headless;
 
 use super::record::MOST_BODIES;
 use super::{AttemptIndex, Beginnings, COMPARED, Method};
-use crate::app::App;
-use crate::app::testing::{Breaks, errors, open_take, settle};
+use crate::app::testing::{Breaks, TestWindow, open_take};
 use crate::context::SessionRequest;
 use crate::context::command::{BeginningCommand, Command, HistoryCommand};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
 /// The demonstration with all ways tried.
-fn tried() -> (Headless, App) {
+fn tried() -> TestWindow {
     open_take(Demonstration::Begin, Layout::Pose)
 }
 
-fn run(window: &mut Headless, app: &mut App, command: BeginningCommand) {
-    app.run(Command::Beginning(command));
-    settle(window, app);
+fn run(app: &mut TestWindow, command: BeginningCommand) {
+    app.does(Command::Beginning(command));
 }
 
-fn ways(app: &App) -> &Beginnings {
-    &app.inspector.features.beginnings
+fn ways(app: &TestWindow) -> &Beginnings {
+    &app.features.beginnings
 }
 
-fn outcome(app: &App, method: Method) -> &super::Outcome {
+fn outcome(app: &TestWindow, method: Method) -> &super::Outcome {
     ways(app).ended[&method].as_ref().unwrap()
 }
 
-fn look_at(window: &mut Headless, app: &mut App, method: Method, step: usize) {
-    app.inspector.features.beginnings.look_at(AttemptIndex { method, step });
-    settle(window, app);
+fn look_at(app: &mut TestWindow, method: Method, step: usize) {
+    app.features.beginnings.look_at(AttemptIndex { method, step });
+    app.settle();
 }
 
 #[test]
 fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
-    let (_window, app) = tried();
-    assert!(app.inspector.is_open(Pane::Beginnings) && errors(&app).is_empty());
+    let app = tried();
+    assert!(app.is_open(Pane::Beginnings) && app.errors().is_empty());
     let error = |method| outcome(&app, method).error_mm.unwrap();
     for method in [Method::Particles, Method::Search] {
         assert!(error(method) < 20.0, "{method:?}: {} mm", error(method));
@@ -52,14 +49,14 @@ fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
     assert!(outcome(&app, Method::Search).iou.unwrap() > 0.95);
     // The first that was tried is looked at, in views and scene too.
     assert_eq!(ways(&app).at, Some(AttemptIndex { method: Method::Particles, step: 0 }));
-    let ghosts = app.inspector.context().ghosts.unwrap();
+    let ghosts = app.context().ghosts.unwrap();
     assert!(ghosts.placed.contains(&false), "only the trunk has a place");
 }
 
 #[test]
 fn particles_are_drawn_by_their_weights_and_the_same_each_time() {
-    let (mut window, mut app) = tried();
-    let poses = |app: &App| -> Vec<_> {
+    let mut app = tried();
+    let poses = |app: &TestWindow| -> Vec<_> {
         let steps = outcome(app, Method::Particles).steps.iter();
         steps.map(|step| (step.pose().clone(), step.words.clone())).collect()
     };
@@ -70,20 +67,20 @@ fn particles_are_drawn_by_their_weights_and_the_same_each_time() {
         let all: f64 = weights.iter().sum();
         assert!(all > 0.5 && all < 1.0 + 1e-9, "{}: {all}", step.words);
     }
-    run(&mut window, &mut app, BeginningCommand::RunAll);
+    run(&mut app, BeginningCommand::RunAll);
     assert_eq!(poses(&app), first);
 }
 
 #[test]
 fn templates_have_their_limbs_one_after_the_other() {
-    let (mut window, mut app) = tried();
+    let mut app = tried();
     let steps = &outcome(&app, Method::Templates).steps;
     let placed: Vec<usize> = steps.iter().map(|step| step.ghosts().limbs().count()).collect();
     assert!(placed.is_sorted() && placed[0] < 3 && placed.last() == Some(&12), "{placed:?}");
     assert!(steps[0].words.starts_with("Head"), "{}", steps[0].words);
     let turning = steps.iter().position(|step| step.words.starts_with("Left upper arm turns")).unwrap();
-    look_at(&mut window, &mut app, Method::Templates, turning);
-    let ghosts = app.inspector.context().ghosts.unwrap();
+    look_at(&mut app, Method::Templates, turning);
+    let ghosts = app.context().ghosts.unwrap();
     let name = |limb: usize| ghosts.model.limbs()[limb].name.as_str();
     let marked: Vec<&str> = (0..12).filter(|&limb| ghosts.marked[limb]).map(name).collect();
     assert_eq!(marked, ["left upper arm"]);
@@ -92,14 +89,14 @@ fn templates_have_their_limbs_one_after_the_other() {
 
 #[test]
 fn steps_are_played_in_order_to_the_last() {
-    let (mut window, mut app) = tried();
-    look_at(&mut window, &mut app, Method::Search, 0);
+    let mut app = tried();
+    look_at(&mut app, Method::Search, 0);
     let last = ways(&app).last_step().unwrap();
-    let now = app.inspector.state.now;
-    app.inspector.features.beginnings.toggle_play(now);
+    let now = app.state.now;
+    app.features.beginnings.toggle_play(now);
     let mut seen = vec![0];
     while ways(&app).plays.is_some() {
-        window.run(1, Vec::new(), |ui| app.frame(ui));
+        app.frames(1);
         let step = ways(&app).at.unwrap().step;
         if seen.last() != Some(&step) {
             seen.push(step);
@@ -108,35 +105,35 @@ fn steps_are_played_in_order_to_the_last() {
     }
     assert_eq!(seen, (0..=last).collect::<Vec<_>>());
     // Again from the first.
-    let now = app.inspector.state.now;
-    app.inspector.features.beginnings.toggle_play(now);
+    let now = app.state.now;
+    app.features.beginnings.toggle_play(now);
     assert_eq!(ways(&app).at.unwrap().step, 0);
 }
 
 #[test]
 fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
-    let (mut window, mut app) = tried();
-    let before = app.inspector.document().clone();
+    let mut app = tried();
+    let before = app.document().clone();
     let last = outcome(&app, Method::Search).steps.len() - 1;
-    look_at(&mut window, &mut app, Method::Search, last);
+    look_at(&mut app, Method::Search, last);
     let pose = outcome(&app, Method::Search).steps[last].pose().clone();
-    app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
-    settle(&mut window, &mut app);
-    assert!(app.inspector.context().ghosts.is_none(), "the pose is seen");
-    assert!(app.inspector.shown_pose().local(&pose).iter().all(|step| step.abs() < 1e-12));
+    app.ask(|features, context, requests| features.beginnings.take(context, requests));
+    app.settle();
+    assert!(app.context().ghosts.is_none(), "the pose is seen");
+    assert!(app.shown_pose().local(&pose).iter().all(|step| step.abs() < 1e-12));
     let mut expected = before.clone();
     expected.apply(Edit::SetPose { frame: 0, pose, what: String::new() }).unwrap();
-    assert_eq!(*app.inspector.document(), expected, "nothing but the frame's pose");
+    assert_eq!(*app.document(), expected, "nothing but the frame's pose");
     app.run(Command::History(HistoryCommand::Undo));
-    assert_eq!(*app.inspector.document(), before);
+    assert_eq!(*app.document(), before);
     assert_eq!(ways(&app).ended.len(), COMPARED.len(), "the table stays");
 }
 
 #[test]
 fn a_body_is_acquired_and_taken_as_one() {
-    let (mut window, mut app) = tried();
-    let before = app.inspector.document().clone();
-    run(&mut window, &mut app, BeginningCommand::AcquireBody);
+    let mut app = tried();
+    let before = app.document().clone();
+    run(&mut app, BeginningCommand::AcquireBody);
     assert_eq!(ways(&app).ended.len(), 1 + COMPARED.len(), "the others stay");
     let found = outcome(&app, Method::Body);
     assert!(found.iou.unwrap() > 0.9 && found.steps.len() > 10, "{:?}", found.iou);
@@ -151,66 +148,63 @@ fn a_body_is_acquired_and_taken_as_one() {
     }
     let last = found.steps.len() - 1;
     let body = found.steps[last].model.clone();
-    look_at(&mut window, &mut app, Method::Body, last);
-    app.inspector.ask(|features, context, requests| features.beginnings.take(context, requests));
-    settle(&mut window, &mut app);
-    assert_eq!(app.inspector.document().model.limbs(), body.limbs());
+    look_at(&mut app, Method::Body, last);
+    app.ask(|features, context, requests| features.beginnings.take(context, requests));
+    app.settle();
+    assert_eq!(app.document().model.limbs(), body.limbs());
     assert!(ways(&app).ended.is_empty(), "they were of another body");
     app.run(Command::History(HistoryCommand::Undo));
-    assert_eq!(*app.inspector.document(), before);
+    assert_eq!(*app.document(), before);
 }
 
 #[test]
 fn without_a_start_the_start_plays_no_part_and_other_runs_are_gone() {
-    let (mut window, mut app) = tried();
-    app.inspector.features.beginnings.no_start = true;
-    let begin = |window: &mut Headless, app: &mut App| {
-        app.inspector.ask(|features, context, requests| {
+    let mut app = tried();
+    app.features.beginnings.no_start = true;
+    let begin = |app: &mut TestWindow| {
+        app.ask(|features, context, requests| {
             features.beginnings.begin(&[Method::Search], context, requests);
         });
-        settle(window, app);
+        app.settle();
         let steps = &outcome(app, Method::Search).steps;
         (steps.len(), steps.last().unwrap().pose().clone())
     };
-    let first = begin(&mut window, &mut app);
+    let first = begin(&mut app);
     assert_eq!(ways(&app).ended.len(), 1, "those from the start are gone");
     assert_eq!(first.0, 4, "the rounds");
-    let mut pose = app.inspector.shown_pose().clone();
+    let mut pose = app.shown_pose().clone();
     pose.root.x += 1.0;
-    app.inspector.state.edit(Edit::SetPose { frame: 0, pose, what: String::new() }, None);
-    assert_eq!(begin(&mut window, &mut app), first);
+    app.state.edit(Edit::SetPose { frame: 0, pose, what: String::new() }, None);
+    assert_eq!(begin(&mut app), first);
 }
 
 #[test]
 fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
-    let (mut window, mut app) = tried();
-    assert!(app.inspector.context().ghosts.is_some());
-    app.run(Command::Fit(crate::context::command::FitCommand::Stop));
-    settle(&mut window, &mut app);
-    assert!(app.inspector.context().ghosts.is_none() && !ways(&app).ended.is_empty());
-    app.inspector.state.edit(Edit::UseCamera { camera: 1, used: false }, None);
-    settle(&mut window, &mut app);
+    let mut app = tried();
+    assert!(app.context().ghosts.is_some());
+    app.does(Command::Fit(crate::context::command::FitCommand::Stop));
+    assert!(app.context().ghosts.is_none() && !ways(&app).ended.is_empty());
+    app.state.edit(Edit::UseCamera { camera: 1, used: false }, None);
+    app.settle();
     assert!(ways(&app).ended.is_empty() && ways(&app).about.is_none());
 
-    let (mut window, mut app) = open_take(Demonstration::Sequence, Layout::Pose);
-    run(&mut window, &mut app, BeginningCommand::RunAll);
+    let mut app = open_take(Demonstration::Sequence, Layout::Pose);
+    run(&mut app, BeginningCommand::RunAll);
     assert_eq!(ways(&app).ended.len(), COMPARED.len());
-    app.inspector.request(SessionRequest::Frame(3));
-    settle(&mut window, &mut app);
-    assert!(ways(&app).ended.is_empty() && app.inspector.context().ghosts.is_none());
+    app.request(SessionRequest::Frame(3));
+    app.settle();
+    assert!(ways(&app).ended.is_empty() && app.context().ghosts.is_none());
 }
 
 #[test]
 fn a_body_without_a_head_is_said_to_lead_nowhere() {
-    let (mut window, mut app) = open_take(Demonstration::SingleLimb, Layout::Pose);
-    run(&mut window, &mut app, BeginningCommand::RunAll);
+    let mut app = open_take(Demonstration::SingleLimb, Layout::Pose);
+    run(&mut app, BeginningCommand::RunAll);
     let nowhere = ways(&app).ended[&Method::Templates].as_ref().unwrap_err();
     assert!(nowhere.contains("trunk with a head"), "{nowhere}");
-    assert!(errors(&app).is_empty(), "it stands in its row");
+    assert!(app.errors().is_empty(), "it stands in its row");
 
-    let pool = app.inspector.state.pool.clone();
-    app.inspector.features.beginnings.task.begin(&pool, (), |()| Breaks);
-    settle(&mut window, &mut app);
+    app.break_down(|all, pool| all.features.beginnings.task.begin(pool, (), |()| Breaks));
     assert!(!ways(&app).is_running());
-    assert_eq!(errors(&app), ["A way to begin broke down: thirteen. Your work is unharmed."]);
+    assert_eq!(app.errors(), ["A way to begin broke down: thirteen. Your work is unharmed."]);
 }

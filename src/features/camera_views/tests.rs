@@ -1,14 +1,14 @@
 //! The camera views in the window.
 
 use super::*;
-use crate::app::testing::open;
+use crate::app::testing::{TestWindow, open};
 use crate::context::command::{Command, ViewCommand};
 
 #[test]
 fn linked_views_zoom_together_and_others_alone() {
-    let (_window, mut app) = open(Layout::Pose);
-    let framed = |app: &crate::app::App| {
-        let tiles = app.inspector.features.camera_views.tiles(Layout::Pose);
+    let mut app = open(Layout::Pose);
+    let framed = |app: &TestWindow| {
+        let tiles = app.features.camera_views.tiles(Layout::Pose);
         tiles.iter().filter(|tile| matches!(tile.framing, Framing::Free { .. })).count()
     };
     app.run(Command::View(ViewCommand::ZoomIn));
@@ -16,13 +16,13 @@ fn linked_views_zoom_together_and_others_alone() {
     app.run(Command::View(ViewCommand::FitSubject));
     app.run(Command::View(ViewCommand::LinkZoom));
     app.run(Command::View(ViewCommand::ZoomIn));
-    assert_eq!(framed(&app), app.inspector.state.session.camera_count());
+    assert_eq!(framed(&app), app.state.session.camera_count());
 }
 
 #[test]
 fn each_layout_has_its_modes_and_asks_for_their_derivatives() {
-    let (_window, mut app) = open(Layout::Pose);
-    let derivatives = |app: &crate::app::App| app.inspector.context().derivatives;
+    let mut app = open(Layout::Pose);
+    let derivatives = |app: &TestWindow| app.context().derivatives;
     assert!(derivatives(&app).column.is_none());
     app.run(Command::View(ViewCommand::Mode(ViewMode::JacobianColumn)));
     let first = derivatives(&app).column;
@@ -30,7 +30,7 @@ fn each_layout_has_its_modes_and_asks_for_their_derivatives() {
     // Chosen again it goes on to its next axis.
     app.run(Command::View(ViewCommand::Mode(ViewMode::JacobianColumn)));
     assert_ne!(derivatives(&app).column, first);
-    app.inspector.state.preferences.layout = Layout::Debug;
+    app.state.preferences.layout = Layout::Debug;
     assert!(derivatives(&app).column.is_none());
 }
 
