@@ -113,7 +113,7 @@ impl Files {
     fn ask(&self, state: &mut State, asked: Asked) {
         let take = state.session.take.as_ref();
         let name = take.map_or("project", |take| take.take().name());
-        let (title, kind) = match asked {
+        let dialog = match asked {
             Asked::Take => ("Open take", DialogKind::Folder),
             Asked::FindTake => ("Find take", DialogKind::Folder),
             Asked::Project => ("Open project", DialogKind::File(&[PROJECT_EXTENSION])),
@@ -121,9 +121,7 @@ impl Files {
                 ("Save project", DialogKind::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[]))
             }
         };
-        if let Err(why) = self.dialogs.ask(&state.egui, asked, title, kind) {
-            state.notices.error(why.to_string());
-        }
+        self.dialogs.ask(&state.egui, asked, dialog, |why| state.notices.error(why));
     }
 
     /// Goes on with what was opened, saved, written and chosen.

@@ -13,10 +13,6 @@ pub(crate) enum DialogKind {
     NewFile(String, &'static [&'static str]),
 }
 
-#[derive(Debug, thiserror::Error)]
-#[error("No file dialog can be shown: {0}. Drop the file on the window instead.")]
-pub(crate) struct NoDialog(std::io::Error);
-
 /// The dialogs of a feature. `Asked` says what for; it comes back with the answer.
 #[derive(Debug)]
 pub(crate) struct FileDialogs<Asked> {
@@ -32,14 +28,14 @@ impl<Asked> Default for FileDialogs<Asked> {
 }
 
 impl<Asked: Send + 'static> FileDialogs<Asked> {
-    /// Asks, on a thread that lives as long as the dialog. Errors: the system gives no thread for it.
+    /// Asks, on a thread that lives as long as the dialog; complains if the system gives none.
     pub(crate) fn ask(
         &self,
         egui: &egui::Context,
         asked: Asked,
-        title: &'static str,
-        kind: DialogKind,
-    ) -> Result<(), NoDialog> {
+        (title, kind): (&'static str, DialogKind),
+        complain: impl FnOnce(String),
+    ) {
         let (sender, egui) = (self.sender.clone(), egui.clone());
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             if let Some(path) = show(title, &kind) {
@@ -48,7 +44,9 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
                 egui.request_repaint();
             }
         });
-        thread.map(drop).map_err(NoDialog)
+        if let Err(why) = thread {
+            complain(format!("No file dialog can be shown: {why}. Drop the file on the window instead."));
+        }
     }
 
     /// The answers since the last call.

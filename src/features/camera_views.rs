@@ -213,16 +213,10 @@ pub enum TileEvent {
     SelectLimb(usize),
     /// Dragged what was pressed.
     Drag(DragEvent),
-    /// Chose a view mode.
-    SetMode(ViewMode),
-    /// Chose the mode that it is compared with.
-    CompareWith(ViewMode),
-    /// Began a comparison, chose its other way, or ended it.
-    SetComparison(Option<ModeComparison>),
+    /// Chose what the picture shows: a mode, a comparison, where its wipe is. How it is framed stays.
+    SetView(TileView),
     /// Changed what all views share.
     SetSettings(ViewSettings),
-    /// Moved the wipe's handle: 0 at the left edge of the picture, 1 at the right.
-    SetWipe(f32),
     /// Ticked or unticked the camera's use in the fit.
     SetUsed(bool),
     /// Set the camera's weight in the fit, with the gesture of the slider.

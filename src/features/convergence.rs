@@ -118,9 +118,7 @@ impl Convergence {
             CurvesFile::Plot => ("Export plot", "plot.png", &["png", "svg"]),
         };
         let wanted = DialogKind::NewFile(format!("{} {name}", context.take_name()), endings);
-        if let Err(why) = self.dialogs.ask(context.egui, file, title, wanted) {
-            requests.complain(why.to_string());
-        }
+        self.dialogs.ask(context.egui, file, (title, wanted), |why| requests.complain(why));
     }
 
     /// Writes curves to a file.

@@ -160,10 +160,8 @@ impl Feature for Export {
             self.preferences.motion = choices;
             self.preferences.folder.clone_from(&self.folder);
         }
-        if let Some((title, wanted)) = answer.asks
-            && let Err(why) = self.dialogs.ask(context.egui, (), title, wanted)
-        {
-            requests.complain(why.to_string());
+        if let Some(dialog) = answer.asks {
+            self.dialogs.ask(context.egui, (), dialog, |why| requests.complain(why));
         }
         if answer.closes {
             self.card = None;

@@ -188,14 +188,12 @@ impl NewTake {
     }
 
     fn ask(&self, asked: Asked, context: &Context<'_>, requests: &mut Requests) {
-        let (title, wanted) = match asked {
+        let dialog = match asked {
             Asked::Footage => ("Folder with the footage", DialogKind::Folder),
             Asked::Calibration => ("Calibration", DialogKind::File(CALIBRATIONS)),
             Asked::Out => ("Folder of the take", DialogKind::Folder),
         };
-        if let Err(why) = self.dialogs.ask(context.egui, asked, title, wanted) {
-            requests.complain(why.to_string());
-        }
+        self.dialogs.ask(context.egui, asked, dialog, |why| requests.complain(why));
     }
 
     fn create(&mut self, context: &Context<'_>) {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_formats::Footage;
-use backlit_jobs::{News, Pool, Task, once};
+use backlit_jobs::{Pool, Task, once};
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::visual_hull::{CELLS, HullView, VisualHull};
@@ -140,18 +140,12 @@ const BODY_FROM: f64 = 4.5;
 
 impl Feature for Scene {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.draw.poll() {
-            match news {
-                News::Output(drawing) => self.drawing = Some(drawing),
-                News::Failed(failure) => requests.failed("Drawing the 3-D scene", &failure),
-                News::Ended => {}
-            }
+        for drawing in requests.outputs("Drawing the 3-D scene", &mut self.draw) {
+            self.drawing = Some(drawing);
         }
-        for news in self.carve.poll() {
-            match (news, self.carve.inputs()) {
-                (News::Output(hull), Some(inputs)) => self.hulls.insert(inputs.frame.clone(), hull),
-                (News::Failed(failure), _) => requests.failed("Carving the visual hull", &failure),
-                (News::Output(_) | News::Ended, _) => {}
+        for hull in requests.outputs("Carving the visual hull", &mut self.carve) {
+            if let Some(inputs) = self.carve.inputs() {
+                self.hulls.insert(inputs.frame.clone(), hull);
             }
         }
         let (session, is_hidden) = (context.session, self.preferences.hull == ShownHull::Hidden);

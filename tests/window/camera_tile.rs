@@ -518,7 +518,8 @@ fn the_view_mode_is_chosen_from_the_header() {
     Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_mode_menu");
     harness.get_by_label_contains("Residual").click();
     harness.run();
-    assert!(taken(&mut harness).contains(&TileEvent::SetMode(ViewMode::Residual)));
+    let expected = TileView { mode: ViewMode::Residual, ..TileView::default() };
+    assert!(taken(&mut harness).contains(&TileEvent::SetView(expected)));
 }
 
 #[test]
@@ -595,7 +596,7 @@ fn a_missing_silhouette_is_told_and_the_wipe_moved() {
     let handle = centre(&harness, "Wipe to prediction");
     grab(&mut harness, handle, vec2(30.0, 0.0));
     let events = taken(&mut harness);
-    let moved = |event: &TileEvent| matches!(event, TileEvent::SetWipe(at) if *at > 0.6);
+    let moved = |event: &TileEvent| matches!(event, TileEvent::SetView(view) if view.wipe_at > 0.6);
     assert!(events.iter().any(moved), "{events:?}");
     assert!(!events.contains(&TileEvent::Activate), "the picture under the handle is left alone");
 }

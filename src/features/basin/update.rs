@@ -235,10 +235,8 @@ impl Basin {
     /// Asks where what the pane shows is to be written.
     pub(super) fn ask_for_file(&self, kind: FileKind, context: &Context<'_>, requests: &mut Requests) {
         let name = format!("{} basin.{}", context.take_name(), kind.extension());
-        let wanted = DialogKind::NewFile(name, kind.words().0);
-        if let Err(why) = self.dialogs.ask(context.egui, kind, "Export basin", wanted) {
-            requests.complain(why.to_string());
-        }
+        let dialog = ("Export basin", DialogKind::NewFile(name, kind.words().0));
+        self.dialogs.ask(context.egui, kind, dialog, |why| requests.complain(why));
     }
 
     /// Writes what the pane shows to a file.

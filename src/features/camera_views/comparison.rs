@@ -13,7 +13,7 @@ use egui::{
 };
 
 use super::pointer::rotation_owner;
-use super::{TileEvent, TileInput};
+use super::{TileEvent, TileInput, TileView};
 
 const WIPE_RADIUS: f32 = 11.0;
 
@@ -113,7 +113,7 @@ fn drag_handle(ui: &Ui, id: Id, rect: Rect, input: &TileInput<'_>, events: &mut 
     let at = match response.interact_pointer_pos().filter(|_| response.dragged()) {
         Some(pointer) => {
             let moved = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-            events.push(TileEvent::SetWipe(moved));
+            events.push(TileEvent::SetView(TileView { wipe_at: moved, ..input.tile }));
             moved
         }
         None => at,

@@ -14,7 +14,7 @@ use egui::{
 
 use super::comparison::mode_text;
 use super::tile::TileLayout;
-use super::{TileEvent, TileInput, gutter};
+use super::{TileEvent, TileInput, TileView, gutter};
 use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
 use crate::context::view_settings::ViewSettings;
@@ -205,10 +205,15 @@ const MENU_WIDTH: f32 = 220.0;
 fn mode_menu_entries(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEvent>) {
     ui.set_min_width(MENU_WIDTH);
     let tile = &input.tile;
+    let mut set = |change: &dyn Fn(&mut TileView)| {
+        let mut view = *tile;
+        change(&mut view);
+        events.push(TileEvent::SetView(view));
+    };
     for mode in ViewMode::ALL {
         let entry = Button::new(mode.label()).shortcut_text(mode.key()).selected(mode == tile.mode);
         if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
-            events.push(TileEvent::SetMode(mode));
+            set(&|view| view.set_mode(mode));
             ui.close();
         }
     }
@@ -217,10 +222,9 @@ fn mode_menu_entries(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEv
         (ModeComparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
         (ModeComparison::Blink, "Blink", "B", "Two modes one after the other: what differs seems to move"),
     ] {
-        let is_on = tile.comparison == Some(comparison);
-        let entry = Button::new(text).shortcut_text(key).selected(is_on);
+        let entry = Button::new(text).shortcut_text(key).selected(tile.comparison == Some(comparison));
         if ui.add(entry).on_hover_text(tooltip).clicked() {
-            events.push(TileEvent::SetComparison((!is_on).then_some(comparison)));
+            set(&|view| view.toggle(comparison));
         }
     }
     let title = format!("Compare with: {}", tile.other.label().to_lowercase());
@@ -229,7 +233,7 @@ fn mode_menu_entries(ui: &mut Ui, input: &TileInput<'_>, events: &mut Vec<TileEv
             let is_other = tile.comparison.is_some() && mode == tile.other;
             let entry = Button::new(format!("With {}", mode.label().to_lowercase())).selected(is_other);
             if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
-                events.push(TileEvent::CompareWith(mode));
+                set(&|view| view.compare_with(mode));
             }
         }
     });

@@ -69,11 +69,20 @@ impl Feature for CameraViews {
         let Command::View(command) = command else { return None };
         match command {
             ViewCommand::Compare(_) => no_take(context),
+            ViewCommand::FitSubject
+            | ViewCommand::WholePicture
+            | ViewCommand::ZoomIn
+            | ViewCommand::ZoomOut
+            | ViewCommand::LinkZoom
+            | ViewCommand::CalibrationMarks
+            | ViewCommand::SideMarks
+            | ViewCommand::PixelGrid
+            | ViewCommand::SizeHandles
+            | ViewCommand::Mode(_) => None,
             ViewCommand::CameraAlone(camera) => {
                 let is_missing = camera >= context.session.camera_count();
                 no_take(context).or(because(is_missing, "The take has fewer cameras"))
             }
-            _ => None,
         }
     }
 
@@ -147,15 +156,10 @@ impl CameraViews {
                 requests.request(SessionRequest::Part(limb));
             }
             TileEvent::Drag(event) => requests.request(FeatureRequest::Drag(camera, event)),
-            TileEvent::SetMode(mode) => self.change(context, camera, |tile| tile.set_mode(mode)),
-            TileEvent::CompareWith(mode) => self.change(context, camera, |tile| tile.compare_with(mode)),
-            TileEvent::SetComparison(comparison) => self.change(context, camera, |tile| match comparison {
-                Some(comparison) if tile.comparison != Some(comparison) => tile.toggle(comparison),
-                Some(_) => {}
-                None => tile.comparison = None,
+            TileEvent::SetView(view) => self.change(context, camera, |tile| {
+                *tile = TileView { framing: tile.framing, ..view };
             }),
             TileEvent::SetSettings(settings) => self.preferences.settings = settings,
-            TileEvent::SetWipe(at) => self.change(context, camera, |tile| tile.wipe_at = at),
             TileEvent::SetUsed(used) => requests.edit(Edit::UseCamera { camera, used }),
             TileEvent::SetWeight(weight, drag) => {
                 requests.edits.push((Edit::WeighCamera { camera, weight }, drag));

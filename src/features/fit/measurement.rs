@@ -54,9 +54,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
     let mut drag = None;
     let mut changed = false;
     for (index, (name, unit, decimals, range, value, tooltip)) in rows.into_iter().enumerate() {
-        let origin = *range.start();
-        let row = SliderRow { name, unit, decimals, range, limits: None, origin, is_held: false, tooltip };
-        let response = row.show(ui, value);
+        let response = SliderRow::new(name, unit, decimals, range, tooltip).show(ui, value);
         let this = gesture(ui, ("measurement", index), &response);
         if response.changed() {
             (drag, changed) = (this, true);

@@ -38,16 +38,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
             sphere_levels(ui, context, &levels, requests);
         } else if let RendererKind::SphereTree { spheres } = fit.renderer {
             let mut count = spheres.unwrap_or(0) as f64;
-            let row = SliderRow {
-                name: "Spheres",
-                unit: "",
-                decimals: 0,
-                range: 0.0..=30.0,
-                limits: None,
-                origin: 0.0,
-                is_held: false,
-                tooltip: "Spheres per limb; 0 chooses the number by the limb’s length",
-            };
+            let tooltip = "Spheres per limb; 0 chooses the number by the limb’s length";
+            let row = SliderRow::new("Spheres", "", 0, 0.0..=30.0, tooltip);
             let response = row.show(ui, &mut count);
             let drag = command_button::gesture(ui, "spheres", &response);
             if response.changed() {

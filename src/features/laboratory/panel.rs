@@ -4,7 +4,6 @@ mod caption;
 mod column;
 mod curves;
 mod header;
-mod picture;
 
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};

@@ -96,9 +96,7 @@ impl Motions {
 
     /// Asks for a file that was learnt elsewhere.
     pub(super) fn ask_for_model(&self, context: &Context<'_>, requests: &mut Requests) {
-        let wanted = DialogKind::File(&["json"]);
-        if let Err(why) = self.dialogs.ask(context.egui, (), "Model of motions", wanted) {
-            requests.complain(why.to_string());
-        }
+        let dialog = ("Model of motions", DialogKind::File(&["json"]));
+        self.dialogs.ask(context.egui, (), dialog, |why| requests.complain(why));
     }
 }

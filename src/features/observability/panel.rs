@@ -202,8 +202,7 @@ fn sway(
         (&mut choices.speed, "Speed", " Hz", 1, SPEEDS, false, "Sways a second"),
     ];
     for (value, name, unit, decimals, [low, high], is_held, tooltip) in sliders {
-        let (range, limits, origin) = (low..=high, None, low);
-        let row = SliderRow { name, unit, decimals, range, limits, origin, is_held, tooltip };
+        let row = SliderRow { is_held, ..SliderRow::new(name, unit, decimals, low..=high, tooltip) };
         if row.show(ui, value).changed() {
             *value = value.clamp(low, high);
         }

@@ -79,8 +79,17 @@ impl Feature for Posing {
     fn unavailable(&self, command: Command, context: &Context<'_>) -> Why {
         let Command::Pose(command) = command else { return None };
         match command {
+            PoseCommand::Copy
+            | PoseCommand::Paste
+            | PoseCommand::Mirror
+            | PoseCommand::MirrorAll
+            | PoseCommand::TurnRound
+            | PoseCommand::HoldTrunk
+            | PoseCommand::PinJoint
+            | PoseCommand::ResetLimb
+            | PoseCommand::ResetBody
+            | PoseCommand::Nudge(_) => no_take(context),
             PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
-            _ => no_take(context),
         }
     }
 

@@ -80,16 +80,8 @@ fn angles(
         let ends = limits.map_or(-180.0..=180.0, |(low, high, _)| {
             (low - BEYOND_LIMITS).max(-180.0)..=(high + BEYOND_LIMITS).min(180.0)
         });
-        let row = SliderRow {
-            name,
-            unit: "°",
-            decimals: 1,
-            range: ends,
-            limits,
-            origin: 0.0,
-            is_held: true,
-            tooltip,
-        };
+        let row = SliderRow::new(name, "°", 1, ends, tooltip);
+        let row = SliderRow { limits, origin: 0.0, is_held: true, ..row };
         let response = row.show(ui, &mut degrees);
         if response.hovered() || response.dragged() || response.has_focus() {
             let angles = [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist];

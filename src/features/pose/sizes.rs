@@ -29,17 +29,7 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         ];
         let mut change = None;
         for (index, (name, range, tooltip)) in rows.into_iter().enumerate() {
-            let row = SliderRow {
-                name,
-                unit: " m",
-                decimals: 3,
-                origin: *range.start(),
-                range,
-                limits: None,
-                is_held: false,
-                tooltip,
-            };
-            let response = row.show(ui, &mut sizes[index]);
+            let response = SliderRow::new(name, " m", 3, range, tooltip).show(ui, &mut sizes[index]);
             let drag = gesture(ui, ("size", index), &response);
             if response.changed() {
                 change = Some(drag);
@@ -92,16 +82,8 @@ fn scale(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let Some(take) = &context.session.take else { return };
     let before = 100.0 * total_length(&context.document().model) / total_length(take.take().model());
     let mut percent = before;
-    let row = SliderRow {
-        name: "Body",
-        unit: " %",
-        decimals: 1,
-        range: SCALES,
-        limits: None,
-        origin: 100.0,
-        is_held: false,
-        tooltip: "All lengths and radii together; 100 % is as long as the take’s own body",
-    };
+    let tooltip = "All lengths and radii together; 100 % is as long as the take’s own body";
+    let row = SliderRow { origin: 100.0, ..SliderRow::new("Body", " %", 1, SCALES, tooltip) };
     let response = row.show(ui, &mut percent);
     let drag = gesture(ui, "scale", &response);
     if response.changed() && percent.is_finite() && percent > 0.0 {

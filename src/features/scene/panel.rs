@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
-use backlit_tracking::visual_hull::VisualHull;
 use backlit_ui::drawing::{JointId, joint_position};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
@@ -129,36 +128,6 @@ impl SceneView {
         let aspect = f64::from(self.picture.width() / self.picture.height().max(1.0));
         Self { viewpoint, eye: viewpoint.camera(&self.upright, cameras, aspect), ..self }
     }
-
-    fn contents_input<'a>(
-        &'a self,
-        context: &Context<'a>,
-        preferences: &'a ScenePreferences,
-        hull: Option<&'a VisualHull>,
-        scale: f32,
-    ) -> ContentsInput<'a> {
-        let (session, document) = (context.session, context.document());
-        let held = document.model.limbs().get(context.selection.limb(&document.model));
-        let held = held.filter(|_| context.selection.joint != JointId::Root);
-        ContentsInput {
-            preferences,
-            model: &document.model,
-            kinematics: &self.kinematics,
-            renderer: document.fit.renderer,
-            sphere_level: context.views.drawn_level(),
-            ghosts: context.ghosts,
-            rotation: held.map(|limb| limb.rotation),
-            cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
-            uses: &document.cameras,
-            active: context.selection.camera,
-            hull,
-            ray: self.ray,
-            upright: self.upright,
-            floor: self.floor,
-            middle: self.middle,
-            scale: f64::from(scale),
-        }
-    }
 }
 
 /// The scene as it was drawn: what lies over the picture belongs to that one, until the next is there.
@@ -200,8 +169,27 @@ fn order_of(
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let frame = context.session.shown_frame(context.selection.frame);
     let hull = frame.and_then(|frame| scene.hulls.get(frame)).flatten();
-    let input = view.contents_input(context, preferences, hull.map(Arc::as_ref), pixels_per_point * shrink);
-    let contents = contents(&input);
+    let (session, document) = (context.session, context.document());
+    let held = document.model.limbs().get(context.selection.limb(&document.model));
+    let held = held.filter(|_| context.selection.joint != JointId::Root);
+    let contents = contents(&ContentsInput {
+        preferences,
+        model: &document.model,
+        kinematics: &view.kinematics,
+        renderer: document.fit.renderer,
+        sphere_level: context.views.drawn_level(),
+        ghosts: context.ghosts,
+        rotation: held.map(|limb| limb.rotation),
+        cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
+        uses: &document.cameras,
+        active: context.selection.camera,
+        hull: hull.map(Arc::as_ref),
+        ray: view.ray,
+        upright: view.upright,
+        floor: view.floor,
+        middle: view.middle,
+        scale: f64::from(pixels_per_point * shrink),
+    });
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
         is_draft: moves || goes_on || view.ray.is_some() || context.observability.is_playing,

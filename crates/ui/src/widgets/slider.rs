@@ -178,7 +178,19 @@ pub struct SliderRow<'a> {
     pub tooltip: &'a str,
 }
 
-impl SliderRow<'_> {
+impl<'a> SliderRow<'a> {
+    /// A row without limits, filled from the slider's lower end.
+    pub fn new(
+        name: &'a str,
+        unit: &'a str,
+        decimals: usize,
+        range: RangeInclusive<f64>,
+        tooltip: &'a str,
+    ) -> Self {
+        let origin = *range.start();
+        Self { name, unit, decimals, range, limits: None, origin, is_held: false, tooltip }
+    }
+
     /// The row. The response is of the slider and the field together.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) -> Response {
         let before = *value;

@@ -48,11 +48,9 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices, request
         |ui| {
             let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
             if save.clicked() {
-                let (dialogs, egui) = (&bench.laboratory.dialogs, bench.context.egui);
-                let wanted = DialogKind::NewFile("laboratory.png".to_owned(), &[]);
-                if let Err(why) = dialogs.ask(egui, (), "Save plot", wanted) {
-                    requests.complain(why.to_string());
-                }
+                let dialog = ("Save plot", DialogKind::NewFile("laboratory.png".to_owned(), &[]));
+                let complain = |why| requests.complain(why);
+                bench.laboratory.dialogs.ask(bench.context.egui, (), dialog, complain);
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
