@@ -2,12 +2,15 @@
 
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use backlit_jobs::Pool;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use egui_painter::Headless;
+use glam::DVec3;
 
 use super::{App, AppOptions, Inspector, Opening};
 use crate::context::command::Command;
@@ -21,6 +24,25 @@ impl<O> backlit_jobs::Job<O> for Breaks {
     fn step(&mut self, _: &backlit_jobs::Outbox<O>) -> backlit_jobs::Turn {
         panic!("thirteen");
     }
+}
+
+/// A camera by the size of its picture, focal length and principal point in pixels, where it stands and looks, and what
+/// is up.
+pub(crate) fn camera(
+    size_px: [u64; 2],
+    [focal, cx, cy]: [f64; 3],
+    from: DVec3,
+    to: DVec3,
+    up: DVec3,
+) -> Arc<Camera> {
+    let intrinsics = Intrinsics { fx: focal, fy: focal, cx, cy };
+    let place = CameraFromWorld::looking_at(from, to, up);
+    Arc::new(Camera::new("c", size_px, intrinsics, Distortion::None, place).unwrap())
+}
+
+/// A camera beside a body that stands upright at the origin.
+pub(crate) fn side_camera() -> Arc<Camera> {
+    camera([272, 480], [420.0, 135.5, 239.5], DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO, DVec3::Z)
 }
 
 /// The window, with the inspector that it shows.

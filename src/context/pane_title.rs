@@ -2,7 +2,7 @@
 
 use backlit_ui::style::format::uncapitalised;
 use backlit_ui::style::theme::{self, size, space};
-use backlit_ui::widgets::camera_badge;
+use backlit_ui::widgets::{camera_badge, within};
 use egui::{
     Align, Button, Label, Layout, Rect, Response, RichText, Role, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, vec2,
@@ -33,8 +33,7 @@ pub(crate) fn row(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 /// What stands in the middle of a pane that has nothing to show.
 pub(crate) fn in_the_middle(ui: &mut Ui, size: egui::Vec2, text: &str, below: impl FnOnce(&mut Ui)) {
     let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), size);
-    let builder = UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, middle, Layout::top_down(Align::Center), |ui| {
         ui.label(RichText::new(text).color(theme::palette(ui).text3));
         ui.add_space(space::WIDGET);
         below(ui);

@@ -99,33 +99,32 @@ impl Timeline {
             return;
         }
         let span = self.follow(context.selection.frame, count);
-        let (frames, last) = (span.frames(count), count - 1);
+        let scale = TimeScale { span, plot, count };
+        let (frames, last) = (scale.frames(), count - 1);
         ui.ctx().accesskit_node_builder(response.id, |node| {
             node.set_min_numeric_value(0.0);
             node.set_max_numeric_value(last as f64);
             node.set_description(format!("Frames {} to {} of 0 to {last}", frames.start(), frames.end()));
         });
-        let scale = TimeScale::new(span, plot);
-        let area = Area { plot, scale, count };
         let before = self.span;
-        self.act(&area, ui, context, requests, &response);
+        self.act(&scale, ui, context, requests, &response);
         if self.span != before {
             ui.ctx().request_repaint();
         }
-        if let Some(range) = self.marking(&area, &response).or(context.playback.range) {
-            marks::marked(ui, plot, &scale, range);
+        if let Some(range) = self.marking(&scale, &response).or(context.playback.range) {
+            marks::marked(ui, &scale, range);
         }
-        marks::ruler(ui, plot, &scale, count);
+        marks::ruler(ui, &scale);
         let (named, unsure) = (extra_lanes::motions_height(context), extra_lanes::unsure_height(context));
         let lane_height = (rect.height() - RULER - named - unsure) / lanes.len() as f32;
         let document = context.document();
         for (index, lane) in lanes.iter().enumerate() {
             let top = rect.top() + RULER + lane_height * index as f32;
             let lane_area = Rect::from_x_y_ranges(plot.x_range(), top + 1.0..=top + lane_height - 1.0);
-            lanes::draw(ui, document, *lane, lane_area, &scale, count);
+            lanes::draw(ui, document, *lane, lane_area, &scale);
             lanes::labels(ui, document, *lane, context.selection.frame, names, lane_area);
             if *lane == Lane::Overlap {
-                marks::troubles(ui, document, lane_area, &scale, count);
+                marks::troubles(ui, document, lane_area, &scale);
             }
             let name = Rect::from_x_y_ranges(names.x_range(), lane_area.y_range());
             let name = ui.interact(name, response.id.with(index), Sense::hover());
@@ -147,18 +146,18 @@ impl Timeline {
             let below = plot.with_min_y(plot.top() + RULER);
             marks::first_steps(ui, below, document.keys.is_empty());
         }
-        marks::on_ruler(ui, context, plot, &scale, count);
-        marks::playhead(ui, context, plot, &scale);
-        let key = marks::key_poses(ui, context, requests, plot, &scale, count);
+        marks::on_ruler(ui, context, &scale);
+        marks::playhead(ui, context, &scale);
+        let key = marks::key_poses(ui, context, requests, &scale);
         let under = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer));
-        if let Some(frame) = key.or_else(|| Some(scale.frame_at(under?.x, count))) {
+        if let Some(frame) = key.or_else(|| Some(scale.frame_at(under?.x))) {
             read_out::ui(ui, context, frame, pos2(scale.x(frame as f64), plot.top()));
         }
         if response.secondary_clicked()
             && let Some(pointer) = response.interact_pointer_pos()
         {
             // What the menu offers is about the frame on the screen.
-            requests.request(SessionRequest::Frame(area.frame_at(pointer)));
+            requests.request(SessionRequest::Frame(scale.frame_at(pointer.x)));
         }
         response.context_menu(|ui| {
             MENU.iter().for_each(|&command| menu_row(ui, context, requests, command, command.text()));
@@ -175,13 +174,13 @@ impl Timeline {
         *span
     }
 
-    fn marking(&self, area: &Area, response: &Response) -> Option<FrameRange> {
-        Some(FrameRange::between(self.marks_from?, area.frame_at(response.interact_pointer_pos()?)))
+    fn marking(&self, scale: &TimeScale, response: &Response) -> Option<FrameRange> {
+        Some(FrameRange::between(self.marks_from?, scale.frame_at(response.interact_pointer_pos()?.x)))
     }
 
     fn act(
         &mut self,
-        area: &Area,
+        scale: &TimeScale,
         ui: &Ui,
         context: &Context<'_>,
         requests: &mut Requests,
@@ -194,17 +193,17 @@ impl Timeline {
             requests.request(SessionRequest::Playback(PlaybackChange::Mark(None)));
         } else if response.drag_started_by(PointerButton::Primary) && shift {
             let from = ui.input(|input| input.pointer.press_origin());
-            self.marks_from = from.map(|from| area.frame_at(from));
+            self.marks_from = from.map(|from| scale.frame_at(from.x));
         } else if self.marks_from.is_some() {
             if response.drag_stopped() {
-                if let Some(range) = self.marking(area, response) {
+                if let Some(range) = self.marking(scale, response) {
                     requests.request(SessionRequest::Playback(PlaybackChange::Mark(Some(range))));
                 }
                 self.marks_from = None;
             }
         } else if response.dragged_by(PointerButton::Middle) {
-            let by = -response.drag_delta().x / area.scale.step();
-            self.span = self.span.map(|_| area.scale.span.moved(f64::from(by), area.count));
+            let by = -response.drag_delta().x / scale.step();
+            self.span = self.span.map(|_| scale.span.moved(f64::from(by), scale.count));
         } else if let Some(pointer) = response.interact_pointer_pos().filter(|_| !shift && !middle)
             && !response.secondary_clicked()
             && ui.input(|input| !input.pointer.secondary_down())
@@ -212,50 +211,37 @@ impl Timeline {
             if response.drag_started() && context.playback.is_playing() {
                 requests.request(SessionRequest::Playback(PlaybackChange::Pause));
             }
-            self.scrub(area, context, requests, pointer);
+            self.scrub(scale, context, requests, pointer);
         }
         if let Some(pointer) = response.hover_pos() {
-            self.wheel(area, ui, pointer);
+            self.wheel(scale, ui, pointer);
         }
     }
 
     /// Goes to the frame under the pointer; a zoomed timeline goes on past its ends.
-    fn scrub(&mut self, area: &Area, context: &Context<'_>, requests: &mut Requests, pointer: Pos2) {
-        let beyond = (pointer.x - area.plot.right()).max(0.0) + (pointer.x - area.plot.left()).min(0.0);
+    fn scrub(&mut self, scale: &TimeScale, context: &Context<'_>, requests: &mut Requests, pointer: Pos2) {
+        let beyond = (pointer.x - scale.plot.right()).max(0.0) + (pointer.x - scale.plot.left()).min(0.0);
         if beyond != 0.0 && self.span.is_some() {
-            self.span = Some(area.scale.span.moved(f64::from(0.2 * beyond / area.scale.step()), area.count));
+            self.span = Some(scale.span.moved(f64::from(0.2 * beyond / scale.step()), scale.count));
         }
-        let frame = area.frame_at(pointer);
+        let frame = scale.frame_at(pointer.x);
         if frame != context.selection.frame {
             requests.request(SessionRequest::Frame(frame));
         }
     }
 
     /// The wheel zooms about the frame under the pointer; sideways, or with Shift, it moves.
-    fn wheel(&mut self, area: &Area, ui: &Ui, pointer: Pos2) {
+    fn wheel(&mut self, scale: &TimeScale, ui: &Ui, pointer: Pos2) {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
-        let about = area.scale.at(pointer.x.clamp(area.plot.left(), area.plot.right()));
+        let about = scale.at(pointer.x.clamp(scale.plot.left(), scale.plot.right()));
         let factor = f64::from((scroll.y * ZOOM_PER_POINT).exp() * pinch);
         if factor != 1.0 {
-            self.span = area.scale.span.zoomed(factor, about, area.count);
+            self.span = scale.span.zoomed(factor, about, scale.count);
         }
         if scroll.x != 0.0
             && let Some(zoomed) = &mut self.span
         {
-            *zoomed = zoomed.moved(f64::from(-scroll.x / area.scale.step()), area.count);
+            *zoomed = zoomed.moved(f64::from(-scroll.x / scale.step()), scale.count);
         }
-    }
-}
-
-/// The part of the timeline that the frames fill.
-struct Area {
-    plot: Rect,
-    scale: TimeScale,
-    count: usize,
-}
-
-impl Area {
-    fn frame_at(&self, pointer: Pos2) -> usize {
-        self.scale.frame_at(pointer.x, self.count)
     }
 }

@@ -2,7 +2,7 @@
 //! with.
 
 use backlit_ui::style::theme::{self, Palette, size, space};
-use backlit_ui::widgets::{Icon, camera_badge, icon_button};
+use backlit_ui::widgets::{Icon, camera_badge, icon_button, within};
 use egui::{
     Align, Button, Color32, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder, Visuals,
     WidgetInfo, pos2, vec2,
@@ -138,8 +138,7 @@ fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, requests:
     let title = pane.title();
     let left = pos2(rect.right() - HEADER_BUTTONS, rect.top());
     let place = Rect::from_min_size(left, vec2(HEADER_BUTTONS, size::TILE_HEADER));
-    let builder = UiBuilder::new().max_rect(place).layout(Direction::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, place, Direction::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         let tooltip = if is_alone { "Back to all tiles" } else { "Fill the window with this tile" };
         if icon_button(ui, Icon::Expand, &format!("Expand {title}"), tooltip).clicked() {
@@ -157,8 +156,7 @@ fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, requests:
 
 fn nothing_open(ui: &mut Ui, rect: Rect, requests: &mut Requests) {
     let middle = Rect::from_center_size(rect.center(), vec2(320.0, 64.0));
-    let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, middle, Direction::top_down(Align::Center), |ui| {
         ui.label("All tiles are closed.");
         let command = Command::Window(WindowCommand::ArrangeTiles);
         let button = ui.add(Button::new(command.text()).min_size(vec2(0.0, size::BUTTON)));
@@ -178,8 +176,7 @@ fn strip_of_cameras(
     let palette = theme::palette(ui);
     ui.painter().rect_filled(strip, 0.0, palette.raised);
     let inner = strip.shrink2(vec2(space::WIDGET, 0.0));
-    let builder = UiBuilder::new().max_rect(inner).layout(Direction::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, inner, Direction::left_to_right(Align::Center), |ui| {
         for camera in 0..context.session.camera_count() {
             let response = camera_badge(ui, camera);
             if pair.contains(&camera) {

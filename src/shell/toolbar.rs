@@ -2,7 +2,7 @@
 
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, fitting_label, segmented};
+use backlit_ui::widgets::{Icon, fitting_label, paint_text, segmented};
 use egui::{
     Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Sense, TextStyle, Ui, UiBuilder, vec2,
 };
@@ -171,9 +171,8 @@ fn find(ui: &mut Ui, requests: &mut Requests, small: bool) {
     );
     let icon_rect = egui::Rect::from_center_size(rect.left_center() + vec2(14.0, 0.0), vec2(14.0, 14.0));
     Icon::Search.paint_scaled(ui.painter(), icon_rect, palette.text2, 0.85);
-    let font = TextStyle::Small.resolve(ui.style());
     let at = rect.left_center() + vec2(27.0, 0.0);
-    ui.painter().text(at, egui::Align2::LEFT_CENTER, "Ctrl K", font, palette.text3);
+    paint_text(ui, at, egui::Align2::LEFT_CENTER, "Ctrl K", TextStyle::Small, palette.text3);
     if response.on_hover_text(command.tooltip()).clicked() {
         requests.run(command);
     }

@@ -19,8 +19,8 @@ pub use buttons::{
     primary_button, segmented,
 };
 pub use cards::{
-    Card, button_row, card, first_that_fits, fitting_label, named_section, search_card, search_field,
-    section, text_field,
+    Card, button_row, card, cut_off, first_that_fits, fitting_label, named_section, paint_text, search_card,
+    search_field, section, text_field, two_words, within,
 };
 pub use curves::{PointMark, apart, end_with_room, mark_points, paint_run_sample, run_line};
 pub use handles::{Grip, JointLook, SizeHandles, grip_at};

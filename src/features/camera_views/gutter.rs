@@ -6,10 +6,10 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
 use backlit_ui::style::theme::{headline, size, space};
-use backlit_ui::widgets::{Grip, ValueSlider, checkbox};
+use backlit_ui::widgets::{Grip, ValueSlider, checkbox, paint_text, within};
 use egui::{
     Align, Align2, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind,
-    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::pointer::{Action, Pointer};
@@ -29,8 +29,7 @@ const KEY_COLUMN: f32 = 84.0;
 
 pub(super) fn show(ui: &mut Ui, rect: Rect, input: &TileInput<'_>, state: &mut TileState) {
     let inner = rect.shrink2(vec2(space::GUTTER_MARGIN, space::GROUP));
-    let builder = UiBuilder::new().max_rect(inner).layout(Layout::top_down(Align::Min));
-    ui.scope_builder(builder, |ui| {
+    within(ui, inner, Layout::top_down(Align::Min), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         ui.spacing_mut().item_spacing.y = 0.0;
         if !input.is_calibrated {
@@ -172,7 +171,8 @@ fn show_ray(ui: &mut Ui, input: &TileInput<'_>, ray: &SightRay) {
     let colour = if ui.visuals().dark_mode { SELECTED } else { palette.accent_text };
     let [dash, gap] = mark::RAY_DASH;
     ui.painter().extend(Shape::dashed_line(&sample, Stroke::new(mark::RAY_WIDTH, colour), dash, gap));
-    words(ui, pos2(rect.left() + 28.0, rect.center().y), &text, palette.text2);
+    let at = pos2(rect.left() + 28.0, rect.center().y);
+    paint_text(ui, at, Align2::LEFT_CENTER, text, TextStyle::Body, palette.text2);
     let selected = input.marks.joints.iter().find(|joint| Some(joint.id) == input.selected);
     if let Some(joint) = selected {
         let name = joint_name(input.body, joint.id);
@@ -209,26 +209,18 @@ fn number_row(
         ui.painter().rect(square, CornerRadius::same(2), swatch, edge, StrokeKind::Inside);
         left += SWATCH + space::WIDGET;
     }
-    words(ui, pos2(left, rect.center().y), label, palette.text2);
-    let font = style.resolve(ui.style());
-    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, number, font, colour);
+    paint_text(ui, pos2(left, rect.center().y), Align2::LEFT_CENTER, label, TextStyle::Body, palette.text2);
+    paint_text(ui, rect.right_center(), Align2::RIGHT_CENTER, number, style, colour);
     response
-}
-
-fn words(ui: &Ui, at: egui::Pos2, text: &str, colour: Color32) {
-    let font = TextStyle::Body.resolve(ui.style());
-    ui.painter().text(at, Align2::LEFT_CENTER, text, font, colour);
 }
 
 fn key_row(ui: &mut Ui, key: &str, act: &str) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{key}: {act}")));
     let palette = theme::palette(ui);
-    let font = TextStyle::Monospace.resolve(ui.style());
-    ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, key, font, palette.text);
-    let small = TextStyle::Small.resolve(ui.style());
+    paint_text(ui, rect.left_center(), Align2::LEFT_CENTER, key, TextStyle::Monospace, palette.text);
     let at = pos2(rect.left() + KEY_COLUMN, rect.center().y);
-    ui.painter().text(at, Align2::LEFT_CENTER, act, small, palette.text3);
+    paint_text(ui, at, Align2::LEFT_CENTER, act, TextStyle::Small, palette.text3);
 }
 
 /// The shares of agreement, missing and spurious.

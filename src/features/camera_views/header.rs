@@ -5,11 +5,11 @@ use backlit_ui::drawing::{ModeComparison, StateAxis, ViewMode};
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    CHEVRON, Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button, menu_words,
+    CHEVRON, Framing, Icon, ValueSlider, camera_badge, checkbox, icon_button, menu_words, within,
 };
 use egui::{
     Align, Button, CornerRadius, Layout, Popup, Rect, RichText, Role, Sense, TextStyle, TextWrapMode, Ui,
-    UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
+    WidgetInfo, WidgetText, pos2, vec2,
 };
 
 use super::comparison::mode_text;
@@ -58,8 +58,7 @@ pub(crate) fn show(ui: &mut Ui, layout: &TileLayout, input: &TileInput<'_>, even
         if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width + back_width;
     let (left, right) = rect.split_left_right_at_x((rect.right() - buttons_width).max(rect.left()));
     let left = Rect::from_min_max(pos2(left.left() + space::WIDGET, left.top()), left.max);
-    let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, left, Layout::left_to_right(Align::Center), |ui| {
         if camera_badge(ui, input.index).on_hover_text(expand_tooltip(input)).clicked() {
             events.push(TileEvent::ToggleExpanded);
         }
@@ -102,8 +101,7 @@ fn show_buttons(
     has_link: bool,
     events: &mut Vec<TileEvent>,
 ) {
-    let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, right, Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = space::ROW;
         for &sibling in input.siblings {
             if pane_title::behind(ui, sibling).clicked() {

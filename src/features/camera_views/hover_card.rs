@@ -5,11 +5,8 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::size;
-use backlit_ui::widgets::{Grip, cased};
-use egui::{
-    Align2, Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, TextStyle, Ui,
-    Vec2, WidgetInfo, pos2, vec2,
-};
+use backlit_ui::widgets::{Grip, cased, two_words};
+use egui::{Area, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, TextStyle, Ui, Vec2, pos2, vec2};
 use glam::DVec2;
 
 use super::gutter::grip_name;
@@ -148,23 +145,13 @@ fn pixel_rows(ui: &mut Ui, input: &TileInput<'_>, sample: &Sample) {
 fn title_row(ui: &mut Ui, title: &str, hint: &str) {
     let palette = theme::palette(ui);
     let words = [(title, TextStyle::Body, palette.text), (hint, TextStyle::Small, palette.text3)];
-    text_row(ui, title, words);
+    two_words(ui, ROW, title, words);
 }
 
 fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle) {
     let palette = theme::palette(ui);
     let words = [(label, TextStyle::Small, palette.text2), (value, style, palette.text)];
-    text_row(ui, &format!("{label} {value}"), words);
-}
-
-/// A row of words at the left and at the right, and what it is called.
-fn text_row(ui: &mut Ui, name: &str, words: [(&str, TextStyle, Color32); 2]) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, name));
-    let places = [(rect.left_center(), Align2::LEFT_CENTER), (rect.right_center(), Align2::RIGHT_CENTER)];
-    for ((at, align), (text, style, colour)) in places.into_iter().zip(words) {
-        ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
-    }
+    two_words(ui, ROW, &format!("{label} {value}"), words);
 }
 
 /// The card's place: to the right of the pixel and above it; flipped where it would leave `bounds`, and moved

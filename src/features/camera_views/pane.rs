@@ -13,6 +13,7 @@ use backlit_ui::drawing::{
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
+use backlit_ui::widgets::cut_off;
 use egui::{Color32, Rect, Role, Ui, UiBuilder, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
 
@@ -290,10 +291,7 @@ fn problem_strip(ui: &Ui, problem: &str) {
     let tile = ui.max_rect();
     let top = tile.top() + size::TILE_HEADER;
     let strip = Rect::from_min_max(pos2(tile.left(), top), pos2(tile.right(), top + size::TILE_HEADER));
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let mut job = egui::text::LayoutJob::simple_singleline(problem.to_owned(), font, palette.warn);
-    job.wrap = egui::text::TextWrapping::truncate_at_width(strip.width() - 16.0);
-    let galley = ui.painter().layout_job(job);
+    let galley = cut_off(ui, problem, egui::TextStyle::Small, palette.warn, strip.width() - 16.0);
     ui.painter().rect_filled(strip, 0.0, palette.raised);
     let at = pos2(strip.left() + 8.0, strip.center().y - galley.size().y / 2.0);
     ui.painter().galley(at, galley, palette.warn);

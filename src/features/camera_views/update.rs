@@ -235,15 +235,12 @@ fn follow(
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
     use egui::{Rect, pos2, vec2};
 
     use super::*;
 
-    fn camera(centre: DVec3, focal: f64) -> Camera {
-        let intrinsics = Intrinsics { fx: focal, fy: focal, cx: 160.0, cy: 120.0 };
-        let place = CameraFromWorld::looking_at(centre, DVec3::Z, DVec3::Z);
-        Camera::new("camera", [320, 240], intrinsics, Distortion::None, place).unwrap()
+    fn camera(centre: DVec3, focal: f64) -> std::sync::Arc<Camera> {
+        crate::app::testing::camera([320, 240], [focal, 160.0, 120.0], centre, DVec3::Z, DVec3::Z)
     }
 
     fn view(points_per_px: f32) -> ViewTransform {

@@ -6,9 +6,9 @@ use backlit_document::runs::StepRef;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{checkbox, choice, segmented};
+use backlit_ui::widgets::{checkbox, choice, paint_text, segmented};
 use egui::{
-    Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
+    Align, Align2, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
     WidgetInfo, vec2,
 };
 use egui_plot::PlotResponse;
@@ -62,27 +62,24 @@ impl Convergence {
     }
 
     fn head(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-        ui.allocate_ui_with_layout(
-            vec2(ui.available_width(), size::TILE_HEADER),
-            Direction::left_to_right(Align::Center),
-            |ui| {
-                pane_title::show(ui, Pane::Convergence, siblings, requests);
-                ui.add_space(space::ROW);
-                let folded = ui.available_width() < FOLDED_BELOW;
-                choices(ui, context, &mut self.preferences, folded);
-                ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                    ui.add_space(HEADER_BUTTONS);
-                    if folded {
-                        ui.menu_button("More", |ui| {
-                            rejected(ui, &mut self.preferences);
-                            self.more(ui, context, requests);
-                        });
-                    } else {
+        let row = vec2(ui.available_width(), size::TILE_HEADER);
+        ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
+            pane_title::show(ui, Pane::Convergence, siblings, requests);
+            ui.add_space(space::ROW);
+            let folded = ui.available_width() < FOLDED_BELOW;
+            choices(ui, context, &mut self.preferences, folded);
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                ui.add_space(HEADER_BUTTONS);
+                if folded {
+                    ui.menu_button("More", |ui| {
+                        rejected(ui, &mut self.preferences);
                         self.more(ui, context, requests);
-                    }
-                });
-            },
-        );
+                    });
+                } else {
+                    self.more(ui, context, requests);
+                }
+            });
+        });
     }
 }
 
@@ -125,8 +122,7 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
         (true, true) => "Press Space to step",
         (true, false) => "All curves are hidden",
     };
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.text3);
+    paint_text(ui, rect.center(), Align2::CENTER_CENTER, text, egui::TextStyle::Body, palette.text3);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 

@@ -6,7 +6,9 @@ use backlit_plot::marks::{decade_marks, even_marks, step_marks};
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{Palette, run_style, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{PointMark, apart, end_with_room, grid_marks, mark_points, run_line, still_plot};
+use backlit_ui::widgets::{
+    PointMark, apart, cut_off, end_with_room, grid_marks, mark_points, run_line, still_plot,
+};
 use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 use egui_plot::{GridMark, PlotPoint, PlotResponse, PlotTransform, PlotUi, VLine};
 
@@ -174,10 +176,8 @@ impl<'a> Plot<'a> {
         let painter = ui.painter().with_clip_rect(frame);
         for ((at, text, colour), y) in ends.iter().zip(heights) {
             let left = pos2(at.x + space::WIDGET + 2.0, y);
-            let font = egui::TextStyle::Small.resolve(ui.style());
-            let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, *colour);
-            job.wrap = egui::text::TextWrapping::truncate_at_width((frame.right() - left.x - 2.0).max(24.0));
-            let galley = painter.layout_job(job);
+            let room = (frame.right() - left.x - 2.0).max(24.0);
+            let galley = cut_off(ui, text, egui::TextStyle::Small, *colour, room);
             painter.galley(left - vec2(0.0, 0.5 * galley.size().y), galley, *colour);
         }
     }

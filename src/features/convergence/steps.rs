@@ -4,7 +4,7 @@ use backlit_document::run::{Run, RunStep};
 use backlit_document::runs::StepRef;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, fitting_label, hold_arrows};
+use backlit_ui::widgets::{Icon, fitting_label, hold_arrows, paint_text};
 use egui::{
     Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
@@ -81,12 +81,11 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, wi
         }
         if step > 0 && record.iteration.stage != stage {
             stage = record.iteration.stage;
-            let font = theme::tick().resolve(ui.style());
             let label = run.stages.get(stage).map_or("", String::as_str);
             // A stage of a step or two leaves its neighbour no room for a word of its own.
             if x(step) >= free_from {
                 let at = pos2(x(step), rail.top() - 4.0);
-                let text = painter.text(at, Align2::LEFT_BOTTOM, label, font, palette.text2);
+                let text = paint_text(ui, at, Align2::LEFT_BOTTOM, label, theme::tick(), palette.text2);
                 free_from = text.right() + space::ROW;
             }
         }

@@ -69,6 +69,9 @@ impl ExportDialog {
 
     /// Makes up a name that says what the picture shows, unless the user has given one.
     fn propose(&mut self, context: &Context<'_>) {
+        if self.path != self.proposed {
+            return self.match_ending();
+        }
         let take = context.session.take.as_ref().map_or("backlit", |take| take.take().name());
         let take: String =
             take.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { ' ' }).collect();
@@ -89,12 +92,7 @@ impl ExportDialog {
                 format!("{take}{view} frames {first} to {last}{}", self.order.choices.format.ending())
             }
         };
-        let is_ours = self.path == self.proposed;
-        let folder = if is_ours {
-            self.order.choices.folder.clone().or_else(pictures_folder).unwrap_or_default()
-        } else {
-            return self.match_ending();
-        };
+        let folder = self.order.choices.folder.clone().or_else(pictures_folder).unwrap_or_default();
         self.path = folder.join(name).display().to_string();
         self.proposed.clone_from(&self.path);
     }

@@ -4,7 +4,7 @@ use backlit_document::fit_words::short_ramp;
 use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::render::Ramp;
 use backlit_ui::style::theme::{self, space};
-use backlit_ui::widgets::number_field;
+use backlit_ui::widgets::{number_field, paint_text};
 use egui::{Align2, Button, RichText, TextStyle, Ui, vec2};
 
 /// Width of a stage's number, and of a field.
@@ -112,8 +112,7 @@ fn fields(ui: &mut Ui, index: usize, stage: &mut Stage) {
 fn cell(ui: &mut Ui, width: f32, text: &str, explanation: &str) {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(width, theme::size::ROW), egui::Sense::hover());
-    let font = TextStyle::Small.resolve(ui.style());
-    ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, text, font, palette.text2);
+    paint_text(ui, rect.left_center(), Align2::LEFT_CENTER, text, TextStyle::Small, palette.text2);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
     if !explanation.is_empty() {
         response.on_hover_ui(|ui| {

@@ -33,24 +33,14 @@ const TWO_COLUMNS: f32 = 430.0;
 const SWATCH: f32 = 9.0;
 
 impl Motions {
-    pub(super) fn show(
+    /// The name and what can be chosen: in one row, or in two where the pane is a narrow column.
+    pub(super) fn head(
         &mut self,
         ui: &mut Ui,
         context: &Context<'_>,
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        pane_title::ground(ui, |ui| {
-            self.head(ui, context, siblings, requests);
-            match &self.found {
-                Some(found) => self.shown(ui, found, context, requests),
-                None => self.nothing(ui, context, requests),
-            }
-        });
-    }
-
-    /// The name and what can be chosen: in one row, or in two where the pane is a narrow column.
-    fn head(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
         let is_narrow = ui.available_width() < ONE_ROW;
         pane_title::row(ui, |ui| {
             pane_title::show(ui, Pane::Motions, siblings, requests);
@@ -109,7 +99,13 @@ impl Motions {
     }
 
     /// The plane, and below it the probabilities.
-    fn shown(&self, ui: &mut Ui, found: &RecognisedMotions, context: &Context<'_>, requests: &mut Requests) {
+    pub(super) fn shown(
+        &self,
+        ui: &mut Ui,
+        found: &RecognisedMotions,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
         let area = ui.available_rect_before_wrap().shrink2(vec2(0.0, space::ROW));
         let wanted = shares_height(found, area.width());
         let room = if area.height() >= LEAST_PLANE + wanted { wanted } else { TITLE };
@@ -126,7 +122,7 @@ impl Motions {
     }
 
     /// What is missing, and a button for it.
-    fn nothing(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    pub(super) fn nothing(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let area = ui.available_rect_before_wrap();
         let text = match &self.missing {
             _ if context.session.take.is_none() => {

@@ -14,7 +14,7 @@ use crate::context::feature::Feature;
 use crate::context::file_dialog::DialogKind;
 use crate::context::marks::MotionMarks;
 use crate::context::pane::Pane;
-use crate::context::{Context, Published, Requests};
+use crate::context::{Context, Published, Requests, pane_title};
 
 impl Feature for Motions {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
@@ -56,7 +56,13 @@ impl Feature for Motions {
     }
 
     fn pane(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-        self.show(ui, context, siblings, requests);
+        pane_title::ground(ui, |ui| {
+            self.head(ui, context, siblings, requests);
+            match &self.found {
+                Some(found) => self.shown(ui, found, context, requests),
+                None => self.nothing(ui, context, requests),
+            }
+        });
     }
 
     fn reset(&mut self, _: &Footage) {

@@ -5,7 +5,7 @@ use backlit_tracking::observability::SubsetFigures;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{paint_camera_badge, section};
+use backlit_ui::widgets::{paint_camera_badge, paint_text, section};
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::panel::paint_selected;
@@ -77,10 +77,7 @@ fn about(found: &Observed) -> String {
 fn head(ui: &mut Ui) {
     let palette = theme::palette(ui);
     let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
-    let font = TextStyle::Small.resolve(ui.style());
-    let text = |at, align, text: &str| {
-        ui.painter().text(at, align, text, font.clone(), palette.text3);
-    };
+    let text = |at, align, text: &str| paint_text(ui, at, align, text, TextStyle::Small, palette.text3);
     text(row.left_center(), Align2::LEFT_CENTER, "Cameras");
     text(pos2(row.right() - FIGURE - BAR - 14.0, row.center().y), Align2::RIGHT_CENTER, "Seen");
     text(row.right_center(), Align2::RIGHT_CENTER, "Worst joint, 1σ");
@@ -123,20 +120,21 @@ fn tooltip(found: &Observed, figures: &SubsetFigures, is_current: bool) -> Strin
 fn numbers(ui: &Ui, row: Rect, is_stale: bool, figures: &SubsetFigures) {
     let palette = theme::palette(ui);
     let colour = if is_stale { palette.text3 } else { palette.text };
-    let mono = TextStyle::Monospace.resolve(ui.style());
-    let painter = ui.painter();
+    let text = |at, text: String| {
+        paint_text(ui, at, Align2::RIGHT_CENTER, text, TextStyle::Monospace, colour);
+    };
     let y = row.center().y;
     let seen = format!("{}/{}", figures.columns - figures.null_count, figures.columns);
     let bar_right = row.right() - FIGURE;
-    painter.text(pos2(bar_right - BAR - 14.0, y), Align2::RIGHT_CENTER, seen, mono.clone(), colour);
+    text(pos2(bar_right - BAR - 14.0, y), seen);
     let deviation = figures.worst.1;
     let value = if deviation.is_finite() { format::length(deviation) } else { "unseen".to_owned() };
-    painter.text(row.right_center(), Align2::RIGHT_CENTER, value, mono, colour);
+    text(row.right_center(), value);
     let [full, empty] = BARS_M.map(f64::log10);
     let share = ((deviation.log10() - empty) / (full - empty)).clamp(0.0, 1.0) as f32;
     let bar = Rect::from_min_size(
         pos2(bar_right - BAR - 4.0, y - 0.5 * BAR_HEIGHT),
         vec2((BAR * share).max(1.0), BAR_HEIGHT),
     );
-    painter.rect_filled(bar, 1.0, if is_stale { palette.active } else { palette.line2 });
+    ui.painter().rect_filled(bar, 1.0, if is_stale { palette.active } else { palette.line2 });
 }

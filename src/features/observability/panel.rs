@@ -8,7 +8,9 @@ use backlit_ui::drawing::FACTORS;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, SliderRow, checkbox, first_that_fits, icon_button, named_row, section};
+use backlit_ui::widgets::{
+    Icon, SliderRow, checkbox, first_that_fits, icon_button, named_row, section, two_words, within,
+};
 use egui::{Align, ComboBox, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::Observability;
@@ -105,8 +107,7 @@ fn title_row(ui: &mut Ui, observability: &Observability, shown: &Figures, reques
     if is_cut {
         response.on_hover_text(text);
     }
-    let builder = egui::UiBuilder::new().max_rect(buttons).layout(egui::Layout::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, buttons, egui::Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         let neighbours = [
             (Icon::Previous, Command::Observability(ObservabilityCommand::StrongerDirection), at > 0),
@@ -173,13 +174,8 @@ fn movers(ui: &mut Ui, observability: &Observability, shown: &Figures, direction
 }
 
 fn mover_row(ui: &mut Ui, name: &str, value: &str, colour: egui::Color32) {
-    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {value}")));
-    let small = TextStyle::Small.resolve(ui.style());
-    let mono = TextStyle::Monospace.resolve(ui.style());
-    let palette = theme::palette(ui);
-    ui.painter().text(row.left_center(), egui::Align2::LEFT_CENTER, name, small, palette.text3);
-    ui.painter().text(row.right_center(), egui::Align2::RIGHT_CENTER, value, mono, colour);
+    let words = [(name, TextStyle::Small, theme::palette(ui).text3), (value, TextStyle::Monospace, colour)];
+    two_words(ui, 18.0, &format!("{name} {value}"), words);
 }
 
 /// How far and how fast the body sways, and whether it does.

@@ -7,7 +7,7 @@ use backlit_ui::drawing::limits::WARN_WITHIN;
 use backlit_ui::drawing::{JointId, joint_name};
 use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{SliderRow, named_section, number_field, row_name};
+use backlit_ui::widgets::{SliderRow, named_section, number_field, paint_text, row_name};
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
 use super::dragged::{joint_position, moved};
@@ -128,10 +128,10 @@ fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &
                 requests.edits.push((edit, drag));
             }
             let letter = ["x", "y", "z"][axis];
-            let font = TextStyle::Small.resolve(ui.style());
             let at = response.rect.left_center() + vec2(AXIS_AWAY, 0.0);
             if response.rect.width() >= AXIS_FROM && !response.has_focus() {
-                ui.painter().text(at, Align2::LEFT_CENTER, letter, font, theme::palette(ui).text3);
+                let colour = theme::palette(ui).text3;
+                paint_text(ui, at, Align2::LEFT_CENTER, letter, TextStyle::Small, colour);
             }
             response.on_hover_text(format!(
                 "{letter} of the {name} in the world, metres; the chain follows. Drag, or click and type"

@@ -6,7 +6,7 @@ use backlit_ui::drawing::JointId;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{checkbox, section};
+use backlit_ui::widgets::{checkbox, paint_text, section};
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::command::{Command, PoseCommand};
@@ -95,9 +95,8 @@ fn row(
         ui.painter().rect_filled(whole, 0.0, palette.raised);
     }
     let colour = if is_held { palette.accent_text } else { palette.text };
-    let font = TextStyle::Body.resolve(ui.style());
     let at = pos2(rect.left() + 8.0 + INDENT * depth as f32, rect.center().y);
-    ui.painter().text(at, Align2::LEFT_CENTER, &name, font, colour);
+    paint_text(ui, at, Align2::LEFT_CENTER, &name, TextStyle::Body, colour);
     bar(ui, rect, share, is_held);
     let share_text = share.filter(|share| share.is_finite()).map_or_else(String::new, |share| {
         let percent = format::percent(f64::from(share));

@@ -4,10 +4,10 @@ use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space, title};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{card as over, primary_button};
+use backlit_ui::widgets::{card as over, paint_text, primary_button, within};
 use egui::{
     Align, Button, Color32, CornerRadius, Frame, Id, Label, Layout as Direction, Margin, Rect, RichText,
-    Role, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::{Left, Recovery};
@@ -86,8 +86,9 @@ fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<De
                 let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
                 words(ui, rect, left, clock);
                 let row = Rect::from_min_max(pos2(rect.left(), rect.bottom() - size::BUTTON), rect.max);
-                let row = UiBuilder::new().max_rect(row).layout(Direction::left_to_right(Align::Center));
-                ui.scope_builder(row, |ui| decision = buttons(ui, offered, index, clock));
+                decision = within(ui, row, Direction::left_to_right(Align::Center), |ui| {
+                    buttons(ui, offered, index, clock)
+                });
             });
         });
         ui.add_space(space::WIDGET);
@@ -102,9 +103,9 @@ fn picture(ui: &mut Ui, left: &Left) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{label}, {}", left.take)));
     ui.painter().rect_filled(rect, CornerRadius::ZERO, PICTURE_GROUND);
     let Some(image) = &left.picture else {
-        let (font, colour) =
-            (egui::TextStyle::Small.resolve(ui.style()), theme::colours(theme::Theme::Dark).text3);
-        ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "No picture", font, colour);
+        let colour = theme::colours(theme::Theme::Dark).text3;
+        let (middle, small) = (egui::Align2::CENTER_CENTER, egui::TextStyle::Small);
+        paint_text(ui, rect.center(), middle, "No picture", small, colour);
         return;
     };
     let id = Id::unique(("recovery", &left.path));
@@ -127,8 +128,7 @@ fn picture(ui: &mut Ui, left: &Left) {
 
 fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
     let palette = theme::palette(ui);
-    let inside = UiBuilder::new().max_rect(rect).layout(Direction::top_down(Align::Min));
-    ui.scope_builder(inside, |ui| {
+    within(ui, rect, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 3.0;
         let heading = RichText::new(&left.take).heading().color(palette.text);
         ui.add(Label::new(heading).truncate()).on_hover_text(left.path.display().to_string());

@@ -271,15 +271,9 @@ fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = SceneLine> {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::{Pose, builtin};
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 
     use super::*;
-
-    fn camera() -> Arc<Camera> {
-        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 135.5, cy: 239.5 };
-        Arc::new(Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap())
-    }
+    use crate::app::testing::side_camera;
 
     fn with<T>(
         change: impl FnOnce(&mut ContentsInput<'_>) -> T,
@@ -287,7 +281,7 @@ mod tests {
     ) -> (Contents, T) {
         let model = builtin::full_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-        let cameras = [camera()];
+        let cameras = [side_camera()];
         let uses = [CameraUse { name: "c".to_owned(), used: true, weight: 1.0 }];
         let upright = Upright::of(&cameras);
         let mut input = ContentsInput {
@@ -316,7 +310,7 @@ mod tests {
     fn a_frustum_lies_on_the_rays_of_its_picture() {
         let (contents, ()) = with(|_| (), ScenePreferences::default());
         let [frustum] = &contents.frusta[..] else { panic!("{:?}", contents.frusta) };
-        let camera = camera();
+        let camera = side_camera();
         let expected = [(-0.5, -0.5), (271.5, -0.5), (271.5, 479.5), (-0.5, 479.5)];
         for (corner, (x, y)) in frustum.corners.iter().zip(expected) {
             assert!(camera.project(*corner).unwrap().distance(DVec2::new(x, y)) < 1e-6);

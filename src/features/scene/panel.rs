@@ -8,8 +8,8 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{CHEVRON, checkbox, menu_words};
-use egui::{Align, Button, Color32, Layout, Popup, Rect, Ui, UiBuilder, pos2, vec2};
+use backlit_ui::widgets::{CHEVRON, checkbox, cut_off, menu_words, within};
+use egui::{Align, Button, Color32, Layout, Popup, Rect, Ui, pos2, vec2};
 use glam::DVec3;
 
 use super::raster::SceneCamera;
@@ -231,8 +231,7 @@ fn show_header(
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
     let right = (rect.right() - HEADER_BUTTONS).max(rect.left());
     let left = Rect::from_min_max(pos2(rect.left() + space::WIDGET, rect.top()), pos2(right, rect.bottom()));
-    let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, left, Layout::left_to_right(Align::Center), |ui| {
         pane_title::show(ui, Pane::Scene, siblings, requests);
         menu(ui, preferences, context, requests);
     });
@@ -240,10 +239,8 @@ fn show_header(
 
 fn menu(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
     let text = title(preferences);
-    let font = egui::TextStyle::Button.resolve(ui.style());
-    let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, Color32::PLACEHOLDER);
-    job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
-    let galley = ui.painter().layout_job(job);
+    let room = (ui.available_width() - CHEVRON).max(0.0);
+    let galley = cut_off(ui, &text, egui::TextStyle::Button, Color32::PLACEHOLDER, room);
     let response = menu_words(ui, galley, &format!("Scene view: {text}"));
     let response = response.on_hover_text("Views, and what is shown");
     Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {

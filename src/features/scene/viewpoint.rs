@@ -251,10 +251,10 @@ impl Upright {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
     use glam::DVec2;
 
     use super::*;
+    use crate::app::testing::{camera, side_camera};
 
     const UPRIGHT: Upright = Upright { up: DVec3::Z, ahead: DVec3::X };
 
@@ -298,9 +298,7 @@ mod tests {
 
     #[test]
     fn from_a_camera_the_scene_lies_on_its_picture() {
-        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO, DVec3::Z);
-        let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 135.5, cy: 239.5 };
-        let camera = Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap();
+        let camera = side_camera();
         let eye = own_place(&camera, 272.0 / 480.0);
         for point in [DVec3::ZERO, DVec3::new(0.2, 0.3, -0.4), DVec3::new(-0.5, 0.1, 0.6)] {
             let (at, depth) = eye.project(point, [272, 480]).unwrap();
@@ -311,13 +309,11 @@ mod tests {
 
     fn around(up: DVec3) -> Vec<Arc<Camera>> {
         let (a, b) = (up.any_orthonormal_vector(), up.cross(up.any_orthonormal_vector()));
-        let camera = |angle: f64| {
+        let standing = |angle: f64| {
             let at = (a * angle.cos() + b * angle.sin()) * 4.0 + up * 2.0;
-            let place = CameraFromWorld::looking_at(at, up, up);
-            let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 135.5, cy: 239.5 };
-            Arc::new(Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap())
+            camera([272, 480], [400.0, 135.5, 239.5], at, up, up)
         };
-        [0.0, 1.7, 3.0, 4.4].map(camera).to_vec()
+        [0.0, 1.7, 3.0, 4.4].map(standing).to_vec()
     }
 
     #[test]

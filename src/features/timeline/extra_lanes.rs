@@ -3,6 +3,7 @@
 
 use backlit_ui::style::theme::data_colours::UNSURE;
 use backlit_ui::style::theme::{self, motion_colours, size};
+use backlit_ui::widgets::paint_text;
 use egui::{
     Align2, Id, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, pos2,
 };
@@ -42,12 +43,10 @@ pub(super) fn unsure_height(context: &Context<'_>) -> f32 {
 
 /// The name and the ground of a lane.
 fn ground<'a>(ui: &'a Ui, text: &str, names: Rect, lane: Rect) -> &'a Painter {
-    let (palette, painter) = (theme::palette(ui), ui.painter());
-    let small = TextStyle::Small.resolve(ui.style());
-    let left = names.left() + 4.0;
-    painter.text(pos2(left, lane.center().y), Align2::LEFT_CENTER, text, small, palette.text2);
-    painter.rect_filled(lane, 0.0, palette.plot);
-    painter
+    let (palette, at) = (theme::palette(ui), pos2(names.left() + 4.0, lane.center().y));
+    paint_text(ui, at, Align2::LEFT_CENTER, text, TextStyle::Small, palette.text2);
+    ui.painter().rect_filled(lane, 0.0, palette.plot);
+    ui.painter()
 }
 
 /// What the name of a lane says to those who point at it.
@@ -127,8 +126,8 @@ pub(super) fn unsure(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, sc
     };
     if let Some(limbs) = here {
         let at = pos2(names.right() - 6.0, lane.center().y);
-        let small = TextStyle::Small.resolve(ui.style());
-        painter.text(at, Align2::RIGHT_CENTER, limbs.len().to_string(), small, theme::palette(ui).text);
+        let colour = theme::palette(ui).text;
+        paint_text(ui, at, Align2::RIGHT_CENTER, limbs.len(), TextStyle::Small, colour);
     }
     let label = label(ui, "unsure limbs’ lane", names, lane, &format!("Unsure limbs: {now}"));
     label.on_hover_text(format!("{UNSURE_LIMBS}\nIn this frame: {now}."));

@@ -1,11 +1,10 @@
 //! The lanes: RMS, overlap and steps by frame. Where several frames share a point of the screen, their range is
 //! drawn, so a take of thousands of frames is as quick as a short one.
 
-use std::ops::RangeInclusive;
-
 use backlit_document::{Document, Estimate};
 use backlit_ui::style::theme::tick;
 use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::paint_text;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::span::TimeScale;
@@ -143,14 +142,9 @@ struct Column {
 
 /// One column for all frames that fall on the same point. `None` between two columns is a gap: frames without a
 /// value.
-fn columns(
-    lane: Lane,
-    document: &Document,
-    frames: RangeInclusive<usize>,
-    scale: &TimeScale,
-) -> Vec<Option<Column>> {
+fn columns(lane: Lane, document: &Document, scale: &TimeScale) -> Vec<Option<Column>> {
     let mut columns: Vec<Option<Column>> = Vec::new();
-    for (&frame, estimate) in document.estimates.range(frames) {
+    for (&frame, estimate) in document.estimates.range(scale.frames()) {
         let Some(value) = lane.value(estimate) else { continue };
         let x = scale.x(frame as f64);
         match columns.last_mut() {
@@ -167,7 +161,7 @@ fn columns(
     columns
 }
 
-pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: &TimeScale, count: usize) {
+pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: &TimeScale) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(area.expand2(vec2(4.0, 0.0)));
     painter.rect_filled(area, 0.0, palette.plot);
@@ -179,7 +173,7 @@ pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: 
         let share = ((value - axis[0]) / (axis[1] - axis[0])).clamp(0.0, 1.0);
         area.bottom() - 1.0 - height * share as f32
     };
-    let columns = columns(lane, document, scale.span.frames(count), scale);
+    let columns = columns(lane, document, scale);
     if lane == Lane::Steps {
         let width = (0.5 * scale.step()).clamp(1.0, 4.0);
         let mut bars = Mesh::default();
@@ -238,25 +232,18 @@ fn curve(painter: &egui::Painter, piece: &[Column], y: impl Fn(f64) -> f32, colo
 /// The lane's name with its unit, the value of the frame on the screen, and the ends of the axis.
 pub(crate) fn labels(ui: &Ui, document: &Document, lane: Lane, frame: usize, left: Rect, area: Rect) {
     let palette = theme::palette(ui);
-    let (small, mono) = (TextStyle::Small.resolve(ui.style()), TextStyle::Monospace.resolve(ui.style()));
     let y = area.center().y;
     let estimate = document.estimates.get(&frame);
     let value = estimate.and_then(|estimate| lane.value(estimate));
     let is_stale = estimate.is_some_and(|estimate| estimate.is_stale);
-    ui.painter().text(pos2(left.left() + 4.0, y), Align2::LEFT_CENTER, lane.name(), small, palette.text2);
-    let text = lane.text(value);
-    ui.painter().text(
-        pos2(left.right() - 10.0, y),
-        Align2::RIGHT_CENTER,
-        text,
-        mono,
-        if is_stale { palette.text3 } else { palette.text },
-    );
+    let at = pos2(left.left() + 4.0, y);
+    paint_text(ui, at, Align2::LEFT_CENTER, lane.name(), TextStyle::Small, palette.text2);
+    let (at, colour) = (pos2(left.right() - 10.0, y), if is_stale { palette.text3 } else { palette.text });
+    paint_text(ui, at, Align2::RIGHT_CENTER, lane.text(value), TextStyle::Monospace, colour);
     let [low, high] = lane.axis(document);
-    let font = tick().resolve(ui.style());
     let x = area.right() + 4.0;
     let text = |text: String, y: f32, align: Align2| {
-        ui.painter().text(pos2(x, y), align, text, font.clone(), palette.text3);
+        paint_text(ui, pos2(x, y), align, text, tick(), palette.text3);
     };
     let [low, high] = [low, high].map(|value| lane.axis_text(value));
     if area.height() >= BOTH_ENDS_FROM {
@@ -298,10 +285,6 @@ mod tests {
         document
     }
 
-    fn area() -> Rect {
-        Rect::from_min_size(pos2(0.0, 0.0), vec2(1000.0, 30.0))
-    }
-
     #[test]
     fn axes_end_with_round_numbers_and_one_bad_frame_does_not_flatten_the_rest() {
         assert_eq!([0.7, 1.0, 1.2, 3.6e8, 7e8].map(round_up), [1.0, 1.0, 2.0, 5e8, 1e9]);
@@ -315,9 +298,10 @@ mod tests {
         let count = 20_000;
         let is_known = |frame: &usize| !(4000..4400).contains(frame);
         let document = document((0..count).filter(is_known).map(|frame| (frame, (frame % 7) as f64)));
-        let scale = TimeScale::new(Span::whole(count), area());
+        let plot = Rect::from_min_size(pos2(0.0, 0.0), vec2(1000.0, 30.0));
+        let scale = TimeScale { span: Span::whole(count), plot, count };
         let began = Instant::now();
-        let columns = columns(Lane::Rms, &document, 0..=count - 1, &scale);
+        let columns = columns(Lane::Rms, &document, &scale);
         assert!(began.elapsed().as_millis() < 200, "{:?}", began.elapsed());
         assert!(columns.len() < 1005, "{}", columns.len());
         assert_eq!(columns.iter().filter(|column| column.is_none()).count(), 1);

@@ -4,6 +4,7 @@
 use backlit_document::Document;
 use backlit_ui::style::theme::tick;
 use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::paint_text;
 use egui::{
     Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2,
     vec2,
@@ -30,14 +31,13 @@ const HALF_HOVERED: f32 = 6.5;
 /// Half the square that takes the pointer.
 const TARGET: f32 = 8.0;
 
-pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
-    let palette = theme::palette(ui);
+pub(crate) fn ruler(ui: &Ui, scale: &TimeScale) {
+    let (palette, plot) = (theme::palette(ui), scale.plot);
     let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000]
         .into_iter()
         .find(|step| scale.step() * *step as f32 >= NUMBERS)
         .unwrap_or(50_000);
-    let font = tick().resolve(ui.style());
-    let frames = scale.span.frames(count);
+    let frames = scale.frames();
     let first = frames.start().next_multiple_of(step);
     for frame in (first..=*frames.end()).step_by(step) {
         let at = scale.x(frame as f64);
@@ -47,19 +47,19 @@ pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
         ui.painter().vline(at, plot.top() + RULER - 4.0..=plot.bottom(), Stroke::new(1.0, palette.grid));
         let place = pos2(at, plot.top() + RULER - 5.0);
         let text = format::count(frame as i64);
-        ui.painter().text(place, Align2::CENTER_BOTTOM, text, font.clone(), palette.text2);
+        paint_text(ui, place, Align2::CENTER_BOTTOM, text, tick(), palette.text2);
     }
-    if scale.span != Span::whole(count) {
-        overview(ui, plot, scale, count);
+    if scale.span != Span::whole(scale.count) {
+        overview(ui, scale);
     }
 }
 
 /// Which part of the take is on the screen.
-fn overview(ui: &Ui, plot: Rect, scale: &TimeScale, count: usize) {
+fn overview(ui: &Ui, scale: &TimeScale) {
     let palette = theme::palette(ui);
-    let whole = TimeScale::new(Span::whole(count), plot);
-    let y = plot.top() + 1.0;
-    ui.painter().hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
+    let whole = TimeScale { span: Span::whole(scale.count), ..*scale };
+    let y = scale.plot.top() + 1.0;
+    ui.painter().hline(scale.plot.x_range(), y, Stroke::new(1.0, palette.line));
     let shown = whole.x(scale.span.first)..=whole.x(scale.span.last).max(whole.x(scale.span.first) + 4.0);
     ui.painter().hline(shown, y, Stroke::new(2.0, palette.text3));
 }
@@ -71,12 +71,11 @@ pub(crate) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
         "Ctrl+Enter tracks from this frame on: RMS, overlap and steps of every frame stand here then.";
     let key = "K keeps this frame\u{2019}s pose as a key pose, a diamond above.";
     let text = if has_no_key && lanes.width() > WIDE { format!("{track} {key}") } else { track.to_owned() };
-    let font = TextStyle::Small.resolve(ui.style());
-    ui.painter().text(lanes.center(), Align2::CENTER_CENTER, text, font, palette.text3);
+    paint_text(ui, lanes.center(), Align2::CENTER_CENTER, text, TextStyle::Small, palette.text3);
 }
 
-pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &TimeScale, range: FrameRange) {
-    let palette = theme::palette(ui);
+pub(crate) fn marked(ui: &Ui, scale: &TimeScale, range: FrameRange) {
+    let (palette, plot) = (theme::palette(ui), scale.plot);
     let painter = ui.painter().with_clip_rect(plot);
     let half = 0.5 * scale.step().min(8.0);
     let across = scale.x(range.first as f64) - half..=scale.x(range.last as f64) + half;
@@ -87,18 +86,18 @@ pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &TimeScale, range: FrameRange) 
     }
 }
 
-pub(crate) fn line(plot: Rect) -> f32 {
+fn line(plot: Rect) -> f32 {
     plot.top() + RULER - 3.0
 }
 
 /// Fitted frames as a bar, and those that the tracker still has before it.
-pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &TimeScale, count: usize) {
-    let (palette, document) = (theme::palette(ui), context.document());
+pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, scale: &TimeScale) {
+    let (palette, document, plot) = (theme::palette(ui), context.document(), scale.plot);
     let painter = ui.painter().with_clip_rect(plot.expand2(vec2(3.0, 0.0)));
     let y = line(plot);
     painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
     let half = 0.5 * scale.step().min(6.0);
-    for (from, to) in pieces(document.estimates.range(scale.span.frames(count)).map(|(frame, _)| *frame)) {
+    for (from, to) in pieces(document.estimates.range(scale.frames()).map(|(frame, _)| *frame)) {
         let across =
             scale.x(from as f64) - half..=(scale.x(to as f64) + half).max(scale.x(from as f64) + 1.0);
         painter.hline(across, y, Stroke::new(BAR, palette.text3));
@@ -123,12 +122,12 @@ fn pieces(frames: impl Iterator<Item = usize>) -> Vec<(usize, usize)> {
     pieces
 }
 
-pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeScale, count: usize) {
+pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeScale) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(lane.expand2(vec2(5.0, 0.0)));
     let triangle = |at: Pos2| vec![at + vec2(-4.0, -4.0), at + vec2(4.0, -4.0), at + vec2(0.0, 3.0)];
     let mut before = f32::NEG_INFINITY;
-    let found = document.estimates.range(scale.span.frames(count));
+    let found = document.estimates.range(scale.frames());
     for (frame, _) in found.clone().filter(|(_, estimate)| estimate.lost) {
         let at = pos2(scale.x(*frame as f64), lane.bottom() - 5.0);
         if at.x - before < 3.0 {
@@ -169,15 +168,13 @@ pub(crate) fn key_poses(
     ui: &Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    plot: Rect,
     scale: &TimeScale,
-    count: usize,
 ) -> Option<usize> {
-    let palette = theme::palette(ui);
+    let (palette, plot) = (theme::palette(ui), scale.plot);
     let y = line(plot);
     let mut hovered = None;
     let mut before = f32::NEG_INFINITY;
-    for (&frame, _) in context.document().keys.range(scale.span.frames(count)) {
+    for (&frame, _) in context.document().keys.range(scale.frames()) {
         let at = pos2(scale.x(frame as f64), y);
         if at.x - before < 1.0 || !plot.x_range().expand(0.5).contains(at.x) {
             continue;
@@ -204,8 +201,8 @@ pub(crate) fn key_poses(
     hovered
 }
 
-pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &TimeScale) {
-    let palette = theme::palette(ui);
+pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, scale: &TimeScale) {
+    let (palette, plot) = (theme::palette(ui), scale.plot);
     let at = scale.x(context.selection.frame as f64);
     if !plot.x_range().expand(6.0).contains(at) {
         return;

@@ -53,36 +53,44 @@ impl Span {
     }
 }
 
+/// The part of the timeline that frames fill, and which of them are there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TimeScale {
     pub(crate) span: Span,
-    pub(crate) across: Rangef,
+    pub(crate) plot: Rect,
+    /// Frames of the take.
+    pub(crate) count: usize,
 }
 
 impl TimeScale {
-    pub(crate) fn new(span: Span, area: Rect) -> Self {
-        Self { span, across: area.x_range() }
+    fn across(&self) -> Rangef {
+        self.plot.x_range()
+    }
+
+    /// The frames that lie on the screen, both ends included.
+    pub(crate) fn frames(&self) -> std::ops::RangeInclusive<usize> {
+        self.span.frames(self.count)
     }
 
     pub(crate) fn x(&self, frame: f64) -> f32 {
         let share = (frame - self.span.first) / (self.span.last - self.span.first);
-        self.across.min + self.across.span() * share as f32
+        self.across().min + self.across().span() * share as f32
     }
 
     /// The frame at a place, in between two frames as a rule.
     pub(crate) fn at(&self, x: f32) -> f64 {
-        let share = f64::from((x - self.across.min) / self.across.span().max(1.0));
+        let share = f64::from((x - self.across().min) / self.across().span().max(1.0));
         self.span.first + share * (self.span.last - self.span.first)
     }
 
-    pub(crate) fn frame_at(&self, x: f32, count: usize) -> usize {
-        let x = x.clamp(self.across.min, self.across.max);
-        (self.at(x).round().max(0.0) as usize).min(count.saturating_sub(1))
+    pub(crate) fn frame_at(&self, x: f32) -> usize {
+        let x = x.clamp(self.across().min, self.across().max);
+        (self.at(x).round().max(0.0) as usize).min(self.count.saturating_sub(1))
     }
 
     /// Points from one frame to the next.
     pub(crate) fn step(&self) -> f32 {
-        self.across.span() / (self.span.last - self.span.first) as f32
+        self.across().span() / (self.span.last - self.span.first) as f32
     }
 }
 
@@ -96,11 +104,12 @@ mod tests {
     fn the_frame_under_the_pointer_stays_while_one_zooms() {
         let area = Rect::from_min_size(pos2(100.0, 0.0), vec2(1000.0, 50.0));
         let whole = Span::whole(5001);
-        let x = TimeScale::new(whole, area).x(2000.0);
+        let scale = |span| TimeScale { span, plot: area, count: 5001 };
+        let x = scale(whole).x(2000.0);
         let zoomed = whole.zoomed(10.0, 2000.0, 5001).unwrap();
         assert!((zoomed.last - zoomed.first - 500.0).abs() < 1e-9);
-        assert!((TimeScale::new(zoomed, area).x(2000.0) - x).abs() < 1e-3);
-        assert_eq!(TimeScale::new(zoomed, area).frame_at(x, 5001), 2000);
+        assert!((scale(zoomed).x(2000.0) - x).abs() < 1e-3);
+        assert_eq!(scale(zoomed).frame_at(x), 2000);
         assert_eq!(zoomed.zoomed(0.1, 2000.0, 5001), None, "out again is everything");
     }
 

@@ -257,17 +257,15 @@ pub fn automatic_factor(deviations_m: impl Iterator<Item = f64>) -> u32 {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
     use backlit_tracking::observability::articulated_joints;
     use glam::DQuat;
 
     use super::*;
+    use crate::drawing::input::tests;
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 60.0, cy: 60.0 };
-        let place =
-            CameraFromWorld::looking_at(DVec3::new(0.0, 0.3, 2.5), DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
-        Camera::new("front", [120, 120], intrinsics, Distortion::None, place).unwrap()
+        let (from, to) = (DVec3::new(0.0, 0.3, 2.5), DVec3::new(0.0, 0.3, 0.0));
+        tests::camera([120, 120], [100.0, 60.0, 60.0], from, to, DVec3::Y)
     }
 
     #[test]

@@ -170,9 +170,7 @@ mod tests {
     }
 
     fn camera_at(centre: DVec3, target: DVec3) -> Camera {
-        let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 160.0, cy: 120.0 };
-        let place = CameraFromWorld::looking_at(centre, target, DVec3::Z);
-        Camera::new("camera", [320, 240], intrinsics, Distortion::None, place).unwrap()
+        crate::drawing::input::tests::camera([320, 240], [400.0, 160.0, 120.0], centre, target, DVec3::Z)
     }
 
     fn distance_from_line(point: DVec2, [a, b]: [DVec2; 2]) -> f64 {

@@ -213,6 +213,20 @@ pub(crate) mod tests {
         Prediction { width: lambda.len(), height: 1, lambda: lambda.to_vec(), owner: owner.to_vec() }
     }
 
+    /// A camera by the size of its picture, focal length and principal point in pixels, where it stands and looks, and
+    /// what is up.
+    pub(crate) fn camera(
+        size_px: [u64; 2],
+        [focal, cx, cy]: [f64; 3],
+        from: DVec3,
+        to: DVec3,
+        up: DVec3,
+    ) -> Camera {
+        let intrinsics = Intrinsics { fx: focal, fy: focal, cx, cy };
+        let place = CameraFromWorld::looking_at(from, to, up);
+        Camera::new("camera", size_px, intrinsics, Distortion::None, place).unwrap()
+    }
+
     #[test]
     fn what_is_not_there_leaves_the_footage() {
         let mask = Mask::from_ascii("#.").unwrap();
@@ -250,9 +264,7 @@ pub(crate) mod tests {
     fn a_view_says_how_far_the_limb_is() {
         let model = upper_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-        let place = CameraFromWorld::looking_at(DVec3::new(0.0, 0.25, 3.0), DVec3::Y * 0.25, DVec3::Y);
-        let pinhole = Intrinsics { fx: 9.0, fy: 9.0, cx: 4.0, cy: 4.0 };
-        let camera = Camera::new("camera", [9, 9], pinhole, Distortion::None, place).unwrap();
+        let camera = camera([9, 9], [9.0, 4.0, 4.0], DVec3::new(0.0, 0.25, 3.0), DVec3::Y * 0.25, DVec3::Y);
         let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
         let prediction = Prediction::of(&view);
         let input =

@@ -191,9 +191,9 @@ fn arm(limb: &Limb, mut angles: JointAngles, angle: LimitedAngle, value: f64) ->
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::builtin::full_body;
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 
     use super::*;
+    use crate::drawing::input::tests::camera;
 
     fn bent(degrees: f64) -> (Model, Pose, usize) {
         let model = full_body();
@@ -233,10 +233,9 @@ mod tests {
         };
         let (model, pose, forearm) = bent(highest);
         let kinematics = Kinematics::new(&model, &pose);
-        let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 60.0, cy: 60.0 };
         let (start, end) = (kinematics.starts()[forearm], kinematics.ends()[forearm]);
-        let place = CameraFromWorld::looking_at(start + DVec3::new(0.4, 0.3, 2.5), start, DVec3::Y);
-        let camera = Camera::new("front", [120, 120], intrinsics, Distortion::None, place).unwrap();
+        let from = start + DVec3::new(0.4, 0.3, 2.5);
+        let camera = camera([120, 120], [100.0, 60.0, 60.0], from, start, DVec3::Y);
         for angle in [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist] {
             let Some(bounded) = BoundedAngle::new(&model, &pose, forearm, angle) else { continue };
             let mark = LimitMark::new(&model, &pose, &kinematics, &camera, &bounded).unwrap();

@@ -97,15 +97,13 @@ impl SideMarks {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::{Pose, builtin};
-    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
     use backlit_tracking::posing::turn_round;
 
     use super::*;
+    use crate::drawing::input::tests;
 
     fn camera(from: DVec3) -> Camera {
-        let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 100.0, cy: 150.0 };
-        let place = CameraFromWorld::looking_at(from, DVec3::ZERO, DVec3::Y);
-        Camera::new("camera", [201, 301], intrinsics, Distortion::None, place).unwrap()
+        tests::camera([201, 301], [200.0, 100.0, 150.0], from, DVec3::ZERO, DVec3::Y)
     }
 
     #[test]

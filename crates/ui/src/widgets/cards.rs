@@ -1,9 +1,13 @@
 //! Cards over the window, sections that fold, text fields, and labels that take the text for which there is room.
 
+use std::sync::Arc;
+
 use egui::collapsing_header::CollapsingState;
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align, Align2, Context, CornerRadius, Event, Frame, Id, Label, Layout, Modal, ModalResponse, Rect,
-    Response, RichText, Role, Sense, TextEdit, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, Context, CornerRadius, Event, Frame, Galley, Id, Label, Layout, Modal,
+    ModalResponse, Pos2, Rect, Response, RichText, Role, Sense, TextEdit, TextStyle, Ui, UiBuilder, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::Icon;
@@ -114,18 +118,9 @@ fn paint_head(ui: &Ui, rect: Rect, response: &Response, title: &str, summary: &s
     let colour = if response.hovered() { palette.text } else { palette.text2 };
     icon.paint_scaled(ui.painter(), chevron, colour, 0.8);
     let left = pos2(chevron.right() + TITLE_GAP, rect.center().y);
-    let title_rect = ui.painter().text(
-        left,
-        Align2::LEFT_CENTER,
-        title,
-        TextStyle::Heading.resolve(ui.style()),
-        palette.text,
-    );
+    let title_rect = paint_text(ui, left, Align2::LEFT_CENTER, title, TextStyle::Heading, palette.text);
     let room = rect.right() - title_rect.right() - space::GROUP;
-    let font = TextStyle::Small.resolve(ui.style());
-    let mut job = egui::text::LayoutJob::simple_singleline(summary.to_owned(), font, palette.text3);
-    job.wrap = egui::text::TextWrapping::truncate_at_width(room.max(0.0));
-    let galley = ui.painter().layout_job(job);
+    let galley = cut_off(ui, summary, TextStyle::Small, palette.text3, room.max(0.0));
     let at = pos2(rect.right() - galley.size().x, rect.center().y - galley.size().y / 2.0);
     ui.painter().galley(at, galley, palette.text3);
     focus_ring(ui, response);
@@ -171,28 +166,58 @@ pub fn search_field(ui: &mut Ui, name: &str, hint: &str, text: &mut String) -> R
 
 /// Shows the first of the texts that fits into the width that is left, the longest first, and nothing where none does:
 /// half a sentence is worse. The longest is the tooltip of a shorter one.
-pub fn fitting_label(
-    ui: &mut Ui,
-    texts: &[&str],
-    style: TextStyle,
-    colour: egui::Color32,
-) -> Option<Response> {
+pub fn fitting_label(ui: &mut Ui, texts: &[&str], style: TextStyle, colour: Color32) -> Option<Response> {
     let text = first_that_fits(ui, texts, &style, ui.available_width())?;
     let label = ui.add(Label::new(RichText::new(text).text_style(style).color(colour)).extend());
     Some(if text == texts[0] { label } else { label.on_hover_text(texts[0]) })
+}
+
+/// Writes a text at a place. Returns where it stands.
+pub fn paint_text(
+    ui: &Ui,
+    at: Pos2,
+    align: Align2,
+    text: impl ToString,
+    style: TextStyle,
+    colour: Color32,
+) -> Rect {
+    ui.painter().text(at, align, text, style.resolve(ui.style()), colour)
+}
+
+/// One line of a text, which is cut off where the room ends.
+pub fn cut_off(ui: &Ui, text: &str, style: TextStyle, colour: Color32, room: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), style.resolve(ui.style()), colour);
+    job.wrap = TextWrapping::truncate_at_width(room);
+    ui.painter().layout_job(job)
+}
+
+/// A row with words at the left and at the right, and what screen readers call it.
+pub fn two_words(ui: &mut Ui, height: f32, name: &str, words: [(&str, TextStyle, Color32); 2]) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, name));
+    let places = [(rect.left_center(), Align2::LEFT_CENTER), (rect.right_center(), Align2::RIGHT_CENTER)];
+    for ((at, align), (text, style, colour)) in places.into_iter().zip(words) {
+        paint_text(ui, at, align, text, style, colour);
+    }
+    response
+}
+
+/// Fills a rectangle with what `add` shows.
+pub fn within<R>(ui: &mut Ui, rect: Rect, layout: Layout, add: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(layout), add).inner
 }
 
 /// The first of the texts that is no wider than the room.
 pub fn first_that_fits<'a>(ui: &Ui, texts: &[&'a str], style: &TextStyle, room: f32) -> Option<&'a str> {
     let font = style.resolve(ui.style());
     let lay_out =
-        |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
+        |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER);
     texts.iter().copied().find(|text| lay_out(text).size().x <= room)
 }
 
 #[cfg(test)]
 mod tests {
-    use egui::{CentralPanel, Color32};
+    use egui::CentralPanel;
 
     use super::*;
 

@@ -2,8 +2,9 @@
 //! [`backlit_plot::HeatMap`].
 
 use backlit_plot::colours::{LAST_COLOUR, error_share};
-use egui::{Align2, Painter, Pos2, Rect, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Painter, Rect, TextStyle, Ui, pos2, vec2};
 
+use super::cards::paint_text;
 use crate::style::theme;
 use crate::style::theme::{Palette, gradient_colour, size};
 
@@ -85,30 +86,21 @@ pub fn paint_cell(
 /// Names and ends of both axes.
 pub fn axes(ui: &Ui, grid: Rect, labels: &[String; 2], ends_degrees: f64) {
     let palette = theme::palette(ui);
-    let tick = theme::tick().resolve(ui.style());
-    let small = TextStyle::Small.resolve(ui.style());
-    let text = |at: Pos2, align: Align2, text: String, font: &egui::FontId, colour| {
-        ui.painter().text(at, align, text, font.clone(), colour);
-    };
     let degrees =
         |value: f64| format!("{}°", crate::style::format::number(value, usize::from(value.fract() != 0.0)));
     for (value, share) in [(-ends_degrees, 0.0), (0.0, 0.5), (ends_degrees, 1.0)] {
         let across = pos2(grid.left() + share * grid.width(), grid.bottom() + 4.0);
         let align = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP][(2.0 * share) as usize];
-        text(across, align, degrees(value), &tick, palette.text2);
+        paint_text(ui, across, align, degrees(value), theme::tick(), palette.text2);
         let up = pos2(grid.left() - 6.0, grid.bottom() - share * grid.height());
         let align = [Align2::RIGHT_BOTTOM, Align2::RIGHT_CENTER, Align2::RIGHT_TOP][(2.0 * share) as usize];
-        text(up, align, degrees(value), &tick, palette.text2);
+        paint_text(ui, up, align, degrees(value), theme::tick(), palette.text2);
     }
-    text(
-        grid.left_top() - vec2(0.0, 6.0),
-        Align2::LEFT_BOTTOM,
-        format!("Up: {}", labels[1]),
-        &small,
-        palette.text,
-    );
+    let (above, name) = (grid.left_top() - vec2(0.0, 6.0), format!("Up: {}", labels[1]));
+    paint_text(ui, above, Align2::LEFT_BOTTOM, name, TextStyle::Small, palette.text);
     let below = pos2(grid.left(), grid.bottom() + 19.0);
-    text(below, Align2::LEFT_TOP, format!("Across: {}", labels[0]), &small, palette.text);
+    let name = format!("Across: {}", labels[0]);
+    paint_text(ui, below, Align2::LEFT_TOP, name, TextStyle::Small, palette.text);
 }
 
 /// The bar that says which colour is which distance.
@@ -130,7 +122,6 @@ pub fn error_legend(ui: &Ui, area: Rect, limit: f64) {
         bar.expand2(vec2(0.0, 2.0)).y_range(),
         egui::Stroke::new(size::HAIRLINE, palette.text),
     );
-    let tick = theme::tick().resolve(ui.style());
     let y = bar.bottom() + 4.0;
     let mm = |value: f64| crate::style::format::number(value, usize::from(value.fract() != 0.0));
     let marks = [
@@ -139,12 +130,14 @@ pub fn error_legend(ui: &Ui, area: Rect, limit: f64) {
         (bar.right(), Align2::RIGHT_TOP, format!("{} mm and more", mm(last))),
     ];
     for (x, align, text) in marks {
-        ui.painter().text(pos2(x, y), align, text, tick.clone(), palette.text2);
+        paint_text(ui, pos2(x, y), align, text, theme::tick(), palette.text2);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use egui::Pos2;
+
     use super::*;
 
     #[test]

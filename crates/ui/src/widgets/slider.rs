@@ -8,6 +8,7 @@ use egui::{
 };
 
 use super::buttons::focus_ring;
+use super::cards::paint_text;
 use crate::style::theme::{size, space};
 use crate::style::{format, theme};
 
@@ -225,8 +226,7 @@ impl<'a> SliderRow<'a> {
 pub fn row_name(ui: &mut Ui, name: &str, width: f32) {
     let palette = theme::palette(ui);
     let (rect, _) = ui.allocate_exact_size(vec2(width, size::ROW), Sense::hover());
-    let font = TextStyle::Body.resolve(ui.style());
-    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, palette.text2);
+    paint_text(ui, rect.left_center(), egui::Align2::LEFT_CENTER, name, TextStyle::Body, palette.text2);
 }
 
 /// A row of a section: its name, `width` points wide, and what can be chosen.

@@ -3,11 +3,10 @@
 use backlit_runs::basin::{BasinResult, StartGrid};
 use backlit_ui::style::theme::{gradient_colour, run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::choice;
 use backlit_ui::widgets::heat_map::{
     AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
 };
-use backlit_ui::widgets::segmented;
+use backlit_ui::widgets::{choice, paint_text, segmented, within};
 use egui::{
     Align, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
     vec2,
@@ -76,8 +75,7 @@ pub(crate) fn ui(ui: &mut Ui, results: &BasinResults, colour: &mut MapColour) ->
         Rect::from_min_max(pos2(area.left(), edges.bottom() + 44.0), area.max)
     };
     if room != egui::Vec2::ZERO {
-        let builder = egui::UiBuilder::new().max_rect(place).layout(Direction::top_down(Align::Min));
-        ui.scope_builder(builder, |ui| legend(ui, map, colour, (&shown, under)));
+        within(ui, place, Direction::top_down(Align::Min), |ui| legend(ui, map, colour, (&shown, under)));
     }
     ui.advance_cursor_after_rect(area);
     clicked
@@ -129,8 +127,7 @@ fn name(ui: &mut Ui, map: &ShownMap<'_>, choice: usize, grid: Rect) {
     let [tried, found] = map.result.counts(choice);
     let name = &map.result.options.choices[choice].name;
     let inner = row.with_min_x(row.left() + 14.0);
-    let builder = egui::UiBuilder::new().max_rect(inner).layout(Direction::right_to_left(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, inner, Direction::right_to_left(Align::Center), |ui| {
         let counts = RichText::new(format!("{found} of {tried}")).monospace().color(palette.text2);
         ui.label(counts).on_hover_text(format!(
             "Cells that end within {} mm of the target, of those that were fitted",
@@ -277,12 +274,11 @@ fn legend(
 
 fn success_legend(ui: &Ui, area: Rect) {
     let palette = theme::palette(ui);
-    let font = egui::TextStyle::Small.resolve(ui.style());
     for (index, (share, text)) in [(FOUND, "Found"), (NOT_FOUND, "Not found")].into_iter().enumerate() {
         let corner = area.min + vec2(100.0 * index as f32, 2.0);
         let swatch = Rect::from_min_size(corner, egui::Vec2::splat(size::ICON));
         ui.painter().rect(swatch, 0.0, gradient_colour(share), palette.edge(), StrokeKind::Inside);
         let at = swatch.right_center() + vec2(6.0, 0.0);
-        ui.painter().text(at, egui::Align2::LEFT_CENTER, text, font.clone(), palette.text2);
+        paint_text(ui, at, egui::Align2::LEFT_CENTER, text, egui::TextStyle::Small, palette.text2);
     }
 }

@@ -4,7 +4,7 @@ use backlit_runs::basin::{BasinResult, LevelReport, RandomStarts};
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{PointMark, mark_points, paint_run_sample, run_line, still_plot};
+use backlit_ui::widgets::{PointMark, mark_points, paint_run_sample, paint_text, run_line, still_plot};
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
@@ -159,10 +159,8 @@ fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let typed = &starts.levels[level];
     let name = format!("{}°, {} cm", typed.degrees, format::short(100.0 * typed.metres));
-    let small = egui::TextStyle::Small.resolve(ui.style());
-    let mono = egui::TextStyle::Monospace.resolve(ui.style());
     let left = egui::Align2::LEFT_CENTER;
-    ui.painter().text(rect.left_center(), left, &name, small, palette.text2);
+    paint_text(ui, rect.left_center(), left, &name, egui::TextStyle::Small, palette.text2);
     let mut said = name;
     for (index, choice) in choices.iter().enumerate() {
         let level = &choice.levels[level];
@@ -180,7 +178,7 @@ fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
         } else {
             (at + vec2(CHOICE, 0.0), egui::Align2::RIGHT_CENTER)
         };
-        ui.painter().text(at, align, text, mono.clone(), colour);
+        paint_text(ui, at, align, text, egui::TextStyle::Monospace, colour);
     }
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &said));
     response.on_hover_text(said.replace("; ", "\n"));

@@ -2,10 +2,9 @@
 
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, icon_button};
+use backlit_ui::widgets::{Icon, cut_off, icon_button, paint_text, within};
 use egui::{
-    Align, Align2, Color32, Layout as Direction, Rect, RichText, Role, Sense, TextStyle, Ui, UiBuilder,
-    WidgetInfo, pos2, vec2,
+    Align, Align2, Layout as Direction, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
 use crate::context::command::{BeginningCommand, Command};
@@ -88,10 +87,9 @@ fn cells(row: Rect, columns: &[Column]) -> Vec<Rect> {
 
 fn titles(ui: &mut Ui, columns: &[Column]) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
-    let font = TextStyle::Small.resolve(ui.style());
     for (column, cell) in columns.iter().zip(cells(rect, columns)) {
         let colour = theme::palette(ui).text3;
-        ui.painter().text(cell.right_center(), Align2::RIGHT_CENTER, column.0, font.clone(), colour);
+        paint_text(ui, cell.right_center(), Align2::RIGHT_CENTER, column.0, TextStyle::Small, colour);
         let title = ui.interact(cell, ui.scope_id().with(column.0), Sense::hover());
         title.widget_info(|| WidgetInfo::labeled(Role::Label, true, column.0));
         title.on_hover_text(column.1);
@@ -117,38 +115,32 @@ fn row(
         ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.raised);
     }
     let left = Rect::from_min_size(rect.min, vec2(size::BUTTON, rect.height()));
-    let builder = UiBuilder::new().max_rect(left).layout(Direction::left_to_right(Align::Center));
-    ui.scope_builder(builder, |ui| {
+    within(ui, left, Direction::left_to_right(Align::Center), |ui| {
         if run_button(ui, context, method) {
             beginnings.begin(&[method], context, requests);
             context.egui.request_repaint();
         }
     });
     let ended = beginnings.ended.get(&method);
-    let body = TextStyle::Body.resolve(ui.style());
     let name_at = pos2(left.right() + space::ROW, rect.center().y);
-    let paint = |at, align, text: &str, colour: Color32, font| {
-        ui.painter().text(at, align, text, font, colour);
-    };
     let name_colour = if is_looked_at { palette.accent_text } else { palette.text };
-    paint(name_at, Align2::LEFT_CENTER, MethodWords::of(method).name, name_colour, body.clone());
+    let name = MethodWords::of(method).name;
+    paint_text(ui, name_at, Align2::LEFT_CENTER, name, TextStyle::Body, name_colour);
     let cells = cells(rect, columns);
     let mut hover = format!("{}.", MethodWords::of(method).explanation);
     match ended {
         Some(Ok(outcome)) => {
-            let mono = TextStyle::Monospace.resolve(ui.style());
             for (column, cell) in columns.iter().zip(&cells) {
                 let text = (column.3)(outcome);
-                paint(cell.right_center(), Align2::RIGHT_CENTER, &text, palette.text, mono.clone());
+                let at = cell.right_center();
+                paint_text(ui, at, Align2::RIGHT_CENTER, text, TextStyle::Monospace, palette.text);
             }
             hover += " Click to look at its steps.";
         }
         Some(Err(why)) => {
             let text = format!("Leads nowhere: {why}");
             let place = cells.first().map_or(rect, |first| Rect::from_min_max(first.min, rect.max));
-            let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), body, palette.warn);
-            job.wrap = egui::text::TextWrapping::truncate_at_width(place.width());
-            let galley = ui.painter().layout_job(job);
+            let galley = cut_off(ui, &text, TextStyle::Body, palette.warn, place.width());
             let at = pos2(place.left(), place.center().y - galley.size().y / 2.0);
             ui.painter().galley(at, galley, palette.warn);
             hover = format!("{text}.");
@@ -157,7 +149,7 @@ fn row(
             let is_now = beginnings.is_running() && beginnings.running == Some(method);
             let text = if is_now { "running…" } else { "not run yet" };
             let at = rect.right_center() - vec2(space::ROW, 0.0);
-            paint(at, Align2::RIGHT_CENTER, text, palette.text3, body);
+            paint_text(ui, at, Align2::RIGHT_CENTER, text, TextStyle::Body, palette.text3);
         }
     }
     if response.clicked() && matches!(ended, Some(Ok(_))) {

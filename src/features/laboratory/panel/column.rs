@@ -8,10 +8,12 @@ use backlit_ui::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROU
 use backlit_ui::style::theme::{Theme, run_style, size};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
-use backlit_ui::widgets::{ViewTransform, first_that_fits, fitting_label, paint_run_sample};
+use backlit_ui::widgets::{
+    ViewTransform, first_that_fits, fitting_label, paint_run_sample, paint_text, within,
+};
 use egui::{
     Align, Align2, Color32, Layout as Direction, Rect, RichText, Role, Sense, Stroke, TextStyle, Ui,
-    UiBuilder, WidgetInfo, pos2, vec2,
+    WidgetInfo, pos2, vec2,
 };
 use glam::DVec2;
 
@@ -40,7 +42,7 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut Lab
     let (head, rest) = rect.split_top_bottom_at_y(rect.top() + head_height);
     let (pictures, foot) = rest.split_top_bottom_at_y(rect.bottom() - foot_height);
     let pictures = pictures.shrink2(vec2(1.0, 0.0));
-    part(ui, head.shrink2(vec2(14.0, 0.0)), Direction::left_to_right(Align::Center), |ui| {
+    within(ui, head.shrink2(vec2(14.0, 0.0)), Direction::left_to_right(Align::Center), |ui| {
         header(ui, bench, index, fit, rect.width());
     });
     let marked = (bench.laboratory.choices.marked == Some(index)).then(|| checked(bench, fit)).flatten();
@@ -57,7 +59,7 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut Lab
     overlay(ui, upper, bench, index, worst);
     push_picture(ui, lower, bench, index);
     let inner = foot.shrink2(vec2(14.0, FOOT_PADDING));
-    part(ui, inner, Direction::top_down(Align::Min), |ui| {
+    within(ui, inner, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         pushes(ui, bench, fit);
         gradient(ui, bench, index, choices);
@@ -65,10 +67,6 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, index: usize, choices: &mut Lab
             ending(ui, fit, worst_of(marked));
         }
     });
-}
-
-fn part(ui: &mut Ui, rect: Rect, direction: Direction, add: impl FnOnce(&mut Ui)) {
-    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), add);
 }
 
 fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width: f32) {
@@ -362,11 +360,10 @@ fn paint_texture(
 
 /// One line in the upper left corner: the first of these texts that there is room for.
 fn label(ui: &Ui, rect: Rect, texts: &[&str], colour: Color32) {
-    let font = TextStyle::Small.resolve(ui.style());
     let at = rect.left_top() + vec2(12.0, 7.0);
     let room = rect.width() - 24.0;
     if let Some(text) = first_that_fits(ui, texts, &TextStyle::Small, room) {
-        ui.painter().text(at, Align2::LEFT_TOP, text, font, colour);
+        paint_text(ui, at, Align2::LEFT_TOP, text, TextStyle::Small, colour);
     }
 }
 

@@ -5,7 +5,7 @@ use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    PointMark, apart, end_with_room, grid_marks, mark_points, run_line, segmented, still_plot,
+    PointMark, apart, end_with_room, grid_marks, mark_points, paint_text, run_line, segmented, still_plot,
 };
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
 use egui_plot::{PlotPoint, PlotTransform, PlotUi, VLine};
@@ -177,13 +177,6 @@ fn cursor_label(ui: &Ui, bench: &Bench<'_>, transform: &PlotTransform) {
     let step = bench.comparison.cursor;
     let at = transform.position_from_point(&PlotPoint::new(step as f64, 0.0));
     let frame = transform.frame();
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let colour = theme::palette(ui).accent_text;
-    ui.painter().text(
-        pos2(at.x + 6.0, frame.top() + 2.0),
-        Align2::LEFT_TOP,
-        format!("Step {step}"),
-        font,
-        colour,
-    );
+    let (at, text) = (pos2(at.x + 6.0, frame.top() + 2.0), format!("Step {step}"));
+    paint_text(ui, at, Align2::LEFT_TOP, text, egui::TextStyle::Small, theme::palette(ui).accent_text);
 }

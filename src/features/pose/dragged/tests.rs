@@ -1,15 +1,13 @@
 //! The mathematics of drags, on a full body before a camera.
 
 use backlit_tracking::body::{Kinematics, Parameters, builtin};
-use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use proptest::prelude::*;
 
 use super::*;
 
-fn camera() -> Camera {
-    let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO, DVec3::Z);
-    let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 134.0, cy: 238.0 };
-    Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap()
+fn camera() -> std::sync::Arc<Camera> {
+    let (from, to) = (DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO);
+    crate::app::testing::camera([272, 480], [420.0, 134.0, 238.0], from, to, DVec3::Z)
 }
 
 /// A pose near rest: every rotation turned by up to 0.2 rad about each axis, within the limits.
