@@ -16,7 +16,6 @@ use backlit_formats::calibration::backlit;
 use backlit_formats::pose_file;
 use backlit_lab::synthetic::{Build, Figure, Picture, Plate, Room, Sensor, motion, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::camera::Rig;
 use backlit_tracking::search::start;
 use image::codecs::jpeg::JpegEncoder;
 
@@ -70,8 +69,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     pose_file::write(&folder.join("start.json"), &model, &off)?;
     backlit::write(&folder.join("cameras.json"), &rig)?;
     fs::write(folder.join("truth.csv"), joint_table(&model, &poses)?)?;
-    fs::write(folder.join("take.toml"), take_file(&rig)?)?;
-    fs::write(folder.join("README.md"), README)?;
+    // Hands are three pixels wide here, so nothing is opened; the floor's shadow may hide a foot, so it is unknown.
+    fs::write(folder.join("take.toml"), include_str!("../../../assets/take/take.toml"))?;
+    fs::write(folder.join("README.md"), include_str!("../../../assets/take/README.md"))?;
     Ok(())
 }
 
@@ -106,58 +106,3 @@ fn joint_table(model: &Model, poses: &[Pose]) -> Result<String, std::fmt::Error>
     }
     Ok(out)
 }
-
-fn take_file(rig: &Rig) -> Result<String, std::fmt::Error> {
-    let mut out = format!(
-        "# The built-in take. Written by examples/make_builtin_take.rs; see README.md beside it.\n\
-         format = \"backlit-take 1\"\n\
-         name = \"Practice room\"\n\
-         frame_rate = {:.1}\n\
-         model = \"full_body\"\n\
-         start = \"start.json\"\n\n\
-         [cameras]\n\
-         calibration = \"cameras.json\"\n",
-        motion::FRAME_RATE
-    );
-    for camera in rig.cameras() {
-        let name = camera.name();
-        write!(
-            out,
-            "\n[[camera]]\n\
-             name = \"{name}\"\n\
-             frames = \"{name}/frame_%03d.jpg\"\n\
-             background = \"{name}/empty_%03d.jpg\"\n"
-        )?;
-    }
-    out.push_str("\n[reference]\nkeypoints = \"truth.csv\"\n");
-    out.push_str(MEASUREMENT);
-    Ok(out)
-}
-
-/// Hands are three pixels wide here, so nothing is opened; the floor's shadow may hide a foot, so it is unknown.
-const MEASUREMENT: &str = "
-[measurement]
-opening_px = 0
-shadow = { darkest = 0.3, colour_tolerance = 14.0, gradient_tolerance = 20.0, unknown = true }
-";
-
-const README: &str = "\
-# The built-in take
-
-A drawn person in a drawn room: four cameras of 192 × 256, 60 frames at 30 a second, six pictures of the empty
-room a camera. Nobody was filmed. The person is a smooth union of round cones, ellipsoids and cloth, not the
-model's capsules, moved by the model's joints, so the true pose is known.
-
-| file | holds |
-|---|---|
-| `take.toml` | what belongs to the take |
-| `cameras.json` | calibration; cameras 2 and 4 have a lens that bends |
-| `cam1` … `cam4` | frames and pictures of the empty room; camera 3's frames are 7 % darker than its empty room |
-| `start.json` | a start pose, every joint 8° and the root 4 cm off frame 0 |
-| `truth.csv` | true places of the root and of every limb's second joint, by frame, metres |
-| `truth/` | the true pose of every frame |
-
-To make it again, to the byte:
-
-    cargo run --release -p backlit-lab --example make_builtin_take -- assets/take
-";

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`motion`] | a two-second movement of the full body, its true pose at every moment |
-//! | [`figure`] | the person as a smooth union of solids that are not capsules; [`Build`] for other people |
+//! | [`figure`] | the person as a smooth union of solids that are not capsules; [`Build`] for other clothes |
 //! | [`room`] | a furnished room of blocks, cylinders and ellipsoids |
 //! | [`studio`] | the cameras of the built-in take |
 //! | [`render`] | rays into pictures: empty room, figure, shadows, edges |

@@ -30,7 +30,6 @@ use serde::Serialize;
 
 use self::of_take::AcquiredTake;
 use super::arguments::OutputArguments;
-use super::measures::masked;
 use super::{Experiment, ExperimentArguments, Run, check_least};
 use crate::output::number;
 use crate::table::Table;
@@ -364,6 +363,7 @@ impl<'a> Someone<'a> {
 }
 
 fn see(body: &Model, pose: &Pose, cameras: &[Arc<Camera>]) -> Result<Vec<FitView>> {
-    let view = |camera| Ok(masked(camera, capsules::hard_mask(body, pose, camera)?));
+    let view =
+        |camera: &Arc<Camera>| Ok(FitView::of_mask(camera.clone(), capsules::hard_mask(body, pose, camera)?));
     cameras.iter().map(view).collect()
 }

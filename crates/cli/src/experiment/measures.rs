@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
-use backlit_tracking::silhouette::Mask;
 use backlit_tracking::statistics::{Statistics, median};
 use serde::Serialize;
 
@@ -107,11 +106,6 @@ pub(crate) fn medians(lists: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
         median(&mut values)
     };
     (0..length).filter_map(entry).collect()
-}
-
-/// A camera with a mask, of full weight.
-pub(crate) fn masked(camera: &Arc<backlit_tracking::camera::Camera>, mask: Mask) -> FitView {
-    FitView { camera: Arc::clone(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
 }
 
 #[cfg(test)]

@@ -24,7 +24,6 @@ use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
 use clap::Args;
 use serde::Serialize;
 
-use super::measures::masked;
 use super::{Experiment, Run};
 use crate::interrupt::Interrupted;
 use crate::table::Table;
@@ -223,7 +222,7 @@ impl FilmedPerson {
         let see = |pose: &Pose| -> Result<Vec<FitView>> {
             let of = |camera: &Arc<Camera>| {
                 let exact = capsules::hard_mask(&body, pose, camera)?;
-                Ok(masked(camera, widened(exact, widening(camera, pose))?))
+                Ok(FitView::of_mask(camera.clone(), widened(exact, widening(camera, pose))?))
             };
             cameras.iter().map(of).collect()
         };

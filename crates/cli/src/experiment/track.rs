@@ -13,7 +13,7 @@ use backlit_lab::synthetic::{capsules, squats, upper_body};
 use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::track::{KalmanOptions, Motion, Track, Tracker, WhenToSearch, smoothed};
@@ -22,7 +22,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-use super::measures::{ErrorStatistics, masked};
+use super::measures::ErrorStatistics;
 use super::{Experiment, Run, check_least};
 use crate::output::number;
 use crate::table::Table;
@@ -262,7 +262,8 @@ impl Speeds {
             let mut views = Vec::new();
             for camera in cameras {
                 let mask = widened(capsules::hard_mask(model, truth, camera)?, self.widened_px)?;
-                views.push(masked(camera, noisy(&mask, self.border_noise, self.speckle, &mut random)));
+                let mask = noisy(&mask, self.border_noise, self.speckle, &mut random);
+                views.push(FitView::of_mask(camera.clone(), mask));
             }
             track.frames.insert(frame, tracker.track_frame(frame, views, &run.cancel)?);
             run.check()?;

@@ -36,12 +36,10 @@ pub fn view(
     renderer: RendererKind,
     ramp: Ramp,
 ) -> Result<FitView, ExperimentError> {
-    let evidence = match simulation {
-        Simulation::Mask => Evidence::Mask(Arc::new(hard_mask(model, truth, camera)?)),
-        Simulation::Prediction => {
-            Evidence::Measurement(Arc::new(grey_levels(model, truth, camera, renderer, ramp)?))
-        }
-    };
+    if simulation == Simulation::Mask {
+        return Ok(FitView::of_mask(Arc::clone(camera), hard_mask(model, truth, camera)?));
+    }
+    let evidence = Evidence::Measurement(Arc::new(grey_levels(model, truth, camera, renderer, ramp)?));
     Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
 }
 

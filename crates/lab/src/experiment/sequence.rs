@@ -65,7 +65,7 @@ impl Sequence {
         let moment = |frame| {
             let truth = upper_body::motion(&model, frame);
             let see = |camera: &Arc<Camera>| -> Result<FitView, ExperimentError> {
-                Ok(of_mask(camera, capsules::hard_mask(&model, &truth, camera)?))
+                Ok(FitView::of_mask(camera.clone(), capsules::hard_mask(&model, &truth, camera)?))
             };
             let views = cameras.iter().map(see).collect::<Result<Vec<_>, _>>()?;
             let kinematics = Kinematics::new(&model, &truth);
@@ -116,10 +116,6 @@ fn some_frames(frames: usize) -> Result<(), ExperimentError> {
         return Err(ExperimentError::Option { option: "frames", value: 0.0, expected: "1 or more" });
     }
     Ok(())
-}
-
-fn of_mask(camera: &Arc<Camera>, mask: Mask) -> FitView {
-    FitView { camera: Arc::clone(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
 }
 
 /// A part of one camera's pictures, and the size that it is reduced to.
@@ -188,7 +184,7 @@ impl Window {
         };
         let labels = rows.iter().flat_map(|row| columns.iter().map(move |column| (row, column))).map(label);
         let small = Mask::new(columns.len(), rows.len(), labels.collect())?;
-        Ok(FitView { weight: view.weight, ..of_mask(&Arc::new(camera), small) })
+        Ok(FitView { weight: view.weight, ..FitView::of_mask(camera, small) })
     }
 
     /// The pixels under a small one that begins here, each with how much of it.
@@ -242,7 +238,7 @@ mod tests {
         for y in 300..470 {
             mask.labels_mut()[y * 272 + 100..y * 272 + 140].fill(Label::Subject);
         }
-        let view = of_mask(camera, mask);
+        let view = FitView::of_mask(camera.clone(), mask);
         let window = Window::about_the_person([&view].into_iter(), [192, 144]);
         assert_eq!(window.size_px, [144, 192]);
         assert!((window.scale - 272.0 / 144.0).abs() < 1e-12 && window.corner.x == 0.0, "{window:?}");

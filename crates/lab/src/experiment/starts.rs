@@ -6,7 +6,7 @@ use std::sync::Arc;
 use backlit_formats::starts_file::Start;
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::fit::FitView;
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::search::start::{LEVELS, Level, perturb};
 use glam::DVec3;
@@ -87,8 +87,8 @@ impl Draw {
         for &count in &self.cameras {
             let cameras = self.arc(count, middle, &mut random)?;
             let view = |camera: Arc<Camera>| -> Result<FitView, ExperimentError> {
-                let evidence = Evidence::Mask(Arc::new(capsules::hard_mask(model, &truth, &camera)?));
-                Ok(FitView { camera, evidence, weight: 1.0 })
+                let mask = capsules::hard_mask(model, &truth, &camera)?;
+                Ok(FitView::of_mask(camera, mask))
             };
             views.insert(count, cameras.into_iter().map(view).collect::<Result<Vec<_>, _>>()?);
         }
@@ -144,6 +144,7 @@ fn random_pose(model: &Model, random: &mut Pcg64Mcg) -> Pose {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::fit::Evidence;
     use backlit_tracking::silhouette::Label;
 
     use super::*;

@@ -20,15 +20,9 @@ pub(super) const HEAD: f64 = 1.05;
 /// Thickness of the hair, metres.
 pub(super) const HAIR: f64 = 0.014;
 
-/// The sizes in which one person differs from another, as factors of an average adult; and the clothes.
+/// How one person's clothes differ from another's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Build {
-    /// Girth of the trunk.
-    pub trunk: f64,
-    /// Girth of the arms.
-    pub arms: f64,
-    /// Girth of the legs.
-    pub legs: f64,
     /// How far cloth stands off the body, 1 for a loose T-shirt and slim trousers.
     pub cloth: f64,
     /// Height of the folds in the cloth, metres.
@@ -39,7 +33,7 @@ pub struct Build {
 
 impl Default for Build {
     fn default() -> Self {
-        Self { trunk: 1.0, arms: 1.0, legs: 1.0, cloth: 1.0, folds: 0.0035, pattern: 0.0 }
+        Self { cloth: 1.0, folds: 0.0035, pattern: 0.0 }
     }
 }
 
@@ -73,16 +67,13 @@ pub(super) struct Touch {
 pub(super) enum Part {
     Head,
     Trunk,
-    /// Upper arm, forearm and hand.
-    RightArm,
-    LeftArm,
-    /// Thigh, calf and foot.
-    RightLeg,
-    LeftLeg,
+    /// Upper arm, forearm and hand: 0 right, 1 left.
+    Arm(usize),
+    /// Thigh, calf and foot: 0 right, 1 left.
+    Leg(usize),
 }
 
-const PARTS: [Part; 6] =
-    [Part::Head, Part::Trunk, Part::RightArm, Part::LeftArm, Part::RightLeg, Part::LeftLeg];
+const PARTS: [Part; 6] = [Part::Head, Part::Trunk, Part::Arm(0), Part::Arm(1), Part::Leg(0), Part::Leg(1)];
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -135,8 +126,10 @@ pub struct Figure {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layers(pub(super) [f64; 5]);
 
+/// Farther off than anything that is looked at.
+pub(super) const FAR: f64 = 1e3;
+
 impl Layers {
-    pub(super) const FAR: Self = Self([1e3; 5]);
     const ORDER: [Material; 5] =
         [Material::Skin, Material::Shirt, Material::Trousers, Material::Shoe, Material::Hair];
     /// Width of the fillet between solids of one material.
@@ -167,7 +160,7 @@ impl Figure {
     pub fn new(model: &Model, pose: &Pose, build: Build) -> Option<Self> {
         let kinematics = Kinematics::new(model, pose);
         let limb = |name: &str| model.limb_index(name);
-        let frame = |name: &str| -> Option<Frame> {
+        let frame = |name: &str| {
             let index = limb(name)?;
             let world_from_local = kinematics.world_rotations()[model.limbs()[index].rotation];
             Some(Frame { origin: kinematics.starts()[index], local_from_world: world_from_local.transpose() })
@@ -189,8 +182,7 @@ impl Figure {
                 lower_length: whole(lower)?,
             })
         };
-        let (mut head, chest) = (frame("skull")?, frame("chest")?);
-        head.origin = kinematics.starts()[limb("skull")?];
+        let (head, chest) = (frame("skull")?, frame("chest")?);
         let arms =
             [chain("right", "upper arm", "forearm", "hand")?, chain("left", "upper arm", "forearm", "hand")?];
         let legs = [chain("right", "thigh", "calf", "foot")?, chain("left", "thigh", "calf", "foot")?];
@@ -285,10 +277,9 @@ impl Figure {
         let frame = match part.1 {
             Part::Head => &self.head,
             Part::Trunk => &self.chest,
-            Part::RightArm => nearest_frame(&self.arms[0], point),
-            Part::LeftArm => nearest_frame(&self.arms[1], point),
-            Part::RightLeg => leg_frame(&self.legs[0], point, material),
-            Part::LeftLeg => leg_frame(&self.legs[1], point, material),
+            Part::Arm(side) => nearest_frame(&self.arms[side], point),
+            Part::Leg(side) if material == Material::Shoe => &self.legs[side].end,
+            Part::Leg(side) => nearest_frame(&self.legs[side], point),
         };
         Touch { distance, material, local: frame.local(point), part: part.1 }
     }
@@ -297,11 +288,9 @@ impl Figure {
         let bounds = self.bounds.map(|ball| point.distance(ball.centre) - ball.radius);
         let nearest = bounds.iter().copied().fold(f64::INFINITY, f64::min);
         if nearest > REACH {
-            let mut far = Layers::FAR;
-            far.0[0] = nearest;
-            return far;
+            return Layers([nearest, FAR, FAR, FAR, FAR]);
         }
-        let mut all = Layers::FAR;
+        let mut all = Layers([FAR; 5]);
         for (part, bound) in PARTS.into_iter().zip(bounds) {
             if bound < REACH && bound < all.nearest().0 + REACH {
                 all.join(self.part(part, point));
@@ -316,23 +305,20 @@ impl Figure {
         match part {
             Part::Head => self.head_layers(point),
             Part::Trunk => self.trunk_layers(point),
-            Part::RightArm => self.arm_layers(0, point),
-            Part::LeftArm => self.arm_layers(1, point),
-            Part::RightLeg => self.leg_layers(0, point),
-            Part::LeftLeg => self.leg_layers(1, point),
+            Part::Arm(side) => self.arm_layers(side, point),
+            Part::Leg(side) => self.leg_layers(side, point),
         }
     }
 
     fn bound(&self, part: Part) -> Ball {
-        let between = |chain: &Chain, tip: DVec3| {
+        let between = |chain: &Chain, tip: DVec3, flesh: f64| {
             let end = chain.end.origin + chain.end.local_from_world.transpose() * tip;
             let centre = (chain.upper.origin + end) * 0.5;
             // The bent joint in the middle may be the farthest.
             let reach = chain.lower.origin.distance(centre).max(chain.end.origin.distance(centre));
-            Ball { centre, radius: reach.max(end.distance(centre)) }
+            Ball { centre, radius: reach.max(end.distance(centre)) + flesh }
         };
-        let grown = |ball: Ball, by: f64| Ball { radius: ball.radius + by, ..ball };
-        let widest = |factors: [f64; 2]| factors[0].max(factors[1]).max(1.0);
+        let widest = self.build.cloth.max(1.0);
         match part {
             Part::Head => Ball {
                 centre: self.head.origin
@@ -342,16 +328,10 @@ impl Figure {
             Part::Trunk => Ball {
                 centre: (self.pelvis.origin + self.chest.origin) * 0.5
                     + (self.chest.origin - self.pelvis.origin) * 0.3,
-                radius: 0.42 * widest([self.build.trunk, self.build.cloth]),
+                radius: 0.42 * widest,
             },
-            Part::RightArm | Part::LeftArm => grown(
-                between(&self.arms[usize::from(part == Part::LeftArm)], DVec3::new(0.0, 0.0, -0.2)),
-                0.1 * widest([self.build.arms, self.build.cloth]),
-            ),
-            Part::RightLeg | Part::LeftLeg => grown(
-                between(&self.legs[usize::from(part == Part::LeftLeg)], DVec3::new(0.0, 0.08, -0.09)),
-                0.17 * widest([self.build.legs, self.build.cloth]),
-            ),
+            Part::Arm(side) => between(&self.arms[side], DVec3::new(0.0, 0.0, -0.2), 0.1 * widest),
+            Part::Leg(side) => between(&self.legs[side], DVec3::new(0.0, 0.08, -0.09), 0.17 * widest),
         }
     }
 }
@@ -363,8 +343,4 @@ fn nearest_frame(chain: &Chain, point: DVec3) -> &Frame {
     } else {
         &chain.lower
     }
-}
-
-fn leg_frame(chain: &Chain, point: DVec3, material: Material) -> &Frame {
-    if material == Material::Shoe { &chain.end } else { nearest_frame(chain, point) }
 }

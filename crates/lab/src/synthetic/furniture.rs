@@ -59,7 +59,7 @@ impl Default for Room {
         north_wall(&mut f);
         east_wall(&mut f);
         ceiling_and_floor(&mut f);
-        Self::of(f.pieces)
+        Self { pieces: f.pieces }
     }
 }
 

@@ -32,7 +32,7 @@ impl Sensor {
     #[must_use]
     pub fn expose(&self, light: &Picture, gain: f64, seed: u64) -> RgbImage {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let mut image = RgbImage::new(light.width() as u32, light.height() as u32);
+        let mut image = RgbImage::new(light.width as u32, light.height as u32);
         for (x, y, pixel) in image.enumerate_pixels_mut() {
             let (x, y) = (x as usize, y as usize);
             let beside = [(-1, 0), (1, 0), (0, -1), (0, 1)]

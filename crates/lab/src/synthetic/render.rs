@@ -15,9 +15,12 @@ use super::shading::{LAMPS, Shade, ambient, figure_light, lamp_seen, open_sky, r
 /// Linear light per pixel, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    width: usize,
-    height: usize,
-    light: Vec<DVec3>,
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Light per pixel, row by row.
+    pub light: Vec<DVec3>,
 }
 
 impl Picture {
@@ -25,24 +28,6 @@ impl Picture {
     #[must_use]
     pub fn filled(width: usize, height: usize, light: DVec3) -> Self {
         Self { width, height, light: vec![light; width * height] }
-    }
-
-    /// Pixels across.
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Pixels down.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Light per pixel, row by row.
-    #[must_use]
-    pub fn light(&self) -> &[DVec3] {
-        &self.light
     }
 
     /// The pixel nearest to x, y, which may lie outside.
@@ -54,7 +39,7 @@ impl Picture {
 }
 
 /// What a pixel of the empty room is made of, kept apart so that the figure can shade it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct PlatePixel {
     position: DVec3,
     normal: DVec3,
@@ -87,12 +72,6 @@ impl Plate {
         Self { camera: camera.clone(), pixels: rows.concat() }
     }
 
-    /// The camera.
-    #[must_use]
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// The room with nobody in it.
     #[must_use]
     pub fn empty(&self) -> Picture {
@@ -107,18 +86,11 @@ impl Plate {
     #[must_use]
     pub fn with_figure(&self, figure: &Figure, samples: usize) -> Picture {
         let (width, height) = (self.camera.width(), self.camera.height());
-        let rows: Vec<Vec<DVec3>> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                (0..width)
-                    .map(|x| {
-                        let behind = self.pixels[y * width + x].shaded(figure);
-                        figure_over(&self.camera, figure, [x, y], samples, behind)
-                    })
-                    .collect()
-            })
-            .collect();
-        Picture { width, height, light: rows.concat() }
+        let light = each_pixel([width, height], |x, y| {
+            let behind = self.pixels[y * width + x].shaded(figure);
+            figure_over(&self.camera, figure, [x, y], samples, behind)
+        });
+        Picture { width, height, light }
     }
 
     /// The figure before the empty room in light without any shadow, one ray a pixel, and its exact silhouette: what takes
@@ -150,6 +122,15 @@ impl Plate {
     }
 }
 
+/// Something of every pixel, row by row, from all cores.
+pub(super) fn each_pixel<T: Clone + Send>(
+    [width, height]: [usize; 2],
+    of: impl Fn(usize, usize) -> T + Sync,
+) -> Vec<T> {
+    let row = |y| (0..width).map(|x| of(x, y)).collect::<Vec<T>>();
+    (0..height).into_par_iter().map(row).collect::<Vec<_>>().concat()
+}
+
 impl PlatePixel {
     fn shaded(&self, figure: &Figure) -> DVec3 {
         let (centre, radius) = figure.bounding_ball();
@@ -178,13 +159,7 @@ fn plate_pixel(
     /// How far away things still darken a place, metres.
     const SKY_REACH: f64 = 0.7;
     let origin = camera.centre();
-    let mut sum = PlatePixel {
-        position: DVec3::ZERO,
-        normal: DVec3::ZERO,
-        own: DVec3::ZERO,
-        ambient: DVec3::ZERO,
-        lamps: [DVec3::ZERO; 3],
-    };
+    let mut sum = PlatePixel::default();
     let share = 1.0 / (samples * samples) as f64;
     let open_share = |position: DVec3, normal: DVec3, random: &mut Pcg64Mcg| {
         let mut open = 0.0;
@@ -306,7 +281,7 @@ mod tests {
         let (picture, mask) = plate.with_unshaded_figure(&figure(), |_, _| true).unwrap();
         assert_eq!(mask, crate::synthetic::silhouette(&figure(), &camera).unwrap());
         let empty = plate.empty();
-        let changed = empty.light().iter().zip(picture.light()).map(|(empty, light)| empty != light);
+        let changed = empty.light.iter().zip(&picture.light).map(|(empty, light)| empty != light);
         assert!(changed.eq(mask.labels().iter().map(|label| *label == Label::Subject)));
     }
 
@@ -318,7 +293,7 @@ mod tests {
         let (empty, full) = (plate.empty(), plate.with_figure(&figure(), 2));
         let mask = crate::synthetic::silhouette(&figure(), &camera).unwrap();
         let (mut subject, mut darker) = (0, 0);
-        for ((before, after), label) in empty.light().iter().zip(full.light()).zip(mask.labels()) {
+        for ((before, after), label) in empty.light.iter().zip(&full.light).zip(mask.labels()) {
             assert!(before.is_finite() && after.is_finite() && after.min_element() >= 0.0);
             if *label == Label::Subject {
                 subject += usize::from(before.distance(*after) > 0.02);

@@ -42,14 +42,10 @@ pub(super) struct RoomHit {
 /// A furnished room around the origin, floor at z = 0.
 #[derive(Debug, Clone)]
 pub struct Room {
-    pieces: Vec<Piece>,
+    pub(super) pieces: Vec<Piece>,
 }
 
 impl Room {
-    pub(super) fn of(pieces: Vec<Piece>) -> Self {
-        Self { pieces }
-    }
-
     /// Where a ray (unit `direction`) first meets the room. Pieces that hold the origin are not seen.
     pub(super) fn intersect(&self, origin: DVec3, direction: DVec3) -> RoomHit {
         let (mut best, mut which) = (f64::INFINITY, None);

@@ -7,8 +7,15 @@
 use glam::DVec3;
 
 /// A ball swept from `from` to `to` while its radius changes: the hull of two balls.
-pub(super) fn round_cone(point: DVec3, from: DVec3, to: DVec3, radius_from: f64, radius_to: f64) -> f64 {
-    let axis = to - from;
+pub(super) fn round_cone(
+    point: DVec3,
+    from: impl Into<DVec3>,
+    to: impl Into<DVec3>,
+    radius_from: f64,
+    radius_to: f64,
+) -> f64 {
+    let from = from.into();
+    let axis = to.into() - from;
     let length_squared = axis.length_squared();
     let narrowing = radius_from - radius_to;
     let squared = length_squared - narrowing * narrowing;
@@ -30,16 +37,16 @@ pub(super) fn round_cone(point: DVec3, from: DVec3, to: DVec3, radius_from: f64,
 }
 
 /// An ellipsoid with half axes `radii`: close to exact near its surface.
-pub(super) fn ellipsoid(point: DVec3, centre: DVec3, radii: DVec3) -> f64 {
-    let relative = point - centre;
+pub(super) fn ellipsoid(point: DVec3, centre: impl Into<DVec3>, radii: impl Into<DVec3>) -> f64 {
+    let (relative, radii) = (point - centre.into(), radii.into());
     let scaled = (relative / radii).length();
     let gradient = (relative / (radii * radii)).length();
     if gradient < 1e-12 { -radii.min_element() } else { scaled * (scaled - 1.0) / gradient }
 }
 
 /// A box with half sizes `half`, its edges rounded outwards by `round`.
-pub(super) fn rounded_box(point: DVec3, centre: DVec3, half: DVec3, round: f64) -> f64 {
-    let outside = (point - centre).abs() - half;
+pub(super) fn rounded_box(point: DVec3, centre: [f64; 3], half: [f64; 3], round: f64) -> f64 {
+    let outside = (point - DVec3::from(centre)).abs() - DVec3::from(half);
     outside.max(DVec3::ZERO).length() + outside.max_element().min(0.0) - round
 }
 

@@ -97,12 +97,12 @@ fn the_thesis_ramp_is_biased_on_hard_masks_and_half_is_less() {
         let errors = [1, 2].map(|seed| {
             let truth = off(&model, 10.0, 0.0, seed);
             let see = |camera: &Arc<Camera>| {
-                let evidence = if is_averaged {
-                    Evidence::Measurement(Arc::new(area_averaged(&model, &truth, camera)))
-                } else {
-                    Evidence::Mask(Arc::new(capsules::hard_mask(&model, &truth, camera).unwrap()))
-                };
-                FitView { camera: Arc::clone(camera), evidence, weight: 1.0 }
+                let mask = capsules::hard_mask(&model, &truth, camera).unwrap();
+                let mut view = FitView::of_mask(camera.clone(), mask);
+                if is_averaged {
+                    view.evidence = Evidence::Measurement(Arc::new(area_averaged(&model, &truth, camera)));
+                }
+                view
             };
             let options = upper_body::least_cost_fit(ramp, DataView::Hard);
             let views = cameras.iter().map(see).collect();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use backlit_lab::experiment::{Simulation, scene};
+use backlit_lab::synthetic::masks::widened;
 use backlit_lab::synthetic::{capsules, motion, people::PEOPLE, studio};
 use backlit_tracking::body::{Model, Pose, SizeKind, builtin};
 use backlit_tracking::body_fit::survey::{LeftOut, Unusable};
@@ -16,7 +17,7 @@ use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::search::start::perturb;
-use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
+use backlit_tracking::silhouette::Label;
 
 /// Moments of the built-in movement.
 const MOMENTS: [usize; 6] = [0, 10, 20, 31, 41, 50];
@@ -30,11 +31,7 @@ fn cameras() -> Vec<Arc<Camera>> {
 fn views(body: &Model, pose: &Pose, by_px: f64) -> Vec<FitView> {
     let see = |camera: Arc<Camera>| {
         let exact = capsules::hard_mask(body, pose, &camera).unwrap();
-        let distances = SignedDistance::from_mask(&exact);
-        let label = |&far: &f32| if f64::from(far) < by_px { Label::Subject } else { Label::Background };
-        let labels = distances.values()[..exact.labels().len()].iter().map(label).collect();
-        let mask = Mask::new(exact.width(), exact.height(), labels).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        FitView::of_mask(camera, widened(exact, by_px).unwrap())
     };
     cameras().into_iter().map(see).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::posing::turn_round;
 use backlit_tracking::search::{Origin, SearchOptions, SearchResult, search};
@@ -16,9 +16,9 @@ const FRAMES: [usize; 3] = [0, 24, 48];
 fn views(model: &Model, pose: &Pose, cameras: usize) -> Vec<FitView> {
     let figure = Figure::new(model, pose, Build::default()).unwrap();
     let view = |camera: &backlit_tracking::camera::Camera| {
-        let camera = Arc::new(camera.without_distortion());
+        let camera = camera.without_distortion();
         let mask = silhouette(&figure, &camera).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        FitView::of_mask(camera, mask)
     };
     studio::cameras().cameras().iter().take(cameras).map(view).collect()
 }

@@ -43,7 +43,7 @@ fn views(model: &Model, pose: &Pose, cameras: &[usize]) -> Vec<FitView> {
     let view = |&index: &usize| {
         let camera = half(&rig.cameras()[index]);
         let mask = silhouette(&figure, &camera).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        FitView::of_mask(camera, mask)
     };
     cameras.iter().map(view).collect()
 }
@@ -82,13 +82,7 @@ fn a_small_person_is_found_by_the_body_scaled() {
     let child = model.scaled(0.75).unwrap();
     let mut truth = posed(&model, MOMENTS[0]);
     truth.root.z *= 0.75;
-    let figure = Figure::new(&child, &truth, Build::default()).unwrap();
-    let view = |camera: &Camera| {
-        let camera = half(camera);
-        let mask = silhouette(&figure, &camera).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
-    };
-    let views: Vec<FitView> = studio::cameras().cameras().iter().map(view).collect();
+    let views = views(&child, &truth, &[0, 1, 2, 3]);
     let choices = WithoutStartOptions { scale_body: true, ..WithoutStartOptions::default() };
     let found = without_start(&model, &views, &choices, &CancelToken::new()).unwrap();
     assert!((found.scale - 0.75).abs() < 0.09, "{} {:?}", found.scale, found.heights);
@@ -186,9 +180,8 @@ fn a_track_begins_where_somebody_appears() {
         let mut views = views(&model, &truth(frame), &[0, 1]);
         if frame == 0 {
             for view in &mut views {
-                let [width, height] = [view.camera.width(), view.camera.height()];
-                view.evidence =
-                    Evidence::Mask(Arc::new(Mask::filled(width, height, Label::Background).unwrap()));
+                let nobody = Mask::filled(view.camera.width(), view.camera.height(), Label::Background);
+                view.evidence = Evidence::Mask(Arc::new(nobody.unwrap()));
             }
         }
         let found = tracker.track_frame(frame, views, &CancelToken::new()).unwrap();
