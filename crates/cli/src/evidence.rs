@@ -10,21 +10,15 @@ use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use image::{DynamicImage, GrayImage};
 
-/// What the pictures of a folder are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PictureKind {
-    /// White is the subject, middle grey unknown.
-    Masks,
-    /// Grey levels D as they are, 0 the subject.
-    Measurement,
+/// What a picture says of a camera, the lens taken out of it.
+type Reading = fn(GrayImage, &Rectification) -> anyhow::Result<Evidence>;
+
+/// Reads every camera's picture: as a [`mask`] or as a [`measurement`].
+pub(crate) fn read(folder: &Path, rig: &Rig, reading: Reading) -> anyhow::Result<Vec<FitView>> {
+    rig.cameras().iter().map(|camera| view(folder, camera, reading)).collect()
 }
 
-/// Reads every camera's picture and takes the lens out of it.
-pub(crate) fn read(folder: &Path, rig: &Rig, kind: PictureKind) -> anyhow::Result<Vec<FitView>> {
-    rig.cameras().iter().map(|camera| view(folder, camera, kind)).collect()
-}
-
-fn view(folder: &Path, camera: &Camera, kind: PictureKind) -> anyhow::Result<FitView> {
+fn view(folder: &Path, camera: &Camera, reading: Reading) -> anyhow::Result<FitView> {
     super::output::check_file_stem(camera.name())?;
     let path = folder.join(format!("{}.png", camera.name()));
     let picture = images::read_grey(&path)?;
@@ -41,30 +35,24 @@ fn view(folder: &Path, camera: &Camera, kind: PictureKind) -> anyhow::Result<Fit
             camera.name()
         );
     }
-    let rectification = Rectification::new(camera);
-    let evidence = match kind {
-        PictureKind::Masks => mask(picture, &rectification).map(|mask| Evidence::Mask(Arc::new(mask))),
-        PictureKind::Measurement => {
-            measurement(picture, &rectification).map(|data| Evidence::Measurement(Arc::new(data)))
-        }
-    };
+    let evidence = reading(picture, &Rectification::new(camera));
     let evidence = evidence.with_context(|| path.display().to_string())?;
     Ok(FitView { camera: Arc::new(camera.without_distortion()), evidence, weight: 1.0 })
 }
 
-/// Labels cannot be averaged: each ideal pixel takes the nearest, and is unknown where the lens saw nothing.
-fn mask(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Mask> {
+/// White is the subject, middle grey unknown. Labels cannot be averaged: each ideal pixel takes the nearest, and is unknown where the lens saw nothing.
+pub(crate) fn mask(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Evidence> {
     let mask = Mask::from_gray(&picture)?;
     let labels = rectification.nearest(mask.labels(), Label::Unknown).context("one label a pixel")?;
-    Ok(Mask::new(mask.width(), mask.height(), labels)?)
+    Ok(Evidence::Mask(Arc::new(Mask::new(mask.width(), mask.height(), labels)?)))
 }
 
-/// Grey levels are interpolated, and weigh nothing where the lens saw nothing.
-fn measurement(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Measurement> {
+/// Grey levels D as they are, 0 the subject. They are interpolated, and weigh nothing where the lens saw nothing.
+pub(crate) fn measurement(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Evidence> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = DynamicImage::ImageLuma8(picture).into_rgb8();
     let ideal = rectification.rectify(&colour).context("one level a pixel")?;
     let values = ideal.pixels().map(|pixel| f32::from(pixel[0])).collect();
     let weights = (0..width * height).map(|i| f32::from(rectification.has_data(i % width, i / width)));
-    Ok(Measurement::new(width, height, values, weights.collect())?)
+    Ok(Evidence::Measurement(Arc::new(Measurement::new(width, height, values, weights.collect())?)))
 }

@@ -75,7 +75,7 @@ pub(crate) trait Experiment: Serialize {
         let numbers = serde_json::to_string_pretty(&document).context("the numbers")? + "\n";
         let mut files = vec![(format!("{}.json", Self::NAME), numbers.clone().into_bytes())];
         for (name, picture) in self.pictures(&report) {
-            files.push((format!("{name}.png"), png(picture.picture(output.theme.into()))?));
+            files.push((format!("{name}.png"), png(picture.picture(output.theme))?));
         }
         output.finish(files, &self.printed(&report, &numbers)?, &self.table(&report))
     }

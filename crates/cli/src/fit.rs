@@ -18,7 +18,7 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::evidence::{self, PictureKind};
+use super::evidence;
 use super::fit_options::{MODEL_HELP, SolverArguments};
 use super::output::{self, object};
 use super::person;
@@ -127,8 +127,8 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
     let rig = calibration::read(cameras, CalibrationOptions::default())?;
     let start = arguments.start.pose_of(&model)?;
     let views = match (&arguments.masks, &arguments.measurement) {
-        (Some(folder), _) => evidence::read(folder, &rig, PictureKind::Masks)?,
-        (None, Some(folder)) => evidence::read(folder, &rig, PictureKind::Measurement)?,
+        (Some(folder), _) => evidence::read(folder, &rig, evidence::mask)?,
+        (None, Some(folder)) => evidence::read(folder, &rig, evidence::measurement)?,
         (None, None) => bail!("expected --masks or --measurement"),
     };
     Ok(Problem { model: Arc::new(model), views, start })
@@ -188,7 +188,7 @@ fn answer(
     let later = summary.iterations.iter().map(|iteration| iteration.cost);
     let pose: Value =
         serde_json::from_str(&pose_file::to_text(model, &summary.pose)).context("the fitted pose")?;
-    let answer = object! {
+    Ok(object! {
         initial_cost: summary.initial_cost,
         initial_rms: initial_rms,
         cost: summary.final_cost,
@@ -201,16 +201,9 @@ fn answer(
         },
         empty_cameras: summary.empty_cameras.clone(),
         pose: pose,
-    };
-    Ok(TimedAnswer { answer, us_per_iteration: times })
-}
-
-#[derive(Debug, Serialize)]
-struct TimedAnswer<A> {
-    #[serde(flatten)]
-    answer: A,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    us_per_iteration: Option<Times>,
+        #[serde(flatten)]
+        times: times.map(|times| object! { us_per_iteration: times }),
+    })
 }
 
 /// The answer for people: a line a stage.

@@ -17,10 +17,10 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::fit_body_report::{self, BodyReport};
-use super::fit_options::above_zero;
+use super::fit_body_report;
+use super::fit_options::{Words, above_zero, one_of};
 use super::take_options::{self, FrameSpan, PartArguments};
 use crate::{output, progress};
 
@@ -72,8 +72,8 @@ pub struct FitBodyArguments {
     #[arg(long)]
     asymmetric: bool,
     /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
-    #[arg(long, value_enum, value_name = "KIND")]
-    hold: Option<HoldWord>,
+    #[arg(long, value_parser = one_of(HOLDS), value_name = "KIND")]
+    hold: Option<[bool; 2]>,
     /// How much the proportions of people count [default, for a body built as the built-in full one:
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
     #[arg(long, value_name = "FACTOR", value_parser = above_zero)]
@@ -93,16 +93,12 @@ pub struct FitBodyArguments {
     json: bool,
 }
 
-/// Sizes that stay in proportion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum HoldWord {
-    /// All lengths
-    Lengths,
-    /// All radii
-    Radii,
-    /// Both
-    Both,
-}
+/// Sizes that stay in proportion: lengths, radii.
+const HOLDS: Words<[bool; 2]> = &[
+    ("lengths", "All lengths", [true, false]),
+    ("radii", "All radii", [false, true]),
+    ("both", "Both", [true, true]),
+];
 
 /// Frames by number, or a range to choose from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -143,11 +139,8 @@ impl FitBodyArguments {
     }
 
     fn options(&self, model: &Model, has_joints: bool) -> BodyFitOptions {
-        let choice = SizeChoice {
-            symmetric: !self.asymmetric,
-            lengths: !matches!(self.hold, Some(HoldWord::Lengths | HoldWord::Both)),
-            radii: !matches!(self.hold, Some(HoldWord::Radii | HoldWord::Both)),
-        };
+        let [lengths, radii] = self.hold.unwrap_or_default();
+        let choice = SizeChoice { symmetric: !self.asymmetric, lengths: !lengths, radii: !radii };
         let usual = BodyFitOptions::for_people(model, has_joints);
         let weighed = self.proportions.map(|factor| BodyFitOptions::default().with_proportions(factor));
         BodyFitOptions { choice, ..weighed.unwrap_or(usual) }
@@ -192,9 +185,9 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         model_file::write(out, spheres.as_ref().map_or(&fit.model, |spheres| &spheres.model))?;
     }
-    let report = BodyReport::new(&fit, spheres.as_ref());
+    let answer = fit_body_report::answer(&fit, spheres.as_ref());
     let text = || fit_body_report::text(&fit, spheres.as_ref(), arguments.out.as_deref());
-    output::print_result(arguments.json, &report, text)
+    output::print_result(arguments.json, &answer, text)
 }
 
 /// The fitted person as spheres, from the frames of the fit.

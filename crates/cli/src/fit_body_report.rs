@@ -7,68 +7,13 @@ use backlit_tracking::body_fit::{BodyFit, SizeEstimate};
 use backlit_tracking::body_spheres::SphereBody;
 use serde::Serialize;
 
-use super::output::{number, percent_change};
+use super::output::{number, object, percent_change};
 use super::table::Table;
 
-/// The result as JSON has it.
-#[derive(Debug, Serialize)]
-pub(crate) struct BodyReport {
-    frames: Vec<usize>,
-    /// Factors of the body that the fit began with.
-    size: f64,
-    girth: f64,
-    /// By how many pixels silhouettes are too wide all round; none where they were taken as they are.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    widening: Option<WideningReport>,
-    iou: Before<Option<f64>>,
-    rms: Before<f64>,
-    iterations: usize,
-    termination: &'static str,
-    /// Of a body of spheres.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    spheres: Option<SpheresReport>,
-    sizes: Vec<SizeReport>,
-}
-
-/// By level, the coarsest first; IoU of all frames and cameras.
-#[derive(Debug, Serialize)]
-struct SpheresReport {
-    levels: Vec<usize>,
-    iou_of_capsules: Option<f64>,
-    iou_as_carved: Option<f64>,
-    iou: Option<f64>,
-    rms: Before<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct Before<T> {
-    before: T,
-    after: T,
-}
-
-/// Pixels.
-#[derive(Debug, Serialize)]
-struct WideningReport {
-    px: f64,
-    deviation_px: f64,
-    believed: bool,
-}
-
-/// Metres.
-#[derive(Debug, Serialize)]
-struct SizeReport {
-    limb: String,
-    kind: SizeKind,
-    start: f64,
-    found: f64,
-    deviation: f64,
-    prior_deviation: f64,
-    held_by_prior: bool,
-}
-
-impl BodyReport {
-    pub(crate) fn new(fit: &BodyFit, spheres: Option<&SphereBody>) -> Self {
-        let size = |size: &SizeEstimate| SizeReport {
+/// The answer as JSON has it: sizes in metres, factors of the body that the fit began with.
+pub(crate) fn answer(fit: &BodyFit, spheres: Option<&SphereBody>) -> impl Serialize {
+    let size = |size: &SizeEstimate| {
+        object! {
             limb: size.name.clone(),
             kind: size.kind,
             start: size.start,
@@ -76,30 +21,44 @@ impl BodyReport {
             deviation: size.deviation,
             prior_deviation: size.prior_deviation,
             held_by_prior: size.is_held_by_prior(),
-        };
-        Self {
-            frames: fit.frames.clone(),
-            size: fit.size,
-            girth: fit.girth,
-            widening: fit.widening.map(|found| WideningReport {
-                px: found.px,
-                deviation_px: found.deviation_px,
-                believed: found.is_believed,
-            }),
-            iou: Before { before: fit.iou[0], after: fit.iou[1] },
-            rms: Before { before: fit.rms[0], after: fit.rms[1] },
-            iterations: fit.iterations,
-            termination: fit.termination.name(),
-            spheres: spheres.map(|one| SpheresReport {
+        }
+    };
+    // By how many pixels silhouettes are too wide all round; nothing where they were taken as they are.
+    let widening = fit.widening.map(|found| {
+        object! {
+            widening: object! { px: found.px, deviation_px: found.deviation_px, believed: found.is_believed },
+        }
+    });
+    // By level, the coarsest first; IoU of all frames and cameras.
+    let spheres = spheres.map(|one| {
+        object! {
+            spheres: object! {
                 levels: one.spheres.clone(),
                 iou_of_capsules: one.iou.map(|iou| iou[0]),
                 iou_as_carved: one.iou.map(|iou| iou[1]),
                 iou: one.iou.map(|iou| iou[2]),
-                rms: Before { before: one.rms[0], after: one.rms[1] },
-            }),
-            sizes: fit.sizes.iter().map(size).collect(),
+                rms: change(one.rms),
+            },
         }
+    });
+    object! {
+        frames: fit.frames.clone(),
+        size: fit.size,
+        girth: fit.girth,
+        #[serde(flatten)]
+        widening: widening,
+        iou: change(fit.iou),
+        rms: change(fit.rms),
+        iterations: fit.iterations,
+        termination: fit.termination.name(),
+        #[serde(flatten)]
+        spheres: spheres,
+        sizes: fit.sizes.iter().map(size).collect::<Vec<_>>(),
     }
+}
+
+fn change<T: Serialize>([before, after]: [T; 2]) -> impl Serialize {
+    object! { before: before, after: after }
 }
 
 pub(crate) fn text(fit: &BodyFit, spheres: Option<&SphereBody>, written: Option<&Path>) -> String {

@@ -7,8 +7,9 @@ use backlit_tracking::body::Parameters;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{MAX_SPHERES, Ramp, RendererKind};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
-use clap::{Args, ValueEnum};
 
 /// What `--model` takes.
 pub(crate) const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
@@ -39,23 +40,23 @@ impl RendererArguments {
     }
 }
 
-/// What the columns of a rotation are.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum ParametersWord {
-    /// Four quaternion coefficients w x y z a rotation
-    Raw,
-    /// Three radians a rotation
-    Tangent,
+/// Words, each with its help and what it stands for.
+pub(crate) type Words<T> = &'static [(&'static str, &'static str, T)];
+
+/// Reads one of these words.
+pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(words: Words<T>) -> impl TypedValueParser<Value = T> {
+    let known = words.iter().map(|(word, help, _)| PossibleValue::new(*word).help(*help));
+    PossibleValuesParser::new(known).try_map(|text| {
+        let known = words.iter().find(|(word, ..)| *word == text);
+        known.map(|(.., value)| *value).ok_or("this is no word of the list")
+    })
 }
 
-impl From<ParametersWord> for Parameters {
-    fn from(word: ParametersWord) -> Self {
-        match word {
-            ParametersWord::Raw => Self::Raw,
-            ParametersWord::Tangent => Self::Tangent,
-        }
-    }
-}
+/// What the columns of a rotation are.
+pub(crate) const PARAMETERS: Words<Parameters> = &[
+    ("raw", "Four quaternion coefficients w x y z a rotation", Parameters::Raw),
+    ("tangent", "Three radians a rotation", Parameters::Tangent),
+];
 
 /// How to fit.
 #[derive(Debug, Clone, Args)]
@@ -75,8 +76,8 @@ pub(crate) struct SolverArguments {
     #[arg(long)]
     pub(crate) method: Option<Method>,
     /// Numbers of a rotation that are solved for [default: the preset's]
-    #[arg(long, value_enum)]
-    pub(crate) parameters: Option<ParametersWord>,
+    #[arg(long, value_parser = one_of(PARAMETERS))]
+    pub(crate) parameters: Option<Parameters>,
     /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm, of a column's own entry if
     /// that is larger [default: the preset's]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
@@ -103,7 +104,7 @@ impl SolverArguments {
             options.method = method;
         }
         if let Some(parameters) = self.parameters {
-            options.parameters = parameters.into();
+            options.parameters = parameters;
         }
         if let Some(damping) = self.damping {
             options.damping = damping;

@@ -12,7 +12,7 @@ use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{KalmanOptions, Motion, WhenToSearch};
 use clap::{Args, ValueEnum};
 
-use crate::fit_options::SolverArguments;
+use crate::fit_options::{SolverArguments, Words, one_of};
 
 /// How frames are followed.
 #[derive(Debug, Args)]
@@ -36,8 +36,8 @@ pub(crate) struct FollowArguments {
     pub(crate) lag: Option<usize>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one
     /// [default: poor, with the report preset never]
-    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
-    pub(crate) search: Option<SearchWord>,
+    #[arg(long, value_parser = one_of(SEARCHES), value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
+    pub(crate) search: Option<WhenToSearch>,
 }
 
 impl FollowArguments {
@@ -53,8 +53,8 @@ impl FollowArguments {
     /// How these frames of a take are followed from this pose.
     pub(crate) fn plan(&self, take: &Take, start: Pose, frames: &[usize]) -> anyhow::Result<TrackPlan> {
         let default = match self.solver.preset {
-            Preset::Report => SearchWord::Never,
-            Preset::Robust => SearchWord::Poor,
+            Preset::Report => WhenToSearch::Never,
+            Preset::Robust => WhenToSearch::WhenPoor,
         };
         let noise = self.noise()?;
         let motion = match self.motion {
@@ -66,7 +66,7 @@ impl FollowArguments {
         Ok(TrackPlan {
             fit: Arc::new(self.fit()?),
             motion,
-            search: self.search.unwrap_or(default).into(),
+            search: self.search.unwrap_or(default),
             smoothing: self.smoothing()?,
             ..TrackPlan::of_frames(take, start, frames.to_vec().into())
         })
@@ -99,25 +99,11 @@ impl FollowArguments {
 }
 
 /// When to look for other poses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SearchWord {
-    /// Never
-    Never,
-    /// Where the fit overlaps poorly: IoU below 0.9
-    Poor,
-    /// Always
-    Always,
-}
-
-impl From<SearchWord> for WhenToSearch {
-    fn from(word: SearchWord) -> Self {
-        match word {
-            SearchWord::Never => Self::Never,
-            SearchWord::Poor => Self::WhenPoor,
-            SearchWord::Always => Self::Always,
-        }
-    }
-}
+const SEARCHES: Words<WhenToSearch> = &[
+    ("never", "Never", WhenToSearch::Never),
+    ("poor", "Where the fit overlaps poorly: IoU below 0.9", WhenToSearch::WhenPoor),
+    ("always", "Always", WhenToSearch::Always),
+];
 
 /// How motion is carried from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

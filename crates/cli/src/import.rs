@@ -8,10 +8,10 @@ use backlit_formats::import::{
     Pictures, WriteOptions,
 };
 use backlit_tracking::cancel::CancelToken;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
-use super::fit_options::above_zero;
+use super::fit_options::{Words, above_zero, one_of};
 use super::output;
 use super::table::Table;
 
@@ -65,23 +65,23 @@ pub struct ImportArguments {
     #[arg(long)]
     keep_cameras: bool,
     /// Where backgrounds come from
-    #[arg(long, value_enum, default_value_t = BackgroundWord::Plate)]
-    background: BackgroundWord,
+    #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "plate")]
+    background: Background,
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
 }
 
 /// Where backgrounds come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum BackgroundWord {
-    /// A picture without the subject where there is one, else the footage
-    Plate,
-    /// The footage
-    Footage,
-    /// Nowhere: silhouettes are given in another way
-    None,
-}
+const BACKGROUNDS: Words<Background> = &[
+    (
+        "plate",
+        "A picture without the subject where there is one, else the footage",
+        Background::PlateOrFootage,
+    ),
+    ("footage", "The footage", Background::Footage),
+    ("none", "Nowhere: silhouettes are given in another way", Background::None),
+];
 
 pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
     let options = ImportOptions {
@@ -97,11 +97,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
     let mut written = None;
     let (mut known, mut adjusted) = (serde_json::Map::new(), None);
     if let (Some(out), false) = (&arguments.out, arguments.dry_run) {
-        let background = match arguments.background {
-            BackgroundWord::Plate => Background::PlateOrFootage,
-            BackgroundWord::Footage => Background::Footage,
-            BackgroundWord::None => Background::None,
-        };
+        let background = arguments.background;
         let options = WriteOptions { background, adjust_cameras: !arguments.keep_cameras };
         let file = import::write(&found, out, options, &CancelToken::new(), &mut |step| match step {
             ImportStep::Adjusted { median_px: [before, after] } => {

@@ -10,11 +10,11 @@ use serde::Serialize;
 
 /// A value for JSON whose keys keep the order in which they stand here.
 macro_rules! object {
-    ($($key:ident: $value:expr),* $(,)?) => {{
+    ($($(#[$attribute:meta])* $key:ident: $value:expr),* $(,)?) => {{
         #[expect(non_camel_case_types, reason = "each field has a type of its own, named after it")]
         mod ordered {
             #[derive(Debug, serde::Serialize)]
-            pub(super) struct Object<$($key),*> { $(pub(super) $key: $key),* }
+            pub(super) struct Object<$($key),*> { $($(#[$attribute])* pub(super) $key: $key),* }
         }
         ordered::Object { $($key: $value),* }
     }};

@@ -13,7 +13,7 @@ use backlit_tracking::render::{Ramp, View, dense_jacobian};
 use clap::Args;
 use image::GrayImage;
 
-use super::fit_options::{MODEL_HELP, ParametersWord, RendererArguments};
+use super::fit_options::{MODEL_HELP, PARAMETERS, RendererArguments, one_of};
 use super::output;
 
 /// Largest Jacobian of one camera, bytes: a full-HD picture of the full body is half of it.
@@ -60,8 +60,8 @@ pub struct RenderArguments {
     #[arg(long)]
     npy: bool,
     /// Also write the Jacobian, in these columns
-    #[arg(long, value_name = "COLUMNS")]
-    jacobian: Option<ParametersWord>,
+    #[arg(long, value_name = "COLUMNS", value_parser = one_of(PARAMETERS))]
+    jacobian: Option<Parameters>,
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
@@ -69,10 +69,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let model = model_file::resolve(&arguments.model)?;
     let rig = calibration::read(&arguments.cameras, CalibrationOptions::default())?;
     let pose = pose_file::read(&arguments.pose, &model, Quaternions::Raw)?;
-    let parameters = arguments.jacobian.map(Parameters::from);
     for camera in rig.cameras() {
         output::check_file_stem(camera.name())?;
-        if let Some(parameters) = parameters {
+        if let Some(parameters) = arguments.jacobian {
             check_size(camera, parameters.columns(model.rotation_count()))?;
         }
     }
@@ -89,7 +88,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         if arguments.npy {
             npy::write(&file("prediction.npy"), &[height, width], &levels)?;
         }
-        if let Some(parameters) = parameters {
+        if let Some(parameters) = arguments.jacobian {
             let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
             let shape = [jacobian.nrows(), jacobian.ncols()];
             // Column-major of the transpose is row-major.

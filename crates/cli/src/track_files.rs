@@ -27,37 +27,6 @@ const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
 const MAX_SUMMARY: u64 = 1 << 20;
 
-/// Writes all files: all of them, or none.
-fn write(folder: &Path, take: &Take, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
-    let cameras: Vec<&str> = report.cameras.iter().map(String::as_str).collect();
-    let export = TrackExport {
-        name: take.name(),
-        frame_rate: take.frame_rate(),
-        model: take.model(),
-        cameras: &cameras,
-        track: &report.track,
-    };
-    let summary = serde_json::to_string_pretty(&report.summary())? + "\n";
-    let mut others = vec![(SUMMARY, summary.as_bytes())];
-    let body = model_file::to_text(take.model());
-    if builtin::of_name(take.model().name()).is_none_or(|model| model != **take.model()) {
-        others.push((BODY, body.as_bytes()));
-    }
-    // After the take's last frame there is nothing to go on with.
-    let has_ended =
-        report.track.frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
-    let resume = resume.filter(|_| !has_ended).map(resume_file::to_text);
-    if let Some(resume) = &resume {
-        others.push((RESUME, resume.as_bytes()));
-    }
-    export::write(folder, &export, &others)?;
-    if has_ended {
-        // One that cannot be removed is refused when it is read: it is of another frame.
-        let _ = fs::remove_file(folder.join(RESUME));
-    }
-    Ok(())
-}
-
 /// Results so far are written this often: nothing is lost if the program is stopped.
 const WRITE_EVERY: Duration = Duration::from_secs(5);
 
@@ -91,9 +60,37 @@ impl<'a> Writer<'a> {
         self.written = Instant::now();
     }
 
+    /// Writes all files: all of them, or none.
     fn write(&self, report: &TrackReport, resume: Option<&Resume>) -> anyhow::Result<()> {
-        output::make_folder(self.folder)?;
-        write(self.folder, self.take, report, resume)
+        let Self { folder, take, .. } = *self;
+        output::make_folder(folder)?;
+        let cameras: Vec<&str> = report.cameras.iter().map(String::as_str).collect();
+        let export = TrackExport {
+            name: take.name(),
+            frame_rate: take.frame_rate(),
+            model: take.model(),
+            cameras: &cameras,
+            track: &report.track,
+        };
+        let summary = serde_json::to_string_pretty(&report.summary())? + "\n";
+        let mut others = vec![(SUMMARY, summary.as_bytes())];
+        let body = model_file::to_text(take.model());
+        if builtin::of_name(take.model().name()).is_none_or(|model| model != **take.model()) {
+            others.push((BODY, body.as_bytes()));
+        }
+        // After the take's last frame there is nothing to go on with.
+        let has_ended =
+            report.track.frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
+        let resume = resume.filter(|_| !has_ended).map(resume_file::to_text);
+        if let Some(resume) = &resume {
+            others.push((RESUME, resume.as_bytes()));
+        }
+        export::write(folder, &export, &others)?;
+        if has_ended {
+            // One that cannot be removed is refused when it is read: it is of another frame.
+            let _ = fs::remove_file(folder.join(RESUME));
+        }
+        Ok(())
     }
 
     /// Writes all there is; where that cannot be, into a folder for temporary files.

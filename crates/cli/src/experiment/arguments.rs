@@ -8,9 +8,10 @@ use backlit_lab::experiment::Simulation;
 use backlit_plot::Theme;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::search::start::perturb;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
+use crate::fit_options::{Words, one_of};
 use crate::output;
 use crate::take_options::StartNoise;
 
@@ -24,8 +25,8 @@ pub(crate) struct OutputArguments {
     #[arg(long)]
     pub(crate) json: bool,
     /// Colours of the plots
-    #[arg(long, value_enum, default_value_t = ThemeWord::Light)]
-    pub(crate) theme: ThemeWord,
+    #[arg(long, value_parser = one_of(THEMES), default_value = "light")]
+    pub(crate) theme: Theme,
 }
 
 impl OutputArguments {
@@ -87,43 +88,18 @@ impl Starts {
     }
 }
 
-/// Dark or light.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum ThemeWord {
-    /// For screens.
-    Dark,
-    /// For paper.
-    Light,
-}
-
-impl From<ThemeWord> for Theme {
-    fn from(word: ThemeWord) -> Self {
-        match word {
-            ThemeWord::Dark => Self::Dark,
-            ThemeWord::Light => Self::Light,
-        }
-    }
-}
+/// Colours of plots.
+const THEMES: Words<Theme> = &[("dark", "For screens", Theme::Dark), ("light", "For paper", Theme::Light)];
 
 /// What the simulated cameras see.
-#[derive(Debug, Clone, Copy, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum SimulatedData {
-    /// The renderer's own grey levels of the true pose, as in the report's simulations
-    #[default]
-    Prediction,
-    /// Black-and-white silhouettes, as segmentation gives them
-    Mask,
-}
-
-impl From<SimulatedData> for Simulation {
-    fn from(word: SimulatedData) -> Self {
-        match word {
-            SimulatedData::Prediction => Self::Prediction,
-            SimulatedData::Mask => Self::Mask,
-        }
-    }
-}
+pub(crate) const SIMULATIONS: Words<Simulation> = &[
+    (
+        "prediction",
+        "The renderer's own grey levels of the true pose, as in the report's simulations",
+        Simulation::Prediction,
+    ),
+    ("mask", "Black-and-white silhouettes, as segmentation gives them", Simulation::Mask),
+];
 
 /// Pixels across and down.
 #[derive(Debug, Clone, Copy, Serialize)]

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, ensure};
-use backlit_lab::experiment::scene;
+use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::single_limb::{OFFSET_M, RENDERERS, camera, start, truth};
 use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_tracking::body::builtin;
@@ -18,9 +18,10 @@ use backlit_tracking::render::RendererKind;
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::SimulatedData;
+use super::arguments::SIMULATIONS;
 use super::measures::FitCurve;
 use super::{Experiment, Run};
+use crate::fit_options::one_of;
 use crate::output::number;
 use crate::table::Table;
 
@@ -36,8 +37,8 @@ pub(crate) struct SingleLimb {
     #[arg(skip = [192, 144])]
     size_px: [u64; 2],
     /// What the camera sees
-    #[arg(long = "data", value_enum, default_value_t)]
-    simulation: SimulatedData,
+    #[arg(long = "data", value_parser = one_of(SIMULATIONS), default_value = "prediction")]
+    simulation: Simulation,
     /// Its renderer is replaced by each of the three.
     #[arg(skip = FitOptions { run_all: true, ..FitOptions::preset(Preset::Report) })]
     fit: FitOptions,
@@ -72,8 +73,7 @@ impl Experiment for SingleLimb {
         for &distance_m in &self.distances_m {
             let camera = camera(distance_m, self.size_px)?;
             let ramp = self.fit.final_ramp();
-            let view =
-                scene::view(&model, &truth, &camera, self.simulation.into(), RendererKind::Capsule, ramp)?;
+            let view = scene::view(&model, &truth, &camera, self.simulation, RendererKind::Capsule, ramp)?;
             let curve = |renderer: RendererKind| {
                 let fit = FitOptions { renderer, ..self.fit.clone() };
                 FitCurve::of(renderer.name(), &model, &truth, vec![view.clone()], &start, fit, run)

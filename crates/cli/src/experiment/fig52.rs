@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, ensure};
-use backlit_lab::experiment::scene;
+use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::upper_body::{self, LM_DAMPING};
 use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_tracking::body::{Parameters, builtin};
@@ -17,9 +17,10 @@ use backlit_tracking::render::RendererKind;
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::{SimulatedData, Starts};
+use super::arguments::{SIMULATIONS, Starts};
 use super::measures::{FitCurve, GOOD_MM, NamedFit, last, medians};
 use super::{Experiment, Run, check_least};
+use crate::fit_options::one_of;
 use crate::output::number;
 use crate::table::Table;
 
@@ -43,8 +44,8 @@ pub(crate) struct UpperBody<const CAMERAS: usize> {
     #[serde(flatten)]
     starts: Starts,
     /// What the cameras see
-    #[arg(long = "data", value_enum, default_value_t)]
-    simulation: SimulatedData,
+    #[arg(long = "data", value_parser = one_of(SIMULATIONS), default_value = "prediction")]
+    simulation: Simulation,
     #[arg(skip = fits())]
     #[serde(rename = "ways")]
     fits: Vec<NamedFit>,
@@ -99,7 +100,7 @@ impl<const CAMERAS: usize> Experiment for UpperBody<CAMERAS> {
         let total = self.fits.len() * self.starts.starts;
         let mut ways = Vec::new();
         for NamedFit { name, fit } in &self.fits {
-            let (simulation, ramp) = (self.simulation.into(), fit.final_ramp());
+            let (simulation, ramp) = (self.simulation, fit.final_ramp());
             let see = |camera| scene::view(&model, &truth, camera, simulation, fit.renderer, ramp);
             let views = cameras.iter().map(see).collect::<Result<Vec<_>, _>>()?;
             let curve = |start: usize| {

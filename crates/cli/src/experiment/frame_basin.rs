@@ -135,7 +135,7 @@ impl FrameArguments {
         };
         let json = result.json()?;
         let printed = String::from_utf8_lossy(&json).into_owned();
-        let files = [("json", json), ("csv", result.csv()?), ("png", result.png(output.theme.into())?)];
+        let files = [("json", json), ("csv", result.csv()?), ("png", result.png(output.theme)?)];
         output.finish(files.map(|(ending, bytes)| (format!("{name}.{ending}"), bytes)), &printed, &text)
     }
 
