@@ -44,9 +44,7 @@ const LATE: f64 = 8.0;
 fn every_act_does_what_it_should() {
     let Some(desk) = Desk::new() else { return };
     let mut window = Window::open(&desk, &[]);
-    window.until("the built-in take is there", |state| {
-        state["take"]["loaded"] == true && state["idle"] == true
-    });
+    window.until_still("the built-in take is there", |_| true);
     window.picture("start");
     window.dismiss("Not now");
     posing(&mut window);
@@ -68,47 +66,40 @@ fn posing(window: &mut Window<'_>) {
     window.until("the hand holds the wrist", |state| state["held"] == true && state["pose"] != start);
     window.picture("drag");
     window.release();
-    let dragged = window.until("the hand is empty", |state| state["held"] == false && state["idle"] == true);
+    let dragged = window.until_still("the hand is empty", |state| state["held"] == false);
     assert_eq!(dragged["track"]["keys"], serde_json::json!([0]), "a drag sets a key pose");
-    window.key("ctrl+z");
-    window.until("undo brings the pose back", |state| state["pose"] == start && state["idle"] == true);
-    window.key("ctrl+shift+z");
-    window.until("redo takes it away again", |state| state["pose"] == dragged["pose"]);
+    window.key_until_still("ctrl+z", "undo brings the pose back", |state| state["pose"] == start);
+    window.key_until("ctrl+shift+z", "redo takes it away again", |state| state["pose"] == dragged["pose"]);
 
     window.press_at("left wrist, Camera 2");
     window.move_by(25, 10);
     window.until("another joint is held", |state| state["held"] == true && state["pose"] != dragged["pose"]);
-    window.key("Escape");
-    window.until("Esc puts it back", |state| state["held"] == false && state["pose"] == dragged["pose"]);
+    window.key_until("Escape", "Esc puts it back", |state| {
+        state["held"] == false && state["pose"] == dragged["pose"]
+    });
     window.release();
-    window.key("ctrl+z");
-    window.until("the start again", |state| state["pose"] == start && state["idle"] == true);
+    window.key_until_still("ctrl+z", "the start again", |state| state["pose"] == start);
 }
 
 /// Steps, a run to its end, looking back, another renderer.
 fn stepping(window: &mut Window<'_>) {
     let before = window.state();
-    window.key("space");
-    let stepped =
-        window.until("a step was made", |state| state["runs"][0]["steps"] == 1 && state["idle"] == true);
+    let stepped = window.key_until_still("space", "a step was made", |state| state["runs"][0]["steps"] == 1);
     assert!(number(&stepped["runs"][0]["cost"]) < number(&before["cost"]), "the first step lowers the cost");
-    window.key("Return");
-    let ended = window
-        .until("the run has ended", |state| !state["runs"][0]["ending"].is_null() && state["idle"] == true);
+    let ended =
+        window.key_until_still("Return", "the run has ended", |state| !state["runs"][0]["ending"].is_null());
     assert!(number(&ended["iou"]) > 0.8, "the run fits: {}", ended["iou"]);
-    window.key("comma");
-    window.until("an earlier step is looked at", |state| {
+    window.key_until("comma", "an earlier step is looked at", |state| {
         !state["step"].is_null() && state["pose"] != ended["pose"]
     });
-    window.key("Escape");
-    window.until("the newest step again", |state| state["step"].is_null() && state["pose"] == ended["pose"]);
+    window.key_until("Escape", "the newest step again", |state| {
+        state["step"].is_null() && state["pose"] == ended["pose"]
+    });
     for (key, renderer) in [("y", "cylinder"), ("s", "sphere-tree"), ("c", "capsule")] {
-        window.key(key);
-        window.until(&format!("{key} draws with another solid"), |state| {
+        window.key_until_still(key, &format!("{key} draws with another solid"), |state| {
             state["renderer"]
                 .as_str()
                 .is_some_and(|name| name.replace(' ', "-").eq_ignore_ascii_case(renderer))
-                && state["idle"] == true
         });
     }
 }
@@ -126,41 +117,30 @@ fn looking(window: &mut Window<'_>) {
         ("j", "jacobian-column"),
         ("t", "tinted"),
     ] {
-        window.key(key);
-        window.until(&format!("{key} shows {mode}"), |state| {
-            state["cameras"][0]["mode"] == mode && state["idle"] == true
+        window.key_until_still(key, &format!("{key} shows {mode}"), |state| {
+            state["cameras"][0]["mode"] == mode
         });
     }
-    window.key("w");
-    window.until("W wipes", |state| !active(state)["wipe"].is_null());
-    window.key("w");
-    window.until("and again does not", |state| active(state)["wipe"].is_null());
-    window.key("1");
-    window.until("camera 1 fills the centre", |state| state["alone"] == "Camera 1");
+    window.key_until("w", "W wipes", |state| !active(state)["wipe"].is_null());
+    window.key_until("w", "and again does not", |state| active(state)["wipe"].is_null());
+    window.key_until("1", "camera 1 fills the centre", |state| state["alone"] == "Camera 1");
     window.picture("alone");
-    window.key("Escape");
-    window.until("and goes back", |state| state["alone"].is_null());
+    window.key_until("Escape", "and goes back", |state| state["alone"].is_null());
     for (key, layout) in [("F2", "debug"), ("F3", "demonstrate"), ("F1", "pose")] {
-        window.key(key);
-        window.until(&format!("{key} is the {layout} layout"), |state| {
-            state["layout"] == layout && state["idle"] == true
+        window.key_until_still(key, &format!("{key} is the {layout} layout"), |state| {
+            state["layout"] == layout
         });
         window.picture(layout);
     }
     window.resize(1100, 700);
-    window.until("a small window", |state| state["idle"] == true);
+    window.until_still("a small window", |_| true);
     window.picture("small");
     window.resize(1600, 1000);
-    window.key("ctrl+k");
-    window.until("the palette is there", |state| state["over"] == "palette");
-    window.type_text("dark or light");
-    window.key("Return");
+    window.command("dark or light");
     window.until("the theme is light", |state| state["theme"] == "light" && state["over"].is_null());
     window.picture("light");
-    window.key("ctrl+b");
-    window.until("the panel is gone", |state| state["panel"] == false);
-    window.key("ctrl+b");
-    window.until("and back", |state| state["panel"] == true);
+    window.key_until("ctrl+b", "the panel is gone", |state| state["panel"] == false);
+    window.key_until("ctrl+b", "and back", |state| state["panel"] == true);
     // A narrow tile keeps it in its menu.
     window.click("More for Camera 1");
     window.click("Used in the fit");
@@ -168,47 +148,37 @@ fn looking(window: &mut Window<'_>) {
     // Keys belong to the menu as long as it is open.
     window.key("Escape");
     window.until_gone("Close tile");
-    window.key("ctrl+z");
-    window.until("and is used again", |state| state["cameras"][0]["used"] == true && state["idle"] == true);
+    window.key_until_still("ctrl+z", "and is used again", |state| state["cameras"][0]["used"] == true);
 }
 
 /// The film keeps the time of the take, stops by its key and at its end.
 fn playing(window: &mut Window<'_>) {
-    window.key("Home");
-    let start = window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
-    window.key("p");
-    window.until("P plays", |state| state["playing"] == true && number(&state["frame"]) >= 3.0);
-    window.key("p");
-    let paused = window.until("and again pauses", |state| state["playing"] == false && state["idle"] == true);
+    let start = window.key_until_still("Home", "the first frame", |state| state["frame"] == 0);
+    window.key_until("p", "P plays", |state| state["playing"] == true && number(&state["frame"]) >= 3.0);
+    let paused = window.key_until_still("p", "and again pauses", |state| state["playing"] == false);
     assert!(number(&paused["frame"]) < number(&start["take"]["frames"]) - 1.0, "it is under way");
     let last = number(&start["take"]["frames"]) - 1.0;
-    window.key("End");
-    window.until("the last frame", |state| number(&state["frame"]) == last && state["idle"] == true);
+    window.key_until_still("End", "the last frame", |state| number(&state["frame"]) == last);
     let began = Instant::now();
-    window.key("p");
-    window.until("at the end it begins again", |state| number(&state["frame"]) < last);
+    window.key_until("p", "at the end it begins again", |state| number(&state["frame"]) < last);
     let over = |state: &Value| state["playing"] == false && number(&state["frame"]) == last;
     window.until("and stops at the end", over);
     let (took, film) = (began.elapsed().as_secs_f64(), (last + 1.0) / BUILT_IN_RATE);
     assert!(took > 0.9 * film && took < film + LATE, "a film of {film} s took {took} s");
-    window.key("Home");
-    window.until("the first frame again", |state| state["frame"] == 0 && state["idle"] == true);
+    window.key_until_still("Home", "the first frame again", |state| state["frame"] == 0);
 }
 
 /// The tracker runs, is stopped, and what it did stays.
 fn tracking(window: &mut Window<'_>) {
-    window.key("Right");
-    window.until("the next frame", |state| state["frame"] == 1 && state["idle"] == true);
-    window.key("Home");
-    window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
-    window.key("ctrl+Return");
-    window.until("the tracker runs", |state| number(&state["track"]["frames"]) >= 6.0);
-    window.key("Escape");
+    window.key_until_still("Right", "the next frame", |state| state["frame"] == 1);
+    window.key_until_still("Home", "the first frame", |state| state["frame"] == 0);
+    window.key_until("ctrl+Return", "the tracker runs", |state| number(&state["track"]["frames"]) >= 6.0);
     let stopped =
-        window.until("it has stopped", |state| state["track"]["running"].is_null() && state["idle"] == true);
+        window.key_until_still("Escape", "it has stopped", |state| state["track"]["running"].is_null());
     assert!(number(&stopped["track"]["frames"]) >= 6.0);
-    window.key("n");
-    window.until("the worst frame", |state| state["frame"] != stopped["frame"] || state["idle"] == true);
+    window.key_until("n", "the worst frame", |state| {
+        state["frame"] != stopped["frame"] || state["idle"] == true
+    });
     window.picture("track");
 }
 
@@ -216,17 +186,14 @@ fn tracking(window: &mut Window<'_>) {
 fn saving(desk: &Desk, window: &mut Window<'_>) -> (PathBuf, Value) {
     let path = desk.home().join("saved.backlit");
     desk.answer_dialogs_with(&path);
-    window.key("ctrl+s");
-    let state = window
-        .until("the project is saved", |state| state["unsaved"] == false && !state["project"].is_null());
+    let state = window.key_until("ctrl+s", "the project is saved", |state| {
+        state["unsaved"] == false && !state["project"].is_null()
+    });
     assert!(fs::metadata(&path).unwrap().len() > 1000);
 
     // The motion, by its card.
     let motion = desk.home().join("motion.bvh");
-    window.key("ctrl+k");
-    window.until("the palette is there again", |state| state["over"] == "palette");
-    window.type_text("export motion");
-    window.key("Return");
+    window.command("export motion");
     window.until("the card is there", |state| state["over"] == "export");
     window.picture("export-motion");
     window.click("Motion file");
@@ -242,12 +209,10 @@ fn saving(desk: &Desk, window: &mut Window<'_>) -> (PathBuf, Value) {
 /// The saved project opens as it was; killed in the middle of a drag, the next start offers that very pose.
 fn opening_again(desk: &Desk, (path, saved): &(PathBuf, Value)) {
     let mut window = Window::open(desk, &[path.to_str().unwrap()]);
-    let opened =
-        window.until("the project is open", |state| state["take"]["loaded"] == true && state["idle"] == true);
+    let opened = window.until_still("the project is open", |_| true);
     assert_eq!(opened["track"], saved["track"]);
     assert_eq!(opened["theme"], "light", "the arrangement is kept");
-    window.key("Home");
-    let before = window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
+    let before = window.key_until_still("Home", "the first frame", |state| state["frame"] == 0);
     window.press_at("left elbow, Camera 1");
     window.move_by(8, 8);
     window.move_by(30, 25);
@@ -263,8 +228,7 @@ fn opening_again(desk: &Desk, (path, saved): &(PathBuf, Value)) {
     window.picture("offer");
     window.click("Unsaved work…");
     window.click("Restore");
-    let restored =
-        window.until("it is back", |state| state["take"]["loaded"] == true && state["idle"] == true);
+    let restored = window.until_still("it is back", |_| true);
     assert!(is_near(&restored["pose"], &held["pose"]), "{} instead of {}", restored["pose"], held["pose"]);
     assert_eq!(restored["unsaved"], true);
     window.quit();
@@ -286,10 +250,9 @@ fn real_footage_is_fitted() {
     let Some(desk) = Desk::new() else { return };
     let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing");
     let mut window = Window::open(&desk, &[take.to_str().unwrap()]);
-    window.until("the take is there", |state| state["take"]["loaded"] == true && state["idle"] == true);
-    window.key("Return");
+    window.until_still("the take is there", |_| true);
     let fitted =
-        window.until("it is fitted", |state| !state["runs"][0]["ending"].is_null() && state["idle"] == true);
+        window.key_until_still("Return", "it is fitted", |state| !state["runs"][0]["ending"].is_null());
     assert!(number(&fitted["iou"]) > 0.8, "{}", fitted["iou"]);
     window.picture("real");
     window.quit();

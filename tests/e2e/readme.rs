@@ -7,54 +7,22 @@ use serde_json::Value;
 use crate::desk::Desk;
 use crate::window::Window;
 
-/// A window with the built-in take, whose picture goes into a folder.
-struct Sitting<'a> {
-    window: Window<'a>,
-    folder: &'a Path,
-}
-
-impl<'a> Sitting<'a> {
-    fn new(desk: &'a Desk, folder: &'a Path) -> Self {
-        let mut window = Window::open(desk, &[]);
-        window.until("the built-in take is there", is_still);
-        window.dismiss("Not now");
-        Self { window, folder }
-    }
-
-    fn command(&mut self, name: &str, what: &str, is_so: impl Fn(&Value) -> bool) {
-        self.window.key("ctrl+k");
-        self.window.until("the palette is there", |state| state["over"] == "palette");
-        self.window.type_text(name);
-        self.window.key("Return");
-        self.window.until(what, |state| is_so(state) && is_still(state));
-    }
-
-    fn key(&mut self, key: &str, what: &str, is_so: impl Fn(&Value) -> bool) {
-        self.window.key(key);
-        self.window.until(what, |state| is_so(state) && is_still(state));
-    }
-
-    /// Goes on to a later frame.
-    fn go_on_to(&mut self, frame: u64) {
-        while let Some(left) = frame.checked_sub(self.window.state()["frame"].as_u64().unwrap_or(0)) {
-            let (key, by) = match left {
-                0 => return,
-                1..=9 => ("Right", 1),
-                _ => ("shift+Right", 10),
-            };
-            let to = frame - left + by;
-            self.key(key, "a later frame", |state| state["frame"] == to);
-        }
-    }
-
-    fn picture(&mut self, name: &str) {
-        self.window.until("notices have gone", |state| state["notices"].as_array().is_none_or(Vec::is_empty));
-        self.window.picture_in(self.folder, name);
+/// Goes on to a later frame.
+fn go_on_to(window: &mut Window<'_>, frame: u64) {
+    while let Some(left) = frame.checked_sub(window.state()["frame"].as_u64().unwrap_or(0)) {
+        let (key, by) = match left {
+            0 => return,
+            1..=9 => ("Right", 1),
+            _ => ("shift+Right", 10),
+        };
+        let to = frame - left + by;
+        window.key_until_still(key, "a later frame", |state| state["frame"] == to);
     }
 }
 
-fn is_still(state: &Value) -> bool {
-    state["take"]["loaded"] == true && state["idle"] == true
+fn picture(window: &mut Window<'_>, folder: &Path, name: &str) {
+    window.until("notices have gone", |state| state["notices"].as_array().is_none_or(Vec::is_empty));
+    window.picture_in(folder, name);
 }
 
 /// The built-in take's pictures and calibration, as a camera system would leave them: no take file, no start.
@@ -87,43 +55,47 @@ fn readme() {
 }
 
 fn debug(desk: &Desk, folder: &Path) {
-    let mut sitting = Sitting::new(desk, folder);
-    sitting.key("F2", "the debug layout", |state| state["layout"] == "debug");
-    sitting.key("Return", "a run to its end", |state| !state["runs"][0]["ending"].is_null());
-    sitting.picture("debug-dark");
+    let mut window = Window::of_built_in_take(desk);
+    window.key_until_still("F2", "the debug layout", |state| state["layout"] == "debug");
+    window.key_until_still("Return", "a run to its end", |state| !state["runs"][0]["ending"].is_null());
+    picture(&mut window, folder, "debug-dark");
 }
 
 fn pose(desk: &Desk, folder: &Path) {
-    let mut sitting = Sitting::new(desk, folder);
+    let mut window = Window::of_built_in_take(desk);
     let is_tracked = |state: &Value| state["track"]["frames"] == state["take"]["frames"];
-    sitting.key("ctrl+Return", "the whole take is tracked", is_tracked);
-    sitting.key("Home", "the first frame", |state| state["frame"] == 0);
-    sitting.go_on_to(24);
-    sitting.picture("pose-dark");
-    sitting.command("dark or light", "the light theme", |state| state["theme"] == "light");
-    sitting.go_on_to(46);
-    sitting.window.resize(1280, 800);
-    sitting.picture("pose-light");
+    window.key_until_still("ctrl+Return", "the whole take is tracked", is_tracked);
+    window.key_until_still("Home", "the first frame", |state| state["frame"] == 0);
+    go_on_to(&mut window, 24);
+    picture(&mut window, folder, "pose-dark");
+    window.command("dark or light");
+    window.until_still("the light theme", |state| state["theme"] == "light");
+    go_on_to(&mut window, 46);
+    window.resize(1280, 800);
+    picture(&mut window, folder, "pose-light");
 }
 
 fn new_take(desk: &Desk, folder: &Path) {
     let recording = recording(desk.home());
-    let mut sitting = Sitting::new(desk, folder);
-    sitting.window.resize(1280, 800);
+    let mut window = Window::of_built_in_take(desk);
+    window.resize(1280, 800);
     desk.answer_dialogs_with(&recording);
-    sitting.command("new take", "the card", |state| state["over"] == "new take");
-    sitting.window.click("Choose folder…");
-    sitting.window.click("Frames a second");
-    sitting.window.type_text("30\t");
-    sitting.window.until("it is looked at again", is_still);
-    sitting.picture("new-take");
+    window.command("new take");
+    window.until_still("the card", |state| state["over"] == "new take");
+    window.click("Choose folder…");
+    window.click("Frames a second");
+    window.type_text("30\t");
+    window.until_still("it is looked at again", |_| true);
+    picture(&mut window, folder, "new-take");
 }
 
 fn demonstration(desk: &Desk, folder: &Path) {
-    let mut sitting = Sitting::new(desk, folder);
-    sitting.command("dark or light", "the light theme", |state| state["theme"] == "light");
+    let mut window = Window::of_built_in_take(desk);
+    window.command("dark or light");
+    window.until_still("the light theme", |state| state["theme"] == "light");
     let is_shown = |state: &Value| state["take"]["source"]["demonstration"].is_string();
-    sitting.command("one limb three", "the demonstration", is_shown);
-    sitting.key("F3", "its laboratory", |state| state["layout"] == "demonstrate");
-    sitting.picture("demonstrate-fig51");
+    window.command("one limb three");
+    window.until_still("the demonstration", is_shown);
+    window.key_until_still("F3", "its laboratory", |state| state["layout"] == "demonstrate");
+    picture(&mut window, folder, "demonstrate-fig51");
 }

@@ -51,6 +51,14 @@ impl<'a> Window<'a> {
         window
     }
 
+    /// Starts the program with the built-in take.
+    pub(crate) fn of_built_in_take(desk: &'a Desk) -> Self {
+        let mut window = Self::open(desk, &[]);
+        window.until_still("the built-in take is there", |_| true);
+        window.dismiss("Not now");
+        window
+    }
+
     /// Brings it before other windows; keys go to it from now on.
     pub(crate) fn focus(&self) {
         self.xdotool(&["windowraise", &self.id, "windowfocus", "--sync", &self.id]);
@@ -98,6 +106,35 @@ impl<'a> Window<'a> {
             }
             sleep(GLANCE);
         }
+    }
+
+    /// The same, and waits until the take is there and nothing is being computed.
+    pub(crate) fn until_still(&mut self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        self.until(what, |state| is_so(state) && state["take"]["loaded"] == true && state["idle"] == true)
+    }
+
+    /// Presses keys, and waits until the state is as it should be.
+    pub(crate) fn key_until(&mut self, keys: &str, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        self.key(keys);
+        self.until(what, is_so)
+    }
+
+    /// Presses keys, and waits as [`until_still`](Self::until_still) does.
+    pub(crate) fn key_until_still(
+        &mut self,
+        keys: &str,
+        what: &str,
+        is_so: impl Fn(&Value) -> bool,
+    ) -> Value {
+        self.key(keys);
+        self.until_still(what, is_so)
+    }
+
+    /// Gives a command by its name in the palette.
+    pub(crate) fn command(&mut self, name: &str) {
+        self.key_until("ctrl+k", "the palette is there", |state| state["over"] == "palette");
+        self.type_text(name);
+        self.key("Return");
     }
 
     /// Presses keys, as `xdotool` names them.
