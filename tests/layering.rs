@@ -371,3 +371,28 @@ fn the_picture_in_architecture_is_the_codes() {
         assert_eq!(old, new, "UPDATE_ARCHITECTURE=1 cargo test --test layering makes it again");
     }
 }
+
+/// Files of the program that name a solid; the kernels' own words for shapes are beside the first.
+const NAMING_SOLIDS: [&str; 5] = [
+    "crates/tracking/src/render/primitive.rs",
+    "crates/tracking/src/render/renderer.rs",
+    "crates/ui/src/drawing/limbs.rs",
+    "src/context/command/table.rs",
+    "src/features/scene/raster/shapes.rs",
+];
+
+#[test]
+fn a_solid_is_named_in_few_files() {
+    let mut files = Vec::new();
+    rust_files(&root().join("src"), &mut files);
+    for entry in fs::read_dir(root().join("crates")).unwrap() {
+        rust_files(&entry.unwrap().path().join("src"), &mut files);
+    }
+    files.retain(|file| {
+        let text = fs::read_to_string(file).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap();
+        ["RendererKind::Cylinder", "\"cylinder\"", "\"Cylinder\""].iter().any(|name| code.contains(name))
+    });
+    files.sort();
+    assert_eq!(files, NAMING_SOLIDS.map(|file| root().join(file)));
+}

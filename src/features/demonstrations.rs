@@ -95,7 +95,7 @@ fn explanation(ui: &mut Ui, which: Demonstration, context: &Context<'_>, request
                     ui.horizontal_wrapped(|ui| {
                         for suggestion in next::of(which).1 {
                             let button = ui.add(Button::new(suggestion.text));
-                            if button.on_hover_text(suggestion.tooltip).clicked() {
+                            if button.on_hover_text(suggestion.tooltip()).clicked() {
                                 suggestion.request(which, context, requests);
                             }
                         }

@@ -66,7 +66,7 @@ fn two_clicks_show_the_single_limb_with_all_three_renderers() {
     let mut harness = empty().open();
     show(&mut harness, "Fig. 5.1");
     // The same fits as the command's, but for the rounding of the pictures to whole grey levels.
-    for ((name, percent), renderer) in fits(&harness).into_iter().zip(single_limb::RENDERERS) {
+    for ((name, percent), renderer) in fits(&harness).into_iter().zip(RendererKind::in_report_order()) {
         assert_eq!(name.to_lowercase().replace(' ', "-"), renderer.name());
         assert!((percent - measured_percent(renderer)).abs() < 0.1, "{name}: {percent} %");
     }

@@ -14,11 +14,18 @@ use clap::error::ErrorKind;
 /// What `--model` takes.
 pub(crate) const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
 
+/// What `--renderer` takes.
+pub(crate) fn solid_help() -> String {
+    format!(
+        "Solid that stands for a limb: {}",
+        RendererKind::listed(&RendererKind::ALL, "or", RendererKind::name)
+    )
+}
+
 /// Which solid stands for a limb.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct RendererArguments {
-    /// Solid that stands for a limb: capsule, cylinder or sphere-tree [default: capsule]
-    #[arg(long, value_name = "SOLID")]
+    #[arg(long, value_name = "SOLID", help = format!("{} [default: {}]", solid_help(), RendererKind::default()))]
     pub(crate) renderer: Option<RendererKind>,
     /// With the sphere tree: equal spheres along each limb [default: the limb's own, else 1 + ⌈2·length/radius⌉]
     #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]

@@ -2,7 +2,7 @@
 
 use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::optimize::Method;
-use backlit_tracking::render::Ramp;
+use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_words::format;
 
 /// The preset whose choices these are, apart from the renderer, which is chosen by itself.
@@ -30,6 +30,12 @@ pub fn fit_detail(options: &FitOptions) -> String {
     let prior = if options.proximal_weight > 0.0 { ", proximal prior" } else { "" };
     let likely = if options.prior.is_some() { ", likely poses" } else { "" };
     format!("{renderer}, {}{prior}{likely}", ramps(options))
+}
+
+/// All renderers, in the order of the report: how a sentence begins that is about all of them.
+pub fn renderers() -> String {
+    let labels = RendererKind::listed(&RendererKind::in_report_order(), "and", RendererKind::label);
+    format::capitalised(&labels.to_lowercase())
 }
 
 /// The ramps from the first stage to the last.
@@ -61,12 +67,11 @@ pub fn short_ramp(ramp: Ramp) -> String {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::render::RendererKind;
-
     use super::*;
 
     #[test]
     fn fits_are_told_apart_in_words() {
+        assert_eq!(renderers(), "Cylinder, capsule and sphere tree");
         let mut options = FitOptions::preset(Preset::Robust);
         options.renderer = RendererKind::Cylinder;
         assert_eq!(fit_name(&options), "Robust");

@@ -5,7 +5,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`RendererKind`] | which solid a limb is: capsule, cylinder, sphere tree |
+//! | [`RendererKind`] | which solid a limb is, and what is said of it |
 //! | [`Ramp`] | distance to grey level: `thesis`, `half`, `width`, `distance` |
 //! | [`View`] | all solids of a pose prepared for one camera; what a pixel of it sees |
 //! | [`predict`], [`Prediction`] | Λ as a picture, with the limb that owns each pixel |

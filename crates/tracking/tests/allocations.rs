@@ -31,8 +31,7 @@ fn evaluating_and_solving_allocate_nothing_after_the_first_time() {
     let data = Measurement::new(192, 144, lambda, weights).unwrap();
     let view =
         FitView { camera: Arc::new(camera), evidence: Evidence::Measurement(Arc::new(data)), weight: 1.0 };
-    let spheres = RendererKind::SphereTree { spheres: None };
-    for renderer in [RendererKind::Capsule, RendererKind::Cylinder, spheres] {
+    for renderer in RendererKind::ALL {
         for parameters in [Parameters::Raw, Parameters::Tangent] {
             let options = FitOptions { renderer, parameters, ..FitOptions::preset(Preset::Robust) };
             let stage = options.stages[0];

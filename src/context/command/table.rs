@@ -38,6 +38,10 @@ const fn row(
     CommandRow { command, menu, text, tooltip, keys }
 }
 
+const fn solid(kind: RendererKind, tooltip: &'static str, keys: &'static [KeyboardShortcut]) -> CommandRow {
+    row(Menu::Fit, Fit(FitCommand::Renderer(kind)), kind.label(), tooltip, keys)
+}
+
 #[rustfmt::skip]
 pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::File, File(FileCommand::NewTake), "New take…", "Make a take from footage and a calibration, or from another tool’s project", &[ctrl(Key::N)]),
@@ -144,9 +148,9 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Fit, Fit(FitCommand::SearchPoses), "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
     row(Menu::Fit, Fit(FitCommand::MakeSpheres), "Make body of spheres", "Carve each limb from the silhouettes of up to twelve frames, fill it with nested spheres, and move them until they fit", &[]),
     row(Menu::Fit, Fit(FitCommand::FitBody), "Fit body to frames", "Find the person’s lengths and radii from up to eight frames that have poses of their own", &[]),
-    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Capsule)), "Capsule", "Limbs with round ends", &[key(Key::C)]),
-    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Cylinder)), "Cylinder", "Limbs with flat ends", &[key(Key::Y)]),
-    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None })), "Sphere tree", "Limbs as rows of spheres", &[key(Key::S)]),
+    solid(RendererKind::Capsule, "Limbs with round ends", &[key(Key::C)]),
+    solid(RendererKind::Cylinder, "Limbs with flat ends", &[key(Key::Y)]),
+    solid(RendererKind::SphereTree { spheres: None }, "Limbs as rows of spheres", &[key(Key::S)]),
     row(Menu::Fit, Fit(FitCommand::Preset(Preset::Report)), "Report 2004", "Raw quaternions, thesis ramp on smoothed silhouettes, fixed damping, each frame from the last pose, as in the report", &[]),
     row(Menu::Fit, Fit(FitCommand::Preset(Preset::Robust)), "Robust", "Tangent updates, Levenberg-Marquardt, annealed distance data, priors and limits", &[]),
     row(Menu::Fit, Convergence(ConvergenceCommand::ClearRuns), "Clear runs", "Remove all runs from the convergence plot", &[]),

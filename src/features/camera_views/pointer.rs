@@ -278,6 +278,7 @@ fn limb_with_handle(body: &Model, limb: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::builtin::full_body;
+    use backlit_tracking::render::RendererKind;
     use egui::{Rect, pos2, vec2};
 
     use super::*;
@@ -311,7 +312,7 @@ mod tests {
                 ends_px: [DVec2::new(10.0, 50.0), DVec2::new(50.0, 50.0)],
                 radii_px: [4.0; 2],
                 depths_m: [3.0; 2],
-                has_flat_ends: false,
+                solid: RendererKind::Capsule,
             });
             Self { body, joints, limbs, pointer: Pointer::default(), forearm }
         }

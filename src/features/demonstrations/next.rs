@@ -1,8 +1,8 @@
 //! What to try next in a demonstration: a button each.
 
 use backlit_document::edit::Edit;
-use backlit_document::likely_poses;
 use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
+use backlit_document::{fit_words, likely_poses};
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
@@ -28,8 +28,8 @@ pub(super) enum Opening {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Suggestion {
     pub(super) text: &'static str,
-    /// One sentence without its full stop.
-    pub(super) tooltip: &'static str,
+    /// One sentence without its full stop. `{renderers}` stands for all of them.
+    tooltip: &'static str,
     action: SuggestedAction,
 }
 
@@ -57,7 +57,7 @@ const ROBUST: Command = Command::Fit(FitCommand::Preset(Preset::Robust));
 
 const RENDERERS: Suggestion = suggest(
     "Compare renderers",
-    "Cylinder, capsule and sphere tree from the same start",
+    "{renderers} from the same start",
     SuggestedAction::Compare(Variants::Renderers),
 );
 const RAMPS: Suggestion = suggest(
@@ -166,6 +166,10 @@ pub(super) const fn of(which: Demonstration) -> (Opening, &'static [Suggestion])
 }
 
 impl Suggestion {
+    pub(super) fn tooltip(&self) -> String {
+        self.tooltip.replace("{renderers}", &fit_words::renderers())
+    }
+
     pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
         let mut compare = |over| {
             requests.request(ShellRequest::Layout(Layout::Demonstrate));

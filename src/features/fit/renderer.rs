@@ -50,11 +50,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 requests.edits.push((Edit::SetFit { options: Box::new(options), what }, drag));
             }
         }
-        let text = match fit.renderer {
-            RendererKind::Capsule => "Round ends fade over a band, so every end says which way to go.",
-            RendererKind::Cylinder => "Flat ends: seen from the side, they hardly pull along the limb.",
-            RendererKind::SphereTree { .. } => "Spheres pull along the limb everywhere, a little.",
-        };
+        let text = fit.renderer.pull();
         command_button::button(ui, context, requests, Command::Fit(FitCommand::MakeSpheres));
         ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
     });

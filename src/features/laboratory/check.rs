@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn the_three_renderers_pass() {
-        for renderer in single_limb::RENDERERS {
+        for renderer in RendererKind::in_report_order() {
             let found = run(check(renderer), |_, _| {});
             assert!(found.is_whole() && found.passes() && found.compared > 1000, "{renderer}: {found:?}");
             assert!(found.largest_error < 1e-5 && found.worst.is_some(), "{renderer}: {found:?}");

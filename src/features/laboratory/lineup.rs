@@ -1,9 +1,13 @@
 //! Which ways to fit are compared.
 
+use std::borrow::Cow;
+
+use backlit_document::fit_words;
 use backlit_tracking::body::{Model, Parameters};
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_ui::style::format;
 
 use crate::context::command::Variants;
 
@@ -17,7 +21,7 @@ const DISTANCE_PX: [f64; 2] = [1.5, 3.0];
 /// What distinguishes the fits that are compared.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Lineup {
-    /// Cylinder, capsule, sphere tree.
+    /// All solids, in the order of the report.
     #[default]
     Renderers,
     /// Thesis, half, width, distance.
@@ -57,47 +61,52 @@ pub struct LineupWords {
     /// What the laboratory is called.
     pub title: &'static str,
     /// What is the same in all of them and what is not.
-    pub(crate) sentence: &'static str,
+    pub(crate) sentence: Cow<'static, str>,
     /// What a choice of it compares.
-    pub(crate) tooltip: &'static str,
+    pub(crate) tooltip: Cow<'static, str>,
     /// How many there are, as a word of a button.
-    pub all: &'static str,
+    pub all: Cow<'static, str>,
 }
+
+/// How many renderers there are, in words.
+const RENDERERS: &str = ["no", "one", "two", "three", "four", "five"][RendererKind::ALL.len()];
 
 impl Lineup {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Renderers, Self::Ramps, Self::Presets, Self::Updates];
 
     /// What is said of it.
-    pub const fn words(self) -> LineupWords {
+    pub fn words(self) -> LineupWords {
         match self {
             Self::Renderers => LineupWords {
                 name: "Renderers",
                 title: "Renderer laboratory",
-                sentence: "Three renderers, same start, same solver.",
-                tooltip: "Cylinder, capsule and sphere tree with the chosen solver",
-                all: "all three",
+                sentence: format!("{} renderers, same start, same solver.", format::capitalised(RENDERERS))
+                    .into(),
+                tooltip: format!("{} with the chosen solver", fit_words::renderers()).into(),
+                all: format!("all {RENDERERS}").into(),
             },
             Self::Ramps => LineupWords {
                 name: "Ramps",
                 title: "Ramp laboratory",
-                sentence: "Four ramps, same start, same renderer, same solver.",
-                tooltip: "How distance becomes grey: thesis, half, width and distance, each in one stage",
-                all: "all four",
+                sentence: "Four ramps, same start, same renderer, same solver.".into(),
+                tooltip: "How distance becomes grey: thesis, half, width and distance, each in one stage"
+                    .into(),
+                all: "all four".into(),
             },
             Self::Presets => LineupWords {
                 name: "Presets",
                 title: "Preset laboratory",
-                sentence: "Two presets, same start, same renderer.",
-                tooltip: "The report’s fit beside the robust one, with the chosen renderer",
-                all: "both",
+                sentence: "Two presets, same start, same renderer.".into(),
+                tooltip: "The report’s fit beside the robust one, with the chosen renderer".into(),
+                all: "both".into(),
             },
             Self::Updates => LineupWords {
                 name: "Updates",
                 title: "Update laboratory",
-                sentence: "Three updates, same start, same renderer, same ramp.",
-                tooltip: "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
-                all: "all three",
+                sentence: "Three updates, same start, same renderer, same ramp.".into(),
+                tooltip: "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt".into(),
+                all: "all three".into(),
             },
         }
     }
@@ -113,13 +122,16 @@ impl Lineup {
                 };
                 let of = |limb| RendererKind::equal_spheres(limb, spheres).unwrap_or(limb.spheres.len());
                 let count: usize = model.limbs().iter().map(of).sum();
-                let with =
-                    |name, note: &str, renderer| entrant(name, note, FitOptions { renderer, ..base.clone() });
-                vec![
-                    with("Cylinder", "flat ends", RendererKind::Cylinder),
-                    with("Capsule", "round ends", RendererKind::Capsule),
-                    with("Sphere tree", &format!("{count} spheres"), RendererKind::SphereTree { spheres }),
-                ]
+                let with = |kind: RendererKind| {
+                    let (renderer, note) = match kind {
+                        RendererKind::SphereTree { .. } => {
+                            (RendererKind::SphereTree { spheres }, format!("{count} {}", kind.shape()))
+                        }
+                        other => (other, kind.shape().to_owned()),
+                    };
+                    entrant(kind.label(), &note, FitOptions { renderer, ..base.clone() })
+                };
+                RendererKind::in_report_order().map(with).to_vec()
             }
             Self::Ramps => {
                 let [inner_px, outer_px] = DISTANCE_PX;

@@ -172,6 +172,7 @@ mod tests {
     use backlit_lab::synthetic::single_limb;
     use backlit_tracking::body::builtin;
     use backlit_tracking::fit::{FitOptions, Preset};
+    use backlit_tracking::render::RendererKind;
 
     use super::*;
     use crate::features::laboratory::comparison::tests::scene;
@@ -183,7 +184,7 @@ mod tests {
             let scene = scene(builtin::single_limb(), fit, vec![camera.clone()]);
             Push::new(&scene, &single_limb::start(0.1), (0, axis, 0)).unwrap()
         };
-        Pushed::all(single_limb::RENDERERS.map(look).into())
+        Pushed::all(RendererKind::in_report_order().map(look).into())
             .iter()
             .map(|push| (push.pushing, push.in_ramp))
             .collect()

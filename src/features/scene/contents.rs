@@ -13,7 +13,7 @@ use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, JOINT, SCENE_BODY
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::raster::{Dot, Ends, Floor, Limb, SceneLine, SceneShapes};
+use super::raster::{Dot, Floor, Limb, SceneLine, SceneShapes};
 use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
 
 /// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.
@@ -122,20 +122,18 @@ fn limbs(input: &ContentsInput<'_>) -> Vec<Limb> {
     let sphere = |sphere: PlacedSphere| Limb {
         ends: [sphere.centre; 2],
         radius: sphere.radius,
-        shape: Ends::Round,
+        solid: RendererKind::Capsule,
         colour: colour(sphere.limb),
     };
-    let shape = match input.renderer {
-        RendererKind::SphereTree { .. } => return spheres.into_iter().map(sphere).collect(),
-        RendererKind::Cylinder => Ends::Flat,
-        RendererKind::Capsule => Ends::Round,
-    };
+    if let RendererKind::SphereTree { .. } = input.renderer {
+        return spheres.into_iter().map(sphere).collect();
+    }
     let limbs = input.model.limbs().iter().enumerate();
     limbs
         .map(|(index, limb)| Limb {
             ends: [starts[index], ends[index]],
             radius: limb.radius,
-            shape,
+            solid: input.renderer,
             colour: colour(index),
         })
         .collect()
@@ -244,13 +242,17 @@ fn ghost_limbs(ghosts: &Ghosts) -> Vec<Limb> {
         limbs.extend(ghosts.limbs().map(|limb| Limb {
             ends: [starts[limb], ends[limb]],
             radius: ghosts.model.limbs()[limb].radius,
-            shape: Ends::Round,
+            solid: RendererKind::Capsule,
             colour: if ghosts.marked[limb] { SELECTED } else { SCENE_BODY },
         }));
     }
     let ball = ghosts.template.filter(|template| template.ends[0] == template.ends[1]);
-    let ball =
-        ball.map(|ball| Limb { ends: ball.ends, radius: ball.radius, shape: Ends::Round, colour: JOINT });
+    let ball = ball.map(|ball| Limb {
+        ends: ball.ends,
+        radius: ball.radius,
+        solid: RendererKind::Capsule,
+        colour: JOINT,
+    });
     limbs.extend(ball);
     limbs
 }
@@ -337,9 +339,9 @@ mod tests {
         let marked = contents.scene.limbs.iter().filter(|capsule| capsule.colour == SELECTED).count();
         assert_eq!(marked, model.limbs().iter().filter(|limb| Some(limb.rotation) == rotation).count());
         assert!(contents.scene.floor.is_none() && contents.scene.lines.is_empty());
-        assert!(contents.scene.limbs.iter().all(|limb| limb.shape == Ends::Round));
+        assert!(contents.scene.limbs.iter().all(|limb| limb.solid == RendererKind::Capsule));
         let (flat, ()) = with(|input| input.renderer = RendererKind::Cylinder, preferences);
-        assert!(flat.scene.limbs.iter().all(|limb| limb.shape == Ends::Flat));
+        assert!(flat.scene.limbs.iter().all(|limb| limb.solid == RendererKind::Cylinder));
         let (spheres, ()) =
             with(|input| input.renderer = RendererKind::SphereTree { spheres: Some(3) }, preferences);
         assert_eq!(spheres.scene.limbs.len(), 3 * model.limbs().len());

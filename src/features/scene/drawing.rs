@@ -55,7 +55,7 @@ impl Hash for Fingerprint<'_> {
         (shell.as_ref().map(Arc::as_ptr), held.map(bits)).hash(state);
         (bits(eye.position), bits(eye.target), bits(eye.up), eye.fov_y.to_bits()).hash(state);
         for limb in &scene.limbs {
-            (limb.ends.map(bits), limb.radius.to_bits(), limb.shape, limb.colour).hash(state);
+            (limb.ends.map(bits), limb.radius.to_bits(), limb.solid, limb.colour).hash(state);
         }
         for line in &scene.lines {
             (line.ends.map(bits), line.width_px.to_bits(), line.colour).hash(state);
@@ -157,10 +157,11 @@ impl Thumbnails {
 #[cfg(test)]
 mod tests {
     use backlit_formats::footage::CameraFrame;
+    use backlit_tracking::render::RendererKind;
     use egui::Color32;
     use image::Rgb;
 
-    use crate::features::scene::raster::{Ends, Limb};
+    use crate::features::scene::raster::Limb;
 
     use super::*;
 
@@ -172,7 +173,7 @@ mod tests {
         let limb = Limb {
             ends: [DVec3::ZERO, DVec3::Y],
             radius: 0.2,
-            shape: Ends::Round,
+            solid: RendererKind::Capsule,
             colour: Color32::LIGHT_GRAY,
         };
         let corner = |x: f64, y: f64| DVec3::new(x, y, 0.5);
@@ -237,7 +238,7 @@ mod tests {
         others[0].size_px[0] += 1;
         others[1].is_draft = true;
         others[2].eye.fov_y += 0.1;
-        others[3].scene.limbs[0].shape = Ends::Flat;
+        others[3].scene.limbs[0].solid = RendererKind::Cylinder;
         others[4].frusta[0].opacity = 1.0;
         others[5].pictures = None;
         others[6].held = None;

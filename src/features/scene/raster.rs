@@ -12,7 +12,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 
 pub(crate) use frame::SceneFrame;
-pub(crate) use shapes::{Ends, Limb};
+pub(crate) use shapes::Limb;
 
 /// What is closer to the eye than this is not drawn.
 pub(crate) const NEAR: f64 = 0.01;

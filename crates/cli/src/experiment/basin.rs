@@ -19,6 +19,7 @@ use serde::Serialize;
 use super::arguments::{OutputArguments, PictureSize};
 use super::frame_basin::FrameArguments;
 use super::{Experiment, ExperimentArguments, Run};
+use crate::fit_options::solid_help;
 use crate::output::number;
 use crate::table::Table;
 
@@ -44,8 +45,7 @@ pub(crate) struct Arguments {
     /// Set of choices: report (as in 2004) or robust
     #[arg(long, default_value_t = Preset::Robust)]
     preset: Preset,
-    /// Solid that stands for a limb: capsule, cylinder or sphere-tree
-    #[arg(long, value_name = "SOLID", default_value_t = RendererKind::Capsule)]
+    #[arg(long, value_name = "SOLID", help = solid_help(), default_value_t)]
     renderer: RendererKind,
     /// Go downhill from the start alone, without a search for other hypotheses
     #[arg(long)]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use backlit_lab::experiment::{Simulation, scene};
-use backlit_lab::synthetic::single_limb::{OFFSET_M, RENDERERS, camera, start, truth};
+use backlit_lab::synthetic::single_limb::{OFFSET_M, camera, start, truth};
 use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_tracking::body::builtin;
 use backlit_tracking::fit::{FitOptions, Preset};
@@ -80,7 +80,7 @@ impl Experiment for SingleLimb {
             };
             parts.push(Distance {
                 distance_m,
-                curves: RENDERERS.into_iter().map(curve).collect::<Result<_>>()?,
+                curves: RendererKind::in_report_order().into_iter().map(curve).collect::<Result<_>>()?,
             });
         }
         Ok(Report { parts })

@@ -54,19 +54,17 @@ pub(crate) struct UpperBody<const CAMERAS: usize> {
 /// The report's fit with each renderer, and the same cost lowered by Levenberg-Marquardt on tangent steps.
 fn fits() -> Vec<NamedFit> {
     let report = FitOptions { run_all: true, ..FitOptions::preset(Preset::Report) };
-    let with = |name, renderer| NamedFit::new(name, FitOptions { renderer, ..report.clone() });
+    let with = |renderer: RendererKind| {
+        NamedFit::new(&renderer.label().to_lowercase(), FitOptions { renderer, ..report.clone() })
+    };
     let mended = FitOptions {
         parameters: Parameters::Tangent,
         method: Method::LevenbergMarquardt,
         damping: LM_DAMPING,
         ..report.clone()
     };
-    vec![
-        with("cylinder", RendererKind::Cylinder),
-        with("capsule", RendererKind::Capsule),
-        with("sphere tree", RendererKind::SphereTree { spheres: None }),
-        NamedFit::new("capsule, tangent LM", mended),
-    ]
+    let mended = NamedFit::new("capsule, tangent LM", mended);
+    RendererKind::in_report_order().into_iter().map(with).chain([mended]).collect()
 }
 
 #[derive(Debug, Serialize)]

@@ -4,14 +4,10 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraError};
-use backlit_tracking::render::RendererKind;
 use glam::{DQuat, DVec3};
 
 use super::studio::pinhole;
 
-/// The renderers, in the order of the report.
-pub const RENDERERS: [RendererKind; 3] =
-    [RendererKind::Cylinder, RendererKind::Capsule, RendererKind::SphereTree { spheres: None }];
 /// How far along its axis the limb starts from the truth, metres.
 pub const OFFSET_M: f64 = 0.1;
 

@@ -149,7 +149,7 @@ impl FromStr for ComparedFit {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let wrong = || ParseComparedError(text.to_owned());
-        let (method, solid) = text.split_once(':').unwrap_or((text, "capsule"));
+        let (method, solid) = text.split_once(':').unwrap_or((text, RendererKind::default().name()));
         let method = match method {
             "search" => ComparedMethod::Search,
             preset => ComparedMethod::Preset(preset.parse().ok().ok_or_else(wrong)?),

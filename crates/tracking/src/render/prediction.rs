@@ -101,11 +101,8 @@ mod tests {
                     pose.root,
                     DVec3::NEG_Y,
                 );
-                for kind in [
-                    RendererKind::Capsule,
-                    RendererKind::Cylinder,
-                    RendererKind::SphereTree { spheres: Some(3) },
-                ] {
+                let three = RendererKind::SphereTree { spheres: Some(3) };
+                for kind in RendererKind::ALL.map(|kind| if kind == three.plain() { three } else { kind }) {
                     let view = View::new(&model, &kinematics, &camera, kind, Ramp::Half);
                     let expected: Vec<bool> =
                         levels(&view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();

@@ -67,7 +67,7 @@ impl FromStr for Ramp {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected = "a ramp; expected thesis, half, width=PX or distance=INNER,OUTER (pixels above 0)";
-        let error = || ParseError(text.to_owned(), expected);
+        let error = || ParseError(text.to_owned(), expected.into());
         let pixels = |part: &str| part.trim().parse::<f64>().ok().ok_or_else(error);
         let ramp = match text.split_once('=') {
             None if text == "thesis" => Self::Thesis,

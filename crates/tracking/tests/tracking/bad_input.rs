@@ -23,12 +23,10 @@ const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 /// Finite, and squares of it are not.
 const HUGE: f64 = 1e200;
 
-const RENDERERS: [RendererKind; 4] = [
-    RendererKind::Cylinder,
-    RendererKind::Capsule,
-    RendererKind::SphereTree { spheres: None },
-    RendererKind::SphereTree { spheres: Some(1) },
-];
+/// All renderers, and trees of a single sphere.
+fn renderers() -> impl Iterator<Item = RendererKind> {
+    RendererKind::ALL.into_iter().chain([RendererKind::SphereTree { spheres: Some(1) }])
+}
 
 const RAMPS: [Ramp; 4] =
     [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 2.0 }, Ramp::Distance { inner_px: 2.0, outer_px: 6.0 }];
@@ -250,7 +248,7 @@ pub(crate) fn assert_finite(
 ) {
     let kinematics = Kinematics::new(model, pose);
     let data = Measurement::from_gray(&GrayImage::new(camera.width() as u32, camera.height() as u32));
-    for (renderer, &ramp) in RENDERERS.iter().flat_map(|&kind| ramps.iter().map(move |ramp| (kind, ramp))) {
+    for (renderer, &ramp) in renderers().flat_map(|kind| ramps.iter().map(move |ramp| (kind, ramp))) {
         let view = View::new(model, &kinematics, camera, renderer, ramp);
         let name = format!("{name}, {renderer}, {ramp}");
         assert_levels(&name, &view);
@@ -309,7 +307,7 @@ fn unchecked_poses_and_ramps_draw_numbers() {
         turned.rotations[0].x = bad;
         for pose in [moved, turned] {
             let kinematics = Kinematics::new(&model, &pose);
-            for renderer in RENDERERS {
+            for renderer in renderers() {
                 for ramp in RAMPS {
                     let view = View::new(&model, &kinematics, &camera, renderer, ramp);
                     assert_levels(&format!("{bad}, {renderer}, {ramp}"), &view);
@@ -324,7 +322,7 @@ fn unchecked_poses_and_ramps_draw_numbers() {
             Ramp::Distance { inner_px: 1.0, outer_px: bad },
             Ramp::Distance { inner_px: 0.0, outer_px: 0.0 },
         ] {
-            for renderer in RENDERERS {
+            for renderer in renderers() {
                 let view = View::new(&model, &kinematics, &camera, renderer, ramp);
                 assert_levels(&format!("{renderer}, {ramp}"), &view);
             }

@@ -211,9 +211,7 @@ fn cameras_without_a_subject_are_named() {
 fn a_start_behind_every_camera_ends_clearly() {
     let scene = scene();
     for preset in Preset::ALL {
-        for renderer in
-            [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }]
-        {
+        for renderer in RendererKind::ALL {
             let start = Pose { root: DVec3::new(0.0, 1.0, 30.0), ..scene.truth.clone() };
             let options = FitOptions { renderer, ..FitOptions::preset(preset) };
             let summary = run(&scene, start.clone(), options);

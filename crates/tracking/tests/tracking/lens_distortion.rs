@@ -69,14 +69,12 @@ fn difference(rectification: &Rectification, rectified: &RgbImage, ideal: &[f64]
 fn rays_through_the_lens_agree_with_the_rectified_picture() {
     let model = builtin::upper_body();
     let mut failures = Failures::default();
-    let renderers =
-        [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
     for (lens_name, lens) in [("barrel", BARREL), ("pincushion", PINCUSHION)] {
         let raw = camera(lens);
         let rectification = Rectification::new(&raw);
         for seed in 0..4 {
             let pose = start::perturb(&model, &Pose::rest(&model), 0.3, 0.05, seed);
-            for renderer in renderers {
+            for renderer in RendererKind::ALL {
                 for (ramp, worst, mean) in RAMPS {
                     let bent = levels(&model, &pose, &raw, renderer, ramp);
                     let straight = levels(&model, &pose, &raw.without_distortion(), renderer, ramp);

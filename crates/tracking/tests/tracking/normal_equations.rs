@@ -156,12 +156,10 @@ fn compare(
 #[test]
 fn wrench_sums_are_the_dense_normal_equations() {
     let mut failures = Failures::default();
-    let renderers =
-        [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
     for (name, model, up) in bodies() {
         for parameters in BOTH {
             for stride in [1, 2, 3] {
-                for renderer in renderers {
+                for renderer in RendererKind::ALL {
                     let problem = problem(&model, up, parameters, stride, renderer);
                     let name = format!("{name}, {renderer}, {parameters:?}, stride {stride}");
                     assert!(problem.sums.cost > 1e5 && problem.sums.jtr.amax() > 1e4, "{name}: too little");

@@ -122,9 +122,9 @@ impl GhostMarks {
                 whole.iter().filter(|(limb, _)| is_drawn(*limb)).map(|(_, limb)| limb).collect();
             joined_outline(&limbs)
         };
-        let template = ghosts
-            .template
-            .and_then(|template| ProjectedLimb::new(camera, template.ends, template.radius, false));
+        let template = ghosts.template.and_then(|template| {
+            ProjectedLimb::new(camera, template.ends, template.radius, RendererKind::Capsule)
+        });
         Self {
             sticks: ghosts.sticks().map(sticks).collect(),
             outline: outline(&|_| true),

@@ -28,17 +28,17 @@ pub struct ProjectedLimb {
     pub radii_px: [f64; 2],
     /// Depths of the joints, metres.
     pub depths_m: [f64; 2],
-    /// Whether its outline ends straight at the joints, as a cylinder's does from the side.
-    pub has_flat_ends: bool,
+    /// What stands for it.
+    pub solid: RendererKind,
 }
 
 impl ProjectedLimb {
-    /// A capsule, or a cylinder, between two points of the world; `None` for one that reaches behind the camera.
-    pub(super) fn new(camera: &Camera, ends: [DVec3; 2], radius: f64, has_flat_ends: bool) -> Option<Self> {
+    /// A solid between two points of the world; `None` for one that reaches behind the camera.
+    pub(super) fn new(camera: &Camera, ends: [DVec3; 2], radius: f64, solid: RendererKind) -> Option<Self> {
         let [start, end] = ends.map(|end| place_in_front(camera, end));
         let depths_m = ends.map(|end| camera.depth(end));
         let radii_px = depths_m.map(|depth| camera.intrinsics().mean_focal_px() * radius / depth);
-        Some(Self { ends_px: [start?, end?], radii_px, depths_m, has_flat_ends })
+        Some(Self { ends_px: [start?, end?], radii_px, depths_m, solid })
     }
 
     /// Distance of a pixel from the capsule's border, in pixels; negative inside.
@@ -80,7 +80,8 @@ impl ProjectedLimb {
         1.0 / ((1.0 - share) / self.depths_m[0] + share / self.depths_m[1])
     }
 
-    /// The limb's border as a convex polygon, clockwise on the screen: a capsule's, or a cylinder's seen from the side.
+    /// The limb's border as a convex polygon, clockwise on the screen: a cylinder's ends straight at the joints, as
+    /// seen from the side.
     pub fn outline(&self) -> Vec<DVec2> {
         let discs @ [start, end] = [0, 1].map(|index| (self.ends_px[index], self.radii_px[index]));
         let along = end.0 - start.0;
@@ -90,13 +91,17 @@ impl ProjectedLimb {
         }
         // The common tangents touch both discs at this angle from the axis.
         let (heading, touch) = (along.to_angle(), (difference / distance).acos());
-        if self.has_flat_ends {
-            let corners = [(end, -touch), (end, touch), (start, touch), (start, -touch)];
-            let corner = |((centre, radius), turn)| centre + radius * DVec2::from_angle(heading + turn);
-            return corners.map(corner).to_vec();
+        match self.solid {
+            RendererKind::Cylinder => {
+                let corners = [(end, -touch), (end, touch), (start, touch), (start, -touch)];
+                let corner = |((centre, radius), turn)| centre + radius * DVec2::from_angle(heading + turn);
+                corners.map(corner).to_vec()
+            }
+            RendererKind::Capsule | RendererKind::SphereTree { .. } => {
+                let round_start = arc(start, heading + touch, heading + TAU - touch);
+                arc(end, heading - touch, heading + touch).chain(round_start).collect()
+            }
         }
-        let round_start = arc(start, heading + touch, heading + TAU - touch);
-        arc(end, heading - touch, heading + touch).chain(round_start).collect()
     }
 
     fn nearest_share(&self, px: DVec2) -> f64 {
@@ -165,9 +170,8 @@ pub fn project_limbs(
     renderer: RendererKind,
 ) -> Vec<Option<ProjectedLimb>> {
     let ends = kinematics.starts().iter().zip(kinematics.ends());
-    let is_flat = renderer == RendererKind::Cylinder;
     let limb = |(limb, (start, end)): (&Limb, (&DVec3, &DVec3))| {
-        ProjectedLimb::new(camera, [*start, *end], limb.radius, is_flat)
+        ProjectedLimb::new(camera, [*start, *end], limb.radius, renderer)
     };
     model.limbs().iter().zip(ends).map(limb).collect()
 }
@@ -238,7 +242,7 @@ mod tests {
         ends_px: [DVec2::new(10.0, 20.0), DVec2::new(50.0, 20.0)],
         radii_px: [8.0, 4.0],
         depths_m: [2.0, 4.0],
-        has_flat_ends: false,
+        solid: RendererKind::Capsule,
     };
 
     #[test]
@@ -265,7 +269,7 @@ mod tests {
     #[test]
     fn the_outline_touches_both_discs_and_is_convex() {
         let near = ProjectedLimb { ends_px: [LIMB.ends_px[0], DVec2::new(12.0, 21.0)], ..LIMB };
-        for limb in [LIMB, near, ProjectedLimb { has_flat_ends: true, ..LIMB }] {
+        for limb in [LIMB, near, ProjectedLimb { solid: RendererKind::Cylinder, ..LIMB }] {
             let outline = limb.outline();
             for (index, point) in outline.iter().enumerate() {
                 let off = |end: usize| (point.distance(limb.ends_px[end]) - limb.radii_px[end]).abs();

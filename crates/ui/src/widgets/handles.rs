@@ -210,6 +210,7 @@ fn diamond(painter: &Painter, at: Pos2, is_held: bool) {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::render::RendererKind;
     use egui::pos2;
 
     use super::*;
@@ -231,7 +232,7 @@ mod tests {
             ends_px: [DVec2::new(20.0, y), DVec2::new(80.0, y)],
             radii_px: [5.0; 2],
             depths_m: [depth_m; 2],
-            has_flat_ends: false,
+            solid: RendererKind::Capsule,
         })
     }
 
@@ -254,7 +255,7 @@ mod tests {
             ends_px: [DVec2::new(20.0, 50.0), DVec2::new(60.0, 50.0)],
             radii_px: [6.0, 4.0],
             depths_m: [3.0; 2],
-            has_flat_ends: false,
+            solid: RendererKind::Capsule,
         };
         let handles = SizeHandles::new(7, &limb, &view(), &[]);
         let at = |x: f32, y: f32| handles.grip_at(pos2(x, y));

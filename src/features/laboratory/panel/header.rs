@@ -154,6 +154,6 @@ fn camera_box(ui: &mut Ui, context: &Context<'_>, camera: &mut usize) {
 
 /// What is to be compared instead.
 pub(super) fn lineup_box(ui: &mut Ui, lineup: &mut Lineup) {
-    let choices = Lineup::ALL.map(|other| (other, other.words().name, other.words().tooltip.to_owned()));
+    let choices = Lineup::ALL.map(|other| (other, other.words().name, other.words().tooltip.into_owned()));
     *lineup = choice(ui, "Compare", 92.0, lineup.words().name, &choices).unwrap_or(*lineup);
 }

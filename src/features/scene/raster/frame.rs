@@ -227,8 +227,10 @@ pub(crate) fn over(source: [f32; 3], alpha: f32, target: [f32; 3]) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::render::RendererKind;
+
     use super::*;
-    use crate::features::scene::raster::{Ends, Floor, Limb};
+    use crate::features::scene::raster::{Floor, Limb};
 
     const CAMERA: SceneCamera =
         SceneCamera { position: DVec3::new(0.0, 0.0, -4.0), target: DVec3::ZERO, up: DVec3::Y, fov_y: 0.5 };
@@ -238,7 +240,7 @@ mod tests {
 
     fn capsule(ends: [(f64, f64, f64); 2], radius: f64, colour: Color32) -> Limb {
         let ends = ends.map(|(x, y, z)| DVec3::new(x, y, z));
-        Limb { ends, radius, shape: Ends::Round, colour }
+        Limb { ends, radius, solid: RendererKind::Capsule, colour }
     }
 
     /// One letter a pixel: the strongest of red, green and blue.

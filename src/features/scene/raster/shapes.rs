@@ -1,6 +1,7 @@
 //! Limbs and dots of a scene. Each sample's ray meets the limb itself, so that it is round at every scale; dots are squares
 //! that face the viewer.
 
+use backlit_tracking::render::RendererKind;
 use egui::Color32;
 use glam::DVec3;
 
@@ -13,22 +14,15 @@ const AMBIENT: f64 = 0.42;
 /// Direction to the lamp in the view's axes, of length one: over the viewer's left shoulder.
 const TO_LAMP: DVec3 = DVec3::new(-0.40, -0.56, -0.725_534_29);
 
-/// How a limb ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Ends {
-    /// With half a ball: all points within the radius of the segment belong to it.
-    Round,
-    /// With a disc. Without length there is nothing to see.
-    Flat,
-}
-
-/// A limb about a segment. Round, and with both ends in one place, it is a sphere.
+/// A limb about a segment. All points within the radius belong to a capsule: with both ends in one place it is a sphere. Of
+/// a cylinder without length there is nothing to see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limb {
     /// The ends of the segment.
     pub ends: [DVec3; 2],
     pub(crate) radius: f64,
-    pub(crate) shape: Ends,
+    /// Which solid it is.
+    pub(crate) solid: RendererKind,
     /// Its colour in full light; taken as opaque.
     pub(crate) colour: Color32,
 }
@@ -40,9 +34,11 @@ impl SceneFrame {
         let full_light = channels(limb.colour);
         self.for_each_sample(&bounds, |sample, colour, depth| {
             let ray = view.ray(sample);
-            let met = match limb.shape {
-                Ends::Round => capsule_hit(ray, ends, limb.radius),
-                Ends::Flat => cylinder_hit(ray, ends, limb.radius),
+            let met = match limb.solid {
+                RendererKind::Capsule | RendererKind::SphereTree { .. } => {
+                    capsule_hit(ray, ends, limb.radius)
+                }
+                RendererKind::Cylinder => cylinder_hit(ray, ends, limb.radius),
             };
             let Some((hit, normal)) = met else { return };
             let point = ray * hit;
@@ -168,7 +164,7 @@ impl SceneFrame {
 
 #[cfg(test)]
 mod tests {
-    use crate::features::scene::raster::{Ends, Limb, SceneCamera, SceneShapes};
+    use crate::features::scene::raster::{Limb, SceneCamera, SceneShapes};
 
     use super::*;
 
@@ -255,7 +251,8 @@ mod tests {
         };
         let green = Color32::from_rgba_premultiplied(0, 100, 0, 128);
         let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
-        let ball = Limb { ends: [DVec3::ZERO; 2], radius: 0.2, shape: Ends::Round, colour: Color32::RED };
+        let ball =
+            Limb { ends: [DVec3::ZERO; 2], radius: 0.2, solid: RendererKind::Capsule, colour: Color32::RED };
         let draw = |scene: &SceneShapes<'_>| {
             let mut frame = SceneFrame::new(41, 41, true);
             frame.draw(&camera, Color32::from_rgb(200, 0, 0), scene);
