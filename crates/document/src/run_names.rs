@@ -80,7 +80,8 @@ enum Compared {
 
 /// What a name may be made of.
 struct Facets {
-    part: String,
+    /// The part that was fitted again alone.
+    refit: Option<String>,
     /// Preset or method.
     fit: String,
     frame: usize,
@@ -92,19 +93,19 @@ impl Facets {
     fn of((run, start): (&Run, usize)) -> Self {
         let choices = &run.choices;
         let fit = words::fit_name(&choices.fit);
-        let part = choices.part.as_ref();
-        let part = part.map_or_else(|| "whole body".to_owned(), |part| format!("refit {part}"));
+        let refit = choices.part.as_ref().map(|part| format!("refit {part}"));
+        let part = refit.clone().unwrap_or_else(|| "whole body".to_owned());
         let start = match choices.branched_from {
             Some(StepRef { run, step }) => format!("from step {step} of run {run}"),
             None => format!("start {start}"),
         };
-        let first = [part.clone(), fit.clone(), renderer_text(choices.fit.renderer)];
+        let first = [part, fit.clone(), renderer_text(choices.fit.renderer)];
         let mut texts = first.map(|text| (Compared::All, text)).to_vec();
         texts.extend(refinements(&choices.fit).into_iter().map(|text| (Compared::OfFit, text)));
         texts.push((Compared::All, cameras_text(run)));
         texts.push((Compared::All, format!("frame {}", run.frame)));
         texts.push((Compared::OfFrame, start));
-        Self { part, fit, frame: run.frame, texts }
+        Self { refit, fit, frame: run.frame, texts }
     }
 
     fn name_among(&self, others: &[&Self]) -> String {
@@ -119,8 +120,7 @@ impl Facets {
         };
         let parts: Vec<String> = self.texts.iter().enumerate().filter_map(differs).collect();
         match parts.as_slice() {
-            [] if self.part.starts_with("refit") => format::capitalised(&self.part),
-            [] => self.fit.clone(),
+            [] => self.refit.as_deref().map_or_else(|| self.fit.clone(), format::capitalised),
             parts => format::capitalised(&parts.join(", ")),
         }
     }

@@ -162,8 +162,8 @@ impl Primitive {
     }
 }
 
-/// Where along a limb its equal spheres sit.
-pub(super) fn sphere_fractions(count: usize) -> impl Iterator<Item = f64> {
+/// Where along a limb its equal spheres sit, 0 to 1.
+pub fn sphere_fractions(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| if count == 1 { 0.5 } else { k as f64 / (count - 1) as f64 })
 }
 

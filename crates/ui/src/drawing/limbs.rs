@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use backlit_tracking::body::{Kinematics, Limb, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::RendererKind;
+use backlit_tracking::render::{RendererKind, sphere_fractions};
 use glam::{DVec2, DVec3};
 
 use super::outline::simplified;
@@ -203,13 +203,8 @@ pub fn body_spheres(
             None => placed.extend(trees.iter().filter(|sphere| sphere.limb == index)),
             Some(count) => {
                 let (from, to) = (kinematics.starts()[index], kinematics.ends()[index]);
-                let share = |number: usize| if count == 1 { 0.5 } else { number as f64 / (count - 1) as f64 };
-                let equal = |number| PlacedSphere {
-                    limb: index,
-                    centre: from.lerp(to, share(number)),
-                    radius: limb.radius,
-                };
-                placed.extend((0..count).map(equal));
+                let equal = |at| PlacedSphere { limb: index, centre: from.lerp(to, at), radius: limb.radius };
+                placed.extend(sphere_fractions(count).map(equal));
             }
         }
     }
