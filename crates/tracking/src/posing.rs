@@ -416,12 +416,8 @@ mod tests {
         let (before, after) = (Kinematics::new(&model, &rest), Kinematics::new(&model, &turned));
         for (index, limb) in model.limbs().iter().enumerate() {
             let moved = before.ends()[index].distance(after.ends()[index]) > 1e-9;
-            assert_eq!(
-                moved,
-                ["left upper arm", "left forearm"].contains(&limb.name.as_str()),
-                "{}",
-                limb.name
-            );
+            let grows = ["left upper arm", "left forearm"].contains(&limb.name.as_str());
+            assert_eq!(moved, grows, "{}", limb.name);
         }
         let expected = DQuat::from_rotation_z(0.7) * (before.ends()[arm] - before.starts()[arm]);
         assert!((after.ends()[arm] - after.starts()[arm]).distance(expected) < 1e-12);

@@ -270,14 +270,12 @@ mod tests {
 
     /// The silhouette of a box, by its slabs.
     fn silhouette(camera: &Camera) -> Mask {
-        let labels = (0..240).flat_map(|y| (0..320).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
-        let label = |pixel: DVec2| {
-            let (eye, ray) = (camera.centre(), camera.ray_in_world(pixel).unwrap());
+        fixtures::covered([320, 240], |x, y| {
+            let (eye, ray) = (camera.centre(), camera.ray_in_world(DVec2::new(x as f64, y as f64)).unwrap());
             let (to_low, to_high) = ((LOW - eye) / ray, (HIGH - eye) / ray);
             let (enter, leave) = (to_low.min(to_high).max_element(), to_low.max(to_high).min_element());
-            if enter <= leave { Label::Subject } else { Label::Background }
-        };
-        Mask::new(320, 240, labels.map(label).collect()).unwrap()
+            enter <= leave
+        })
     }
 
     fn views(places: &[(DVec3, DVec3)]) -> Vec<HullView<Camera, Mask>> {

@@ -6,7 +6,7 @@ use std::slice::from_ref;
 use std::sync::Arc;
 
 use allocation_counter::measure;
-use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Preset};
@@ -18,19 +18,24 @@ use backlit_tracking::track::{FrameEstimate, KalmanOptions, Motion, Smoother, Tr
 use glam::DVec3;
 use nalgebra::DVector;
 
+/// What a camera sees of a body at rest.
+fn view(model: &Model, [width, height]: [u64; 2], focal: f64) -> FitView {
+    let place = CameraFromWorld::looking_at(DVec3::new(0.5, 0.3, 4.0), DVec3::new(0.0, -0.2, 0.0), DVec3::Y);
+    let [cx, cy] = [width, height].map(|side| 0.5 * (side as f64 - 1.0));
+    let pinhole = Intrinsics { fx: focal, fy: focal, cx, cy };
+    let camera = Camera::new("camera", [width, height], pinhole, Distortion::None, place).unwrap();
+    let rest = Kinematics::new(model, &Pose::rest(model));
+    let lambda = predict(model, &rest, &camera, RendererKind::Capsule, Ramp::Half).lambda;
+    let weights = vec![1.0; lambda.len()];
+    let data = Measurement::new(camera.width(), camera.height(), lambda, weights).unwrap();
+    FitView { camera: Arc::new(camera), evidence: Evidence::Measurement(Arc::new(data)), weight: 1.0 }
+}
+
 #[test]
 fn evaluating_and_solving_allocate_nothing_after_the_first_time() {
     let model = Arc::new(builtin::full_body());
     let pose = start::perturb(&model, &Pose::rest(&model), 0.1, 0.02, 1);
-    let place = CameraFromWorld::looking_at(DVec3::new(0.5, 0.3, 4.0), DVec3::new(0.0, -0.2, 0.0), DVec3::Y);
-    let pinhole = Intrinsics { fx: 150.0, fy: 150.0, cx: 95.5, cy: 71.5 };
-    let camera = Camera::new("camera", [192, 144], pinhole, Distortion::None, place).unwrap();
-    let rest = Kinematics::new(&model, &Pose::rest(&model));
-    let lambda = predict(&model, &rest, &camera, RendererKind::Capsule, Ramp::Half).lambda;
-    let weights = vec![1.0; lambda.len()];
-    let data = Measurement::new(192, 144, lambda, weights).unwrap();
-    let view =
-        FitView { camera: Arc::new(camera), evidence: Evidence::Measurement(Arc::new(data)), weight: 1.0 };
+    let view = view(&model, [192, 144], 150.0);
     for renderer in RendererKind::ALL {
         for parameters in [Parameters::Raw, Parameters::Tangent] {
             let options = FitOptions { renderer, parameters, ..FitOptions::preset(Preset::Robust) };
@@ -58,23 +63,11 @@ fn evaluating_and_solving_allocate_nothing_after_the_first_time() {
 fn followed() -> [FrameEstimate; 2] {
     let model = Arc::new(builtin::full_body());
     let pose = Pose::rest(&model);
-    let place = CameraFromWorld::looking_at(DVec3::new(0.5, 0.3, 4.0), DVec3::new(0.0, -0.2, 0.0), DVec3::Y);
-    let pinhole = Intrinsics { fx: 40.0, fy: 40.0, cx: 23.5, cy: 17.5 };
-    let camera = Arc::new(Camera::new("camera", [48, 36], pinhole, Distortion::None, place).unwrap());
-    let rest = Kinematics::new(&model, &pose);
-    let lambda = predict(&model, &rest, &camera, RendererKind::Capsule, Ramp::Half).lambda;
-    let data = Arc::new(Measurement::new(48, 36, lambda, vec![1.0; 48 * 36]).unwrap());
-    let view = || {
-        vec![FitView {
-            camera: Arc::clone(&camera),
-            evidence: Evidence::Measurement(Arc::clone(&data)),
-            weight: 1.0,
-        }]
-    };
+    let view = view(&model, [48, 36], 40.0);
     let options = FitOptions::preset(Preset::Robust).with_ramp(Ramp::Half).with_iterations(2);
     let tracker = Tracker::new(Arc::clone(&model), options, pose).unwrap();
     let mut tracker = tracker.with_motion(Motion::Kalman(KalmanOptions::default()), 30.0).unwrap();
-    [0, 1].map(|frame| tracker.track_frame(frame, view(), &CancelToken::new()).unwrap())
+    [0, 1].map(|frame| tracker.track_frame(frame, vec![view.clone()], &CancelToken::new()).unwrap())
 }
 
 #[test]

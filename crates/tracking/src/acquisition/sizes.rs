@@ -169,13 +169,10 @@ fn grown(begin: f64, options: &AcquireOptions, enters: impl Fn(f64) -> bool) -> 
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::DVec2;
 
-    use crate::fit::{Evidence, FitView};
+    use crate::fit::FitView;
     use crate::fixtures;
-    use crate::silhouette::{Label, Mask};
 
     use super::*;
 
@@ -184,18 +181,17 @@ mod tests {
         let view = |at: DVec3| {
             let intrinsics = [400.0, 400.0, 99.5, 99.5];
             let camera = fixtures::camera([200, 200], intrinsics, at, 0.5 * (from + to), DVec3::Z);
-            let label = |index: usize| {
-                let ray =
-                    camera.ray_in_world(DVec2::new((index % 200) as f64, (index / 200) as f64)).unwrap();
+            let is_in = |x: usize, y: usize| {
+                let ray = camera.ray_in_world(DVec2::new(x as f64, y as f64)).unwrap();
                 let distance = |t: f64| {
                     let away = from.lerp(to, t) - at;
                     (away - ray * ray.dot(away)).length()
                 };
                 let least = (0..=100).map(|k| distance(f64::from(k) / 100.0)).fold(f64::INFINITY, f64::min);
-                if least < radius { Label::Subject } else { Label::Background }
+                least < radius
             };
-            let mask = Mask::new(200, 200, (0..200 * 200).map(label).collect()).unwrap();
-            FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+            let mask = fixtures::covered([200, 200], is_in);
+            FitView::of_mask(camera, mask)
         };
         Silhouettes::new(&[view(DVec3::new(3.0, 0.2, 0.5)), view(DVec3::new(0.3, -3.0, 0.4))])
     }

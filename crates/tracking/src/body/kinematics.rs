@@ -276,10 +276,8 @@ mod tests {
         for model in [builtin::single_limb(), builtin::upper_body(), builtin::full_body()] {
             let branches = of(&model).unwrap();
             for (rotation, &root) in branches.roots.iter().enumerate() {
-                assert_eq!(
-                    model.limbs()[root].parent,
-                    model.limbs()[model.rotation_owners()[rotation]].parent
-                );
+                let owner = model.rotation_owners()[rotation];
+                assert_eq!(model.limbs()[root].parent, model.limbs()[owner].parent);
             }
         }
     }

@@ -219,8 +219,7 @@ mod tests {
         let (intrinsics, from) = ([50.0, 50.0, 19.5, 29.5], DVec3::new(0.0, -4.0, 1.0));
         let lens = Distortion::None;
         let camera = fixtures::named_camera(name, lens, [40, 60], intrinsics, from, DVec3::Z, DVec3::Z);
-        let labels = (0..40 * 60).map(|at| of(at % 40, at / 40)).collect();
-        FitView::of_mask(camera, Mask::new(40, 60, labels).unwrap())
+        FitView::of_mask(camera, fixtures::painted([40, 60], of))
     }
 
     fn person(x: usize, y: usize) -> Label {
@@ -272,10 +271,8 @@ mod tests {
         let found = of(&[("a", person), ("b", inverted), ("c", nobody)]);
         assert_eq!(found.check(), Ok(()));
         let said: Vec<String> = found.doubts().collect();
-        assert!(
-            said[0].starts_with("camera \"b\", frame 3: the subject covers 79 % of the picture"),
-            "{said:?}"
-        );
+        let covers = "camera \"b\", frame 3: the subject covers 79 % of the picture";
+        assert!(said[0].starts_with(covers), "{said:?}");
         assert!(said[1].starts_with("camera \"c\", frame 3: nobody is seen") && said.len() == 2, "{said:?}");
         // A person who comes later is as it should be, and a camera of no weight does not count.
         let late = |frame| {

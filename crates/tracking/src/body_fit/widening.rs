@@ -124,16 +124,10 @@ mod tests {
 
     #[test]
     fn narrowing_undoes_a_widening_of_something_convex() {
-        let mut labels = vec![Label::Background; 80 * 120];
-        let is_in = |x: i32, y: i32, r: f64| f64::from((x - 40).pow(2) + (y - 60).pow(2)).sqrt() < r;
-        for (at, label) in labels.iter_mut().enumerate() {
-            let (x, y) = ((at % 80) as i32, (at / 80) as i32);
-            if is_in(x, y, 23.0) {
-                *label = Label::Subject;
-            }
-        }
-        labels[0] = Label::Unknown;
-        let mask = Arc::new(Mask::new(80, 120, labels).unwrap());
+        let is_in = |x: usize, y: usize| (x.abs_diff(40).pow(2) + y.abs_diff(60).pow(2)) < 23 * 23;
+        let mut mask = fixtures::covered([80, 120], is_in);
+        mask.labels_mut()[0] = Label::Unknown;
+        let mask = Arc::new(mask);
         let view = FitView { camera: camera(), evidence: Evidence::Mask(mask.clone()), weight: 0.5 };
         let count = |view: &FitView| match &view.evidence {
             Evidence::Mask(mask) => (mask.count(Label::Subject) as f64, mask.count(Label::Unknown)),

@@ -394,12 +394,8 @@ mod tests {
         let names: Vec<&str> = body.limbs().iter().map(|limb| limb.name.as_str()).collect();
         assert_eq!(names, ["upper arm", "elbow"], "the armature and the finger are no limbs");
         let [upper, fore] = [&body.limbs()[0], &body.limbs()[1]];
-        assert!(
-            (upper.length - 0.3).abs() < 1e-9 && (fore.length - 0.3).abs() < 0.02,
-            "{} {}",
-            upper.length,
-            fore.length
-        );
+        let lengths = [upper.length, fore.length];
+        assert!((lengths[0] - 0.3).abs() < 1e-9 && (lengths[1] - 0.3).abs() < 0.02, "{lengths:?}");
         assert!(upper.radius > fore.radius && (0.04..0.065).contains(&upper.radius), "{}", upper.radius);
         assert_ne!(upper.rotation, fore.rotation);
     }

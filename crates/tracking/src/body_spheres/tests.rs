@@ -27,10 +27,9 @@ fn odd_body(thicker: f64) -> Model {
 }
 
 fn frames(body: &Model, count: usize, size: u64) -> Vec<PosedViews> {
-    let columns = Parameters::Tangent.columns(body.rotation_count());
     let frame = |frame: usize| {
-        let step: Vec<f64> = (0..columns).map(|i| 0.35 * ((5 * frame + 3 * i) as f64).sin()).collect();
-        let pose = Pose::rest(body).retract(Parameters::Tangent, &step);
+        let step = |i: usize| 0.35 * ((5 * frame + 3 * i) as f64).sin();
+        let pose = fixtures::stepped(body, Parameters::Tangent, step);
         let kinematics = Kinematics::new(body, &pose);
         let view = |index: usize| {
             let angle = 1.57 * index as f64 + 0.3;

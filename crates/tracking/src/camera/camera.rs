@@ -299,14 +299,8 @@ mod tests {
     use crate::fixtures;
 
     fn camera(distortion: Distortion) -> Camera {
-        fixtures::lens_camera(
-            distortion,
-            [272, 480],
-            [420.0, 421.0, 134.0, 238.5],
-            DVec3::new(3.0, -1.0, 1.5),
-            DVec3::Z,
-            DVec3::Z,
-        )
+        let intrinsics = [420.0, 421.0, 134.0, 238.5];
+        fixtures::lens_camera(distortion, [272, 480], intrinsics, [3.0, -1.0, 1.5], DVec3::Z, DVec3::Z)
     }
 
     /// A picture of 272 × 480 that is shrunk to 0.75, gets bars of 6 and 9 pixels, and is then reduced by three.

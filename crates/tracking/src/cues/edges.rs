@@ -184,8 +184,7 @@ mod tests {
     }
 
     fn picture(of: impl Fn(f64) -> f64) -> GreyPicture {
-        let levels = (0..160 * 120).map(|i| of(f64::from(i / 160)) as f32).collect();
-        GreyPicture::new(160, 120, levels).unwrap()
+        fixtures::grey_picture([160, 120], |_, y| of(y as f64))
     }
 
     fn with<T>(model: &Model, down_m: f64, then: impl FnOnce(&BodySight<'_>) -> T) -> T {

@@ -203,6 +203,7 @@ impl CueSource for FlowSource {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::grey_picture;
 
     /// Smooth blotches of some pixels, the same for the same place of the world.
     fn texture(x: f64, y: f64) -> f64 {
@@ -217,10 +218,7 @@ mod tests {
     }
 
     fn picture(of: impl Fn(DVec2) -> f64) -> GreyPicture {
-        let (width, height) = (160, 120);
-        let place = |i: usize| DVec2::new((i % width) as f64, (i / width) as f64);
-        let levels = (0..width * height).map(|i| of(place(i)).round() as f32).collect();
-        GreyPicture::new(width, height, levels).unwrap()
+        grey_picture([160, 120], |x, y| of(DVec2::new(x as f64, y as f64)).round())
     }
 
     fn points() -> impl Iterator<Item = DVec2> {

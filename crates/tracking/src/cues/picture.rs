@@ -187,8 +187,7 @@ mod tests {
     #[test]
     fn a_plane_stays_one() {
         let plane = |x: f64, y: f64| 3.0 + 0.5 * x + 0.25 * y;
-        let levels = (0..41 * 37).map(|i| plane(f64::from(i % 41), f64::from(i / 41)) as f32).collect();
-        let picture = GreyPicture::new(41, 37, levels).unwrap();
+        let picture = crate::fixtures::grey_picture([41, 37], |x, y| plane(x as f64, y as f64));
         let place = DVec2::new(12.3, 7.8);
         assert!((f64::from(picture.at(place)) - plane(12.3, 7.8)).abs() < 1e-4);
         let mut square = [0.0; 9];

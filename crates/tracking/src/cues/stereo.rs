@@ -206,13 +206,11 @@ mod tests {
 
     /// What a camera sees of a wall z = `wall` with a pattern that nowhere repeats nearby.
     fn picture(camera: &Camera, wall: f64, pattern: impl Fn(f64, f64) -> f64) -> GreyPicture {
-        let level = |i: usize| {
-            let pixel = DVec2::new((i % 160) as f64, (i / 160) as f64);
-            let ray = camera.ray_in_world(pixel).unwrap();
+        fixtures::grey_picture([160, 120], |x, y| {
+            let ray = camera.ray_in_world(DVec2::new(x as f64, y as f64)).unwrap();
             let at = camera.centre() + ray * ((wall - camera.centre().z) / ray.z);
-            pattern(at.x, at.y) as f32
-        };
-        GreyPicture::new(160, 120, (0..160 * 120).map(level).collect()).unwrap()
+            pattern(at.x, at.y)
+        })
     }
 
     fn blotches(x: f64, y: f64) -> f64 {

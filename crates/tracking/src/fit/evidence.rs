@@ -267,23 +267,16 @@ mod tests {
     /// The shortcut and the whole measurement are the same data to the bit.
     #[test]
     fn samples_are_those_of_the_whole_measurement() {
-        let (width, height): (usize, usize) = (83, 61);
-        let labels = (0..width * height).map(|i| match (i % width, i / width) {
+        let mask = fixtures::painted([83, 61], |x, y| match (x, y) {
             (x, y) if (x * y) % 17 == 3 => Label::Unknown,
             (x, y) if (30..55).contains(&x) && (20..50).contains(&y) => Label::Subject,
             _ => Label::Background,
         });
-        let mask = Arc::new(Mask::new(width, height, labels.collect()).unwrap());
-        let camera = fixtures::camera(
-            [83, 61],
-            [90.0, 85.0, 31.0, 40.0],
-            DVec3::new(0.1, 0.2, 3.0),
-            DVec3::ZERO,
-            DVec3::NEG_Y,
-        );
+        let intrinsics = [90.0, 85.0, 31.0, 40.0];
+        let camera = fixtures::camera([83, 61], intrinsics, [0.1, 0.2, 3.0], DVec3::ZERO, DVec3::NEG_Y);
         let model = builtin::upper_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-        let view = FitView { camera: Arc::new(camera), evidence: Evidence::Mask(mask), weight: 1.0 };
+        let view = FitView::of_mask(camera, mask);
         let ramps = [
             (Ramp::Distance { inner_px: 1.0, outer_px: 6.0 }, DataView::Distance),
             (Ramp::Half, DataView::Hard),

@@ -191,13 +191,8 @@ mod tests {
         for (size, is_tiny) in [([48, 36], true), ([192, 144], false)] {
             let [width, height] = size;
             let focal = width as f64;
-            let camera = Arc::new(fixtures::camera(
-                size,
-                [focal, focal, focal / 2.0, height as f64 / 2.0],
-                DVec3::new(0.0, 0.0, 4.0),
-                DVec3::ZERO,
-                DVec3::Y,
-            ));
+            let intrinsics = [focal, focal, focal / 2.0, height as f64 / 2.0];
+            let camera = Arc::new(fixtures::camera(size, intrinsics, [0.0, 0.0, 4.0], DVec3::ZERO, DVec3::Y));
             let whole = |value: f32| vec![value; (width * height) as usize];
             let data = Measurement::new(width as usize, height as usize, whole(0.0), whole(1.0)).unwrap();
             let evidence = Evidence::Measurement(Arc::new(data));
@@ -208,10 +203,8 @@ mod tests {
             assert_eq!(near.proximal_weight > wide.proximal_weight, is_tiny, "{size:?}");
             assert_eq!(near.check(), Ok(()));
             let fixed = preset.clone().with_iterations(25);
-            assert_eq!(
-                fixed.clone().near_at_scale(&model, &views, &pose).proximal_weight,
-                fixed.proximal_weight
-            );
+            let near = fixed.clone().near_at_scale(&model, &views, &pose);
+            assert_eq!(near.proximal_weight, fixed.proximal_weight);
         }
     }
 

@@ -133,10 +133,8 @@ mod tests {
                 if let (Some(plus), Some(minus)) = (plus, minus) {
                     let numeric = (plus.squared - minus.squared) / (2.0 * h);
                     let scale = 1.0 + here.squared + here.by_p0.length() + here.by_p1.length();
-                    prop_assert!(
-                        (numeric - analytic.dot(e)).abs() < 1e-5 * scale,
-                        "{name} {e}: {numeric} {analytic}"
-                    );
+                    let error = (numeric - analytic.dot(e)).abs();
+                    prop_assert!(error < 1e-5 * scale, "{name} {e}: {numeric} {analytic}");
                 }
             }
         }

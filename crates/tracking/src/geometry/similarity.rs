@@ -57,9 +57,8 @@ mod tests {
         let target: Vec<DVec3> = points.iter().map(|&p| 1.7 * (rotation * p) + DVec3::ONE).collect();
         let found = umeyama(&points, &target).unwrap();
         assert!((found.scale - 1.7).abs() < 1e-12 && found.rotation.abs_diff_eq(rotation, 1e-12));
-        assert!(
-            points.iter().zip(&target).all(|(&point, target)| found.apply(point).distance(*target) < 1e-12)
-        );
+        let moved = |(&point, target): (&_, &DVec3)| found.apply(point).distance(*target) < 1e-12;
+        assert!(points.iter().zip(&target).all(moved));
         assert_eq!(umeyama(&[DVec3::ONE; 3], &[DVec3::X; 3]), None);
     }
 }

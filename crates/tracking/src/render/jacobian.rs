@@ -132,13 +132,8 @@ mod tests {
     fn one_column_is_that_of_the_dense_jacobian() {
         let model = upper_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
-        let camera = fixtures::camera(
-            [48, 36],
-            [40.0, 40.0, 23.5, 17.5],
-            DVec3::new(0.4, 0.2, 3.0),
-            DVec3::new(0.0, 0.3, 0.0),
-            DVec3::Y,
-        );
+        let intrinsics = [40.0, 40.0, 23.5, 17.5];
+        let camera = fixtures::camera([48, 36], intrinsics, [0.4, 0.2, 3.0], [0.0, 0.3, 0.0], DVec3::Y);
         let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
         for parameters in [Parameters::Raw, Parameters::Tangent] {
             let dense = dense_jacobian(&view, &kinematics, &camera, parameters);

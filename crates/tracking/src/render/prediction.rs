@@ -93,14 +93,8 @@ mod tests {
             let kinematics = Kinematics::new(&model, &pose);
             for lens in [Distortion::None, k1] {
                 let at = pose.root + DVec3::new(0.1, 0.2, distance);
-                let camera = fixtures::lens_camera(
-                    lens,
-                    [64, 80],
-                    [90.0, 85.0, 31.0, 40.0],
-                    at,
-                    pose.root,
-                    DVec3::NEG_Y,
-                );
+                let intrinsics = [90.0, 85.0, 31.0, 40.0];
+                let camera = fixtures::lens_camera(lens, [64, 80], intrinsics, at, pose.root, DVec3::NEG_Y);
                 let three = RendererKind::SphereTree { spheres: Some(3) };
                 for kind in RendererKind::ALL.map(|kind| if kind == three.plain() { three } else { kind }) {
                     let view = View::new(&model, &kinematics, &camera, kind, Ramp::Half);

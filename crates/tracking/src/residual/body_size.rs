@@ -250,19 +250,13 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::body::{Pose, SizeChoice, builtin};
+    use crate::body::{SizeChoice, builtin};
     use crate::fixtures;
     use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
     use crate::render::{RendererKind, prediction};
 
     fn camera() -> Camera {
-        fixtures::camera(
-            [40, 48],
-            [42.0, 42.5, 19.0, 23.5],
-            DVec3::new(1.2, 2.6, 0.7),
-            DVec3::Z * 0.1,
-            DVec3::Z,
-        )
+        fixtures::camera([40, 48], [42.0, 42.5, 19.0, 23.5], [1.2, 2.6, 0.7], DVec3::Z * 0.1, DVec3::Z)
     }
 
     /// Every pixel by every column, pose and sizes, against differences of the drawn prediction.
@@ -273,8 +267,7 @@ mod tests {
         let theta: Vec<f64> = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 1.3).sin()).collect();
         let model = sizes.model(&theta, 0.0).unwrap();
         let columns = Parameters::Tangent.columns(model.rotation_count());
-        let bend: Vec<f64> = (0..columns).map(|i| 0.25 * (i as f64 * 2.1).sin()).collect();
-        let pose = Pose::rest(&model).retract(Parameters::Tangent, &bend);
+        let pose = fixtures::stepped(&model, Parameters::Tangent, |i| 0.25 * (i as f64 * 2.1).sin());
         let kinematics = Kinematics::new(&model, &pose);
         let camera = camera();
         let ramps = [

@@ -292,8 +292,7 @@ mod tests {
             let set = set(&model, loss);
             for parameters in BOTH {
                 let n = parameters.columns(model.rotation_count());
-                let step = (0..n).map(|i| 0.4 * (1.7 * i as f64).sin()).collect::<Vec<f64>>();
-                let pose = Pose::rest(&model).retract(parameters, &step);
+                let pose = fixtures::stepped(&model, parameters, |i| 0.4 * (1.7 * i as f64).sin());
                 let cost = |pose: &Pose| {
                     let kinematics = Kinematics::new(&model, pose);
                     let mut blocks = WorldBlocks::new(model.limbs().len());

@@ -293,10 +293,8 @@ mod tests {
         let bound = BoundPrior::new(&prior(), &model, &pose).unwrap();
         let likelier = bound.likelier(&model, &kinematics);
         let names: Vec<&str> = likelier.iter().map(|(limb, _)| model.limbs()[*limb].name.as_str()).collect();
-        assert_eq!(
-            names,
-            ["chest", "right upper arm", "right forearm", "left thigh", "left calf", "left foot"]
-        );
+        let expected = ["chest", "right upper arm", "right forearm", "left thigh", "left calf", "left foot"];
+        assert_eq!(names, expected);
         let (_, pelvis) = bound.frame(&kinematics, &model, BodyDirection::LeftCalf.frame());
         let mean = DVec3::new(0.1, -0.2, -0.9).normalize();
         assert!((pelvis.transpose() * likelier[4].1).abs_diff_eq(mean, 1e-9));

@@ -258,9 +258,7 @@ mod tests {
         let frame = RgbImage::new(2, 2);
         assert_eq!(Background::from_frames([]), Err(BackgroundError::TooFewFrames(0)));
         assert_eq!(Background::from_frames([&frame]), Err(BackgroundError::TooFewFrames(1)));
-        assert_eq!(
-            Background::from_frames([&frame, &RgbImage::new(2, 3)]),
-            Err(BackgroundError::SizeMismatch { index: 1, expected: (2, 2), found: (2, 3) })
-        );
+        let error = BackgroundError::SizeMismatch { index: 1, expected: (2, 2), found: (2, 3) };
+        assert_eq!(Background::from_frames([&frame, &RgbImage::new(2, 3)]), Err(error));
     }
 }

@@ -265,6 +265,7 @@ mod tests {
     use image::Rgb;
 
     use super::*;
+    use crate::fixtures;
 
     const BODY: Rgb<u8> = Rgb([200, 150, 120]);
     const WALL: Rgb<u8> = Rgb([90, 110, 130]);
@@ -282,12 +283,8 @@ mod tests {
             |k: u32| RgbImage::from_fn(96, 60, |x, y| if is_body(k, x, y) { BODY } else { wall(x, y) });
         // Generous: three pixels more on every side.
         let mask = |k: u32| {
-            let label = |i: u32| {
-                let (x, y) = (i % 96, i / 96);
-                let near = (17 + k..23 + k + width).contains(&x) && (7..53).contains(&y);
-                if near { Label::Subject } else { Label::Background }
-            };
-            Mask::new(96, 60, (0..96 * 60).map(label).collect()).unwrap()
+            let columns = (17 + k) as usize..(23 + k + width) as usize;
+            fixtures::covered([96, 60], |x, y| columns.contains(&x) && (7..53).contains(&y))
         };
         ((0..count).map(picture).collect(), (0..count).map(mask).collect())
     }

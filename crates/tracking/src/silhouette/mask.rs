@@ -401,10 +401,8 @@ mod tests {
     #[test]
     fn impossible_sizes_are_errors() {
         assert_eq!(Mask::new(0, 3, vec![]), Err(MaskError::Empty([0, 3])));
-        assert_eq!(
-            Mask::new(2, 2, vec![Label::Subject; 3]),
-            Err(MaskError::WrongLength { size: [2, 2], labels: 3 })
-        );
+        let wrong_length = MaskError::WrongLength { size: [2, 2], labels: 3 };
+        assert_eq!(Mask::new(2, 2, vec![Label::Subject; 3]), Err(wrong_length));
         let wide = usize::MAX;
         assert_eq!(Mask::filled(wide, 2, Label::Subject), Err(MaskError::TooLarge([wide, 2])));
         assert!(Mask::filled(MAX_PIXELS + 1, 1, Label::Subject).is_err());
@@ -413,10 +411,8 @@ mod tests {
 
     #[test]
     fn bad_ascii_names_the_place() {
-        assert_eq!(
-            Mask::from_ascii("..\n.x"),
-            Err(MaskError::UnknownCharacter { row: 1, column: 1, character: 'x' })
-        );
+        let unknown = MaskError::UnknownCharacter { row: 1, column: 1, character: 'x' };
+        assert_eq!(Mask::from_ascii("..\n.x"), Err(unknown));
         assert_eq!(Mask::from_ascii("..\n..."), Err(MaskError::RaggedRow { row: 1, expected: 2, found: 3 }));
     }
 }

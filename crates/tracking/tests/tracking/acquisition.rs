@@ -82,17 +82,14 @@ fn rounds_lead_from_the_given_body_to_the_found_one(given: &Arc<Model>, found: &
     assert_eq!(rounds[1].after, found.model);
     for round in rounds {
         assert!(round.poses.len() == 1 && round.measured.len() == given.limbs().len());
-        assert_eq!(
-            (round.partly(|_| false), round.partly(|_| true)),
-            (round.before.clone(), round.after.clone())
-        );
+        let [none, all] = [false, true].map(|is_grown| round.partly(|_| is_grown));
+        assert_eq!((&none, &all), (&round.before, &round.after));
         for limb in 0..given.limbs().len() {
             let half = round.partly(|other| other == limb);
             let [length, radius] = round.factors(limb);
             let [was, is] = [&round.before, &half].map(|body| body.limbs()[limb].clone());
-            assert!(
-                (was.length * length - is.length).abs() + (was.radius * radius - is.radius).abs() < 1e-12
-            );
+            let off = [was.length * length - is.length, was.radius * radius - is.radius];
+            assert!(off[0].abs() + off[1].abs() < 1e-12);
             // A length that nothing was measured of stays.
             assert!(round.measured[limb][0] || length == 1.0, "{}", was.name);
         }

@@ -12,7 +12,7 @@ use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use backlit_tracking::track::{FrameEstimate, Track, Tracker};
 use glam::DVec3;
 
-use crate::fixtures::{LEFT_AND_RIGHT, camera_pair, mask};
+use crate::fixtures::{LEFT_AND_RIGHT, camera_pair, mask, stepped};
 
 const SIZE: [usize; 2] = [80, 60];
 
@@ -22,13 +22,12 @@ fn cameras() -> [Arc<Camera>; 2] {
 
 /// Where the body is in a frame: it turns and moves a little.
 fn truth(model: &Model, frame: usize) -> Pose {
-    let mut step = vec![0.0; Parameters::Tangent.columns(model.rotation_count())];
     let time = frame as f64;
-    step[0] = 0.01 * time;
-    for (index, value) in step.iter_mut().enumerate().skip(3) {
-        *value = 0.2 * (index as f64 * 1.7).sin() + 0.02 * time * (index as f64).cos();
-    }
-    Pose::rest(model).retract(Parameters::Tangent, &step)
+    stepped(model, Parameters::Tangent, |index| match index {
+        0 => 0.01 * time,
+        1 | 2 => 0.0,
+        _ => 0.2 * (index as f64 * 1.7).sin() + 0.02 * time * (index as f64).cos(),
+    })
 }
 
 fn filled(label: Label) -> Mask {
@@ -200,10 +199,8 @@ fn no_camera_weights_of_nothing_and_stopped_work() {
                 Ok(mut fit) => {
                     let summary = fit.run(&CancelToken::new(), |_| {});
                     assert!(has_data, "{preset}: {level} × {weight}");
-                    assert!(
-                        summary.pose.to_state().iter().all(|x| x.is_finite()),
-                        "{preset}: {level} × {weight}"
-                    );
+                    let state = summary.pose.to_state();
+                    assert!(state.iter().all(|x| x.is_finite()), "{preset}: {level} × {weight}");
                 }
                 Err(error) => assert!(!has_data, "{preset}: {error}"),
             }

@@ -64,16 +64,13 @@ fn poses_with_numbers_that_are_none_are_errors() {
     }
     let mut pose = rest.clone();
     pose.rotations[1] = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-    assert!(
-        matches!(pose.check(&model), Err(PoseError::Rotation { limb, .. }) if limb == model.limbs()[1].name)
-    );
+    let name = &model.limbs()[1].name;
+    assert!(matches!(pose.check(&model), Err(PoseError::Rotation { limb, .. }) if limb == *name));
     pose.rotations.pop();
     assert!(matches!(pose.check(&model), Err(PoseError::Count { .. })));
     for length in [0, 1, 2, 3, 5, 1000] {
-        assert!(
-            matches!(Pose::from_state(&model, &vec![0.5; length]), Err(PoseError::Count { .. })),
-            "{length}"
-        );
+        let found = Pose::from_state(&model, &vec![0.5; length]);
+        assert!(matches!(found, Err(PoseError::Count { .. })), "{length}");
     }
 }
 
@@ -128,10 +125,8 @@ fn limits_that_contradict_themselves_are_errors() {
             ("twist", JointLimits { twist: bad, ..free }),
         ] {
             let found = with(limits);
-            assert!(
-                matches!(&found, Err(ModelError::Limits { field: named, .. }) if *named == field),
-                "{found:?}"
-            );
+            let Err(ModelError::Limits { field: named, .. }) = found else { panic!("{found:?}") };
+            assert_eq!(named, field);
         }
     }
     let along = builtin::single_limb().limbs()[0].direction;

@@ -104,10 +104,8 @@ fn without_cues_nothing_changes_and_covered_limbs_are_unsure() {
     let (_, plain) = squatting(16, None, false);
     let (model, watched) = squatting(16, Some(CueOptions::default()), false);
     for (plain, watched) in plain.iter().zip(&watched) {
-        assert_eq!(
-            (&plain.pose, plain.cost, plain.iterations),
-            (&watched.pose, watched.cost, watched.iterations)
-        );
+        let [plain_fit, watched_fit] = [plain, watched].map(|one| (&one.pose, one.cost, one.iterations));
+        assert_eq!(plain_fit, watched_fit);
         assert!(plain.holds.is_empty() && plain.unsure_limbs().next().is_none());
         assert_eq!(watched.holds.len(), model.rotation_count());
         assert!(watched.holds.iter().all(|hold| hold.cues.is_empty()));
@@ -231,14 +229,9 @@ fn pulls_that_cannot_be_are_errors_and_options_are_named() {
     };
     assert_eq!(fit(pull(0, 1, 2.0)), Ok(()));
     let error = |error| Err(FitError::Cue(error));
-    assert_eq!(
-        fit(pull(30, 0, 2.0)),
-        error(CueError::Limb { index: 0, cue: "keypoints", limb: 30, limbs: 30 })
-    );
-    assert_eq!(
-        fit(pull(0, 2, 2.0)),
-        error(CueError::Camera { index: 0, cue: "keypoints", camera: 2, cameras: 2 })
-    );
+    let cue = "keypoints";
+    assert_eq!(fit(pull(30, 0, 2.0)), error(CueError::Limb { index: 0, cue, limb: 30, limbs: 30 }));
+    assert_eq!(fit(pull(0, 2, 2.0)), error(CueError::Camera { index: 0, cue, camera: 2, cameras: 2 }));
     assert_eq!(fit(pull(0, 0, f64::NAN)), error(CueError::Number { index: 0, cue: "keypoints" }));
     let mut options = CueOptions::default();
     options.coverage.seen_share = 1.5;

@@ -30,14 +30,9 @@ const LENS: Distortion = Distortion::OpenCv { k1: -0.2, k2: 0.06, p1: 2e-3, p2: 
 fn camera(distortion: Distortion, size: [u64; 2]) -> Camera {
     let (width, height) = (size[0] as f64, size[1] as f64);
     let focal = 1.6 * width;
-    fixtures::lens_camera(
-        distortion,
-        size,
-        [focal, 1.05 * focal, 0.5 * width - 0.3, 0.5 * height - 0.6],
-        DVec3::new(1.3, 0.6, 2.0),
-        DVec3::new(0.05, 0.25, 0.0),
-        DVec3::new(0.1, 1.0, 0.0),
-    )
+    let intrinsics = [focal, 1.05 * focal, 0.5 * width - 0.3, 0.5 * height - 0.6];
+    let (at, up) = ([0.05, 0.25, 0.0], DVec3::new(0.1, 1.0, 0.0));
+    fixtures::lens_camera(distortion, size, intrinsics, [1.3, 0.6, 2.0], at, up)
 }
 
 /// The upper body with three spheres of their own in every limb, off the axis and of different sizes.

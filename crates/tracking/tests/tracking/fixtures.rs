@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::cues::GreyPicture;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
@@ -21,7 +22,13 @@ pub(crate) const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
 pub(crate) const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
 
 /// An ideal camera with these intrinsics, fx, fy, cx and cy, that looks from a place at another.
-pub(crate) fn camera(size: [u64; 2], intrinsics: [f64; 4], from: DVec3, at: DVec3, up: DVec3) -> Camera {
+pub(crate) fn camera(
+    size: [u64; 2],
+    intrinsics: [f64; 4],
+    from: impl Into<DVec3>,
+    at: impl Into<DVec3>,
+    up: DVec3,
+) -> Camera {
     named_camera("camera", Distortion::None, size, intrinsics, from, at, up)
 }
 
@@ -30,8 +37,8 @@ pub(crate) fn lens_camera(
     lens: Distortion,
     size: [u64; 2],
     intrinsics: [f64; 4],
-    from: DVec3,
-    at: DVec3,
+    from: impl Into<DVec3>,
+    at: impl Into<DVec3>,
     up: DVec3,
 ) -> Camera {
     named_camera("camera", lens, size, intrinsics, from, at, up)
@@ -43,11 +50,11 @@ pub(crate) fn named_camera(
     lens: Distortion,
     size: [u64; 2],
     [fx, fy, cx, cy]: [f64; 4],
-    from: DVec3,
-    at: DVec3,
+    from: impl Into<DVec3>,
+    at: impl Into<DVec3>,
     up: DVec3,
 ) -> Camera {
-    let place = CameraFromWorld::looking_at(from, at, up);
+    let place = CameraFromWorld::looking_at(from.into(), at.into(), up);
     Camera::new(name, size, Intrinsics { fx, fy, cx, cy }, lens, place).unwrap()
 }
 
@@ -74,9 +81,13 @@ pub(crate) const FRONT_AND_RIGHT: [(&str, DVec3); 2] =
 
 /// A pose with every joint turned by up to `amount` radians, and the root moved.
 pub(crate) fn bent(model: &Model, amount: f64, phase: f64) -> Pose {
-    let columns = Parameters::Tangent.columns(model.rotation_count());
-    let step: Vec<f64> = (0..columns).map(|i| amount * (i as f64 * 1.7 + phase).sin()).collect();
-    Pose::rest(model).retract(Parameters::Tangent, &step)
+    stepped(model, Parameters::Tangent, |i| amount * (i as f64 * 1.7 + phase).sin())
+}
+
+/// The pose that a step leads to from rest, given by its columns.
+pub(crate) fn stepped(model: &Model, parameters: Parameters, step: impl Fn(usize) -> f64) -> Pose {
+    let step: Vec<f64> = (0..parameters.columns(model.rotation_count())).map(step).collect();
+    Pose::rest(model).retract(parameters, &step)
 }
 
 /// A bent pose, another for every phase, the root moved by up to so many metres; raw quaternions are not of unit length.
@@ -96,6 +107,23 @@ pub(crate) fn mask(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
     let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
     let labels = prediction::covered(&view).into_iter().map(label).collect();
     Mask::new(camera.width(), camera.height(), labels).unwrap()
+}
+
+/// A mask of pixels x, y.
+pub(crate) fn painted([width, height]: [usize; 2], label: impl Fn(usize, usize) -> Label) -> Mask {
+    let labels = (0..width * height).map(|i| label(i % width, i / width)).collect();
+    Mask::new(width, height, labels).unwrap()
+}
+
+/// The same of subject and background.
+pub(crate) fn covered(size: [usize; 2], is_in: impl Fn(usize, usize) -> bool) -> Mask {
+    painted(size, |x, y| if is_in(x, y) { Label::Subject } else { Label::Background })
+}
+
+/// Grey levels of pixels x, y.
+pub(crate) fn grey_picture([width, height]: [usize; 2], level: impl Fn(usize, usize) -> f64) -> GreyPicture {
+    let levels = (0..width * height).map(|i| level(i % width, i / width) as f32).collect();
+    GreyPicture::new(width, height, levels).unwrap()
 }
 
 /// What a camera that sees such a silhouette contributes to a fit.

@@ -41,13 +41,8 @@ fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
     crate::vectors::choose();
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.3);
     let f = 1.1 * width.max(height) as f64;
-    fixtures::camera(
-        [width, height],
-        [f, 1.02 * f, 0.5 * width as f64 - 0.7, 0.5 * height as f64 + 0.4],
-        centre,
-        DVec3::new(0.0, 0.0, 0.1),
-        DVec3::Z,
-    )
+    let intrinsics = [f, 1.02 * f, 0.5 * width as f64 - 0.7, 0.5 * height as f64 + 0.4];
+    fixtures::camera([width, height], intrinsics, centre, [0.0, 0.0, 0.1], DVec3::Z)
 }
 
 fn view(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> View {

@@ -23,14 +23,8 @@ const BARREL: Distortion = Distortion::OpenCv { k1: -0.22, k2: 0.07, p1: 1.5e-3,
 const PINCUSHION: Distortion = Distortion::OpenCv { k1: 0.16, k2: 0.02, p1: -1e-3, p2: 8e-4, k3: 0.0 };
 
 fn camera(distortion: Distortion) -> Camera {
-    fixtures::lens_camera(
-        distortion,
-        [192, 144],
-        [170.0, 173.0, 97.0, 70.0],
-        DVec3::new(1.1, 0.5, 1.4),
-        DVec3::new(0.0, 0.2, 0.0),
-        DVec3::Y,
-    )
+    let intrinsics = [170.0, 173.0, 97.0, 70.0];
+    fixtures::lens_camera(distortion, [192, 144], intrinsics, [1.1, 0.5, 1.4], [0.0, 0.2, 0.0], DVec3::Y)
 }
 
 fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {

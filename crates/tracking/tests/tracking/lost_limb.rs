@@ -58,11 +58,8 @@ fn wrist_error_mm(model: &Model, frame: &FrameEstimate) -> f64 {
 #[test]
 fn a_lost_arm_is_noticed_by_the_cost_alone() {
     let (model, frames) = track(WhenToSearch::Never);
-    assert!(
-        frames[..JUMP].iter().all(|frame| !frame.is_lost()),
-        "{:?}",
-        frames.iter().map(|f| f.is_lost()).collect::<Vec<_>>()
-    );
+    let lost: Vec<bool> = frames[..JUMP].iter().map(|frame| frame.is_lost()).collect();
+    assert!(!lost.contains(&true), "{lost:?}");
     let jump = &frames[JUMP];
     assert!(wrist_error_mm(&model, jump) > 150.0, "found without a search: the test says nothing");
     assert!(jump.iou().unwrap() > LOST_BELOW_IOU);
@@ -75,12 +72,8 @@ fn a_lost_arm_is_found_again_in_the_same_frame() {
     let (model, frames) = track(WhenToSearch::WhenPoor);
     for frame in &frames {
         let error = wrist_error_mm(&model, frame);
-        assert!(
-            error < 30.0 && !frame.is_lost(),
-            "frame {}: {error:.0} mm, {:?}",
-            frame.frame,
-            frame.lost_because
-        );
+        let (at, because) = (frame.frame, &frame.lost_because);
+        assert!(error < 30.0 && !frame.is_lost(), "frame {at}: {error:.0} mm, {because:?}");
     }
 }
 

@@ -88,10 +88,7 @@ fn the_published_minima_are_found() {
 fn a_singular_minimum_is_approached() {
     for problem in &problems::powell_singular() {
         let (cost, _, why) = solve(problem);
-        assert!(
-            cost < 1e-16 && why == Termination::StepLimit { steps: 1000 },
-            "{}: {cost:e}, {why}",
-            problem.name
-        );
+        let is_exact = cost < 1e-16 && why == Termination::StepLimit { steps: 1000 };
+        assert!(is_exact, "{}: {cost:e}, {why}", problem.name);
     }
 }

@@ -70,10 +70,8 @@ fn the_motion_goes_on_by_time_and_not_by_frames() {
                 let seen = truth(&model, frame as f64);
                 let off = mean_joint_error_mm(&model, &tracker.start_of(frame), &seen);
                 let moved = mean_joint_error_mm(&model, &truth(&model, frames[1] as f64), &seen);
-                assert!(
-                    off < 0.8 * moved,
-                    "{motion:?}, {frames:?}: frame {frame} starts {off:.0} mm off of {moved:.0}"
-                );
+                let case = format!("{motion:?}, {frames:?}: frame {frame}");
+                assert!(off < 0.8 * moved, "{case} starts {off:.0} mm off of {moved:.0}");
                 let found = track(&mut tracker, frame, views(&model, Some(&seen)));
                 let off = mean_joint_error_mm(&model, &found.pose, &seen);
                 assert!(off < 25.0, "{motion:?}, {frames:?}: frame {frame} ends {off:.0} mm off");

@@ -42,13 +42,8 @@ fn cameras(model: &Model, up: DVec3) -> Vec<Camera> {
     [across, up.cross(across)]
         .iter()
         .map(|side| {
-            fixtures::camera(
-                [52, 44],
-                [70.0, 72.0, 25.3, 21.8],
-                centre + (*side * 3.5 + up * 0.7) * radius,
-                centre,
-                up,
-            )
+            let intrinsics = [70.0, 72.0, 25.3, 21.8];
+            fixtures::camera([52, 44], intrinsics, centre + (*side * 3.5 + up * 0.7) * radius, centre, up)
         })
         .collect()
 }

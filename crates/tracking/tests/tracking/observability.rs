@@ -205,9 +205,8 @@ fn sets_of_cameras_are_what_looking_anew_gives() {
         assert!(off < 1e-3, "{set:?}: {off}");
     }
     let best = &figures[0];
-    assert!(
-        best.cameras.len() >= 3 && figures.windows(2).all(|pair| pair[0].null_count <= pair[1].null_count)
-    );
+    let is_sorted = figures.is_sorted_by_key(|figures| figures.null_count);
+    assert!(best.cameras.len() >= 3 && is_sorted);
 }
 
 /// An arm of which one camera sees only the upper part.
@@ -222,20 +221,13 @@ fn a_limb_outside_all_pictures_is_without_bound() {
     let elbow = ends.starts()[forearm];
     // The right edge of the picture goes through the elbow.
     let project = |cx: f64| {
-        fixtures::camera(
-            [120, 120],
-            [160.0, 160.0, cx, 60.0],
-            DVec3::new(0.0, 0.3, 2.5),
-            DVec3::new(0.0, 0.3, 0.0),
-            DVec3::Y,
-        )
+        fixtures::camera([120, 120], [160.0, 160.0, cx, 60.0], [0.0, 0.3, 2.5], [0.0, 0.3, 0.0], DVec3::Y)
     };
     let off = project(60.0).project(elbow).unwrap().x;
     let camera = Arc::new(project(if off < 60.0 { 60.0 - off - 14.0 } else { 60.0 + 119.0 - off + 14.0 }));
     let view = masked(&model, &pose, &camera);
-    assert!(
-        matches!(&view.as_ref().unwrap().evidence, Evidence::Mask(mask) if mask.count(Label::Subject) > 300)
-    );
+    let evidence = &view.as_ref().unwrap().evidence;
+    assert!(matches!(evidence, Evidence::Mask(mask) if mask.count(Label::Subject) > 300));
     let found = FrameInformation::new(&model, &[view, None], &options(), &pose).unwrap().observe(&[0, 1]);
     assert_eq!(found.cameras, [0], "a camera without a silhouette says nothing");
     let out = found.directions.iter().filter(|d| d.is_null && d.shares[0].cause == Cause::OutOfPictures);
@@ -244,9 +236,8 @@ fn a_limb_outside_all_pictures_is_without_bound() {
     assert!(wrist.is_unbounded() && wrist.worst_deviation_m().is_infinite());
     assert_eq!(found.worst_joint().unwrap().1, f64::INFINITY);
     let ellipse = wrist.ellipse(&camera).unwrap();
-    assert!(
-        !ellipse.unseen.is_empty() && ellipse.unseen.iter().all(|axis| (axis.length() - 1.0).abs() < 1e-9)
-    );
+    assert!(!ellipse.unseen.is_empty());
+    assert!(ellipse.unseen.iter().all(|axis| (axis.length() - 1.0).abs() < 1e-9));
     let head = found.joints.iter().find(|joint| joint.limb == model.limb_index("head")).unwrap();
     assert!(!head.is_unbounded(), "{head:?}");
 }

@@ -73,10 +73,8 @@ fn parts_move_one_after_the_other() {
     let options = ParticleOptions { particles: 40, layers: 2, ..ParticleOptions::default() };
     let filter = filter(&start, options);
     let parts = filter.parts().to_vec();
-    assert_eq!(
-        parts.iter().map(|part| part.name.as_str()).collect::<Vec<_>>(),
-        ["trunk", "head", "right shoulder", "left shoulder"]
-    );
+    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["trunk", "head", "right shoulder", "left shoulder"]);
     let (generations, best) = all(filter);
     assert_eq!(generations.len(), 8);
     for (index, generation) in generations.iter().enumerate() {
@@ -97,11 +95,8 @@ fn parts_move_one_after_the_other() {
                 others.collect::<Vec<_>>().iter().all(turned)
                     && (part.moves_root || parent.root == particle.pose.root)
             };
-            assert!(
-                two[0].particles.iter().any(|parent| is_parent(&parent.pose)),
-                "only {} moves",
-                part.name
-            );
+            let has_parent = two[0].particles.iter().any(|parent| is_parent(&parent.pose));
+            assert!(has_parent, "only {} moves", part.name);
         }
     }
     assert_eq!(&best, &generations[7].best().pose);

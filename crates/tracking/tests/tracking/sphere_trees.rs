@@ -40,19 +40,12 @@ fn body(error: f64) -> Model {
 }
 
 fn camera(size: [u64; 2], distance: f64, aside: f64) -> Camera {
-    fixtures::camera(
-        size,
-        [70.0, 74.0, 30.0, 21.0],
-        DVec3::new(aside, 0.4, distance),
-        DVec3::new(1.5 * aside, 0.3, 0.0),
-        DVec3::Y,
-    )
+    let intrinsics = [70.0, 74.0, 30.0, 21.0];
+    fixtures::camera(size, intrinsics, [aside, 0.4, distance], [1.5 * aside, 0.3, 0.0], DVec3::Y)
 }
 
 fn bent(model: &Model, seed: usize) -> Pose {
-    let columns = Parameters::Tangent.columns(model.rotation_count());
-    let step: Vec<f64> = (0..columns).map(|i| 0.4 * ((7 * seed + 3 * i) as f64).sin()).collect();
-    Pose::rest(model).retract(Parameters::Tangent, &step)
+    fixtures::stepped(model, Parameters::Tangent, |i| 0.4 * ((7 * seed + 3 * i) as f64).sin())
 }
 
 /// A picture of the tree is, to the bit, that of its finest spheres without parents: also where the body is cut by the border,
@@ -73,10 +66,9 @@ fn parents_skip_nothing_that_is_seen() {
         for ramp in ramps {
             let [a, b] = [&tree, &flat].map(|body| View::new(body, &kinematics, &camera, OWN, ramp));
             let [levels, expected] = [&a, &b].map(prediction::levels);
-            assert!(
-                levels.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits()),
-                "{distance} m, {ramp}"
-            );
+            let bits =
+                [&levels, &expected].map(|all| all.iter().map(|level| level.to_bits()).collect::<Vec<_>>());
+            assert!(bits[0] == bits[1], "{distance} m, {ramp}");
             assert_eq!(prediction::covered(&a), prediction::covered(&b), "{distance} m, {ramp}");
             dark += levels.iter().filter(|&&level| level < 255.0).count();
         }

@@ -38,15 +38,12 @@ fn balls(seconds: f64) -> [(DVec3, f64); 3] {
 
 fn mask(camera: &Camera, seconds: f64) -> Mask {
     let balls = balls(seconds);
-    let label = |index: usize| {
-        let (width, eye) = (camera.width(), camera.centre());
-        let ray = camera.ray_in_world(DVec2::new((index % width) as f64, (index / width) as f64)).unwrap();
+    fixtures::covered([camera.width(), camera.height()], |x, y| {
+        let (eye, ray) = (camera.centre(), camera.ray_in_world(DVec2::new(x as f64, y as f64)).unwrap());
         let hits =
             |(middle, radius): (DVec3, f64)| (middle - eye).reject_from_normalized(ray).length() <= radius;
-        if balls.into_iter().any(hits) { Label::Subject } else { Label::Background }
-    };
-    let pixels = camera.width() * camera.height();
-    Mask::new(camera.width(), camera.height(), (0..pixels).map(label).collect()).unwrap()
+        balls.into_iter().any(hits)
+    })
 }
 
 /// A camera whose clock is ahead, and what becomes of its masks.

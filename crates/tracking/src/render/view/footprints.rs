@@ -18,14 +18,7 @@ fn camera(distortion: Distortion, size: [u64; 2], distance: f64, azimuth: f64) -
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.2);
     let f = 0.8 * size[0].max(size[1]) as f64;
     let (cx, cy) = (0.4 * size[0] as f64, 0.55 * size[1] as f64);
-    fixtures::lens_camera(
-        distortion,
-        size,
-        [f, 1.04 * f, cx, cy],
-        centre,
-        DVec3::new(0.0, 0.0, 0.1),
-        DVec3::Z,
-    )
+    fixtures::lens_camera(distortion, size, [f, 1.04 * f, cx, cy], centre, [0.0, 0.0, 0.1], DVec3::Z)
 }
 
 /// Complains of every pixel that is not background and lies in no box of the solid that makes it so.
@@ -67,10 +60,8 @@ fn views(model: &Model, pose: &Pose, cameras: &[Camera; 2], renderer: RendererKi
 
 /// Another pose for every seed.
 fn bent(model: &Model, seed: usize) -> Pose {
-    let columns = Parameters::Tangent.columns(model.rotation_count());
     let size = |column: usize| if column < 3 { 0.1 } else { 0.5 };
-    let step: Vec<f64> = (0..columns).map(|i| size(i) * ((7 * seed + 3 * i) as f64).sin()).collect();
-    Pose::rest(model).retract(Parameters::Tangent, &step)
+    fixtures::stepped(model, Parameters::Tangent, |i| size(i) * ((7 * seed + 3 * i) as f64).sin())
 }
 
 #[test]
