@@ -3,8 +3,6 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
-#[path = "tracking/bodies.rs"]
-mod bodies;
 #[path = "tracking/drawing.rs"]
 mod drawing;
 #[path = "tracking/fixtures.rs"]

@@ -159,17 +159,17 @@ pub fn spread(frames: &[usize], count: usize) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::body::builtin;
+    use crate::fixtures;
     use crate::posing::turn_round;
-    use glam::DQuat;
+    use glam::{DQuat, DVec3};
 
     /// An arm that rises frame by frame, a body that walks.
     fn arm_rises(count: usize) -> (Model, Vec<PosedFrame>) {
         let model = builtin::full_body();
-        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
         let posed = |frame: usize| {
-            let mut pose = Pose::rest(&model);
-            pose.root.x = 0.5 * frame as f64;
-            pose.rotations[arm] = DQuat::from_rotation_x(2.0 * frame as f64 / count as f64);
+            let raised = DQuat::from_rotation_x(2.0 * frame as f64 / count as f64);
+            let root = DVec3::new(0.5 * frame as f64, 0.0, 0.0);
+            let pose = fixtures::posed(&model, root, &[("right upper arm", raised)]);
             PosedFrame { frame, pose, iou: Some(0.9), is_lost: false }
         };
         let frames = (0..count).map(posed).collect();

@@ -291,12 +291,7 @@ mod tests {
     }
 
     fn posed(model: &Model, turns: &[(&str, DQuat)]) -> Pose {
-        let mut pose = Pose::rest(model);
-        pose.root = DVec3::new(0.0, 0.0, 0.92);
-        for (name, turn) in turns {
-            pose.rotations[model.limbs()[model.limb_index(name).unwrap()].rotation] = *turn;
-        }
-        pose
+        fixtures::posed(model, DVec3::new(0.0, 0.0, 0.92), turns)
     }
 
     fn covered(model: &Model, pose: &Pose, truth: &Pose, angles: &[f64]) -> Vec<String> {

@@ -323,13 +323,11 @@ mod tests {
     #[test]
     fn a_prior_decides_where_silhouettes_do_not_and_yields_where_they_do() {
         let model = Arc::new(crate::body::builtin::full_body());
-        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
         let hand = model.limb_index("right forearm").unwrap();
         let out = DQuat::from_rotation_y(-0.35);
         let posed = |raised: f64| {
-            let mut pose = Pose { root: DVec3::Z * 0.92, ..Pose::rest(&model) };
-            pose.rotations[arm] = out * DQuat::from_rotation_x(raised);
-            pose
+            let turns = [("right upper arm", out * DQuat::from_rotation_x(raised))];
+            fixtures::posed(&model, DVec3::Z * 0.92, &turns)
         };
         let (front, side) = (DVec3::new(0.0, 2.6, 1.0), DVec3::new(2.6, 0.3, 1.0));
         let place = |pose: &Pose| Kinematics::new(&model, pose).ends()[hand];

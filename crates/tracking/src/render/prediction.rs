@@ -75,7 +75,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::body::{Kinematics, Parameters, Pose, builtin};
+    use crate::body::{Kinematics, Parameters, builtin};
     use crate::camera::Distortion;
     use crate::fixtures;
     use crate::render::{Ramp, RendererKind};
@@ -87,9 +87,8 @@ mod tests {
         let k1 = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 0.0, p2: 0.0, k3: 0.0 };
         let mut seen = 0;
         for (seed, distance) in [(0, 3.0), (1, 2.0), (2, 0.9), (3, 0.3), (4, 0.05)] {
-            let steps = 0..3 + 3 * model.rotation_count();
-            let step: Vec<f64> = steps.map(|i| 0.6 * ((seed * 7 + i * 3) as f64).sin()).collect();
-            let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
+            let step = |i: usize| 0.6 * ((seed * 7 + i * 3) as f64).sin();
+            let pose = fixtures::stepped(&model, Parameters::Tangent, step);
             let kinematics = Kinematics::new(&model, &pose);
             for lens in [Distortion::None, k1] {
                 let at = pose.root + DVec3::new(0.1, 0.2, distance);

@@ -98,7 +98,7 @@ pub fn add(
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::fixtures::{bent, differences};
+    use crate::fixtures::{bent, differences, posed};
     use crate::geometry::rotation::exp;
 
     #[test]
@@ -116,9 +116,8 @@ mod tests {
             add(&mut equations, tangent, &model, &kinematics, &pairs, 1.0, &mut Vec::new());
             equations.cost
         };
-        let mut pose = Pose::rest(&model);
-        assert_eq!(cost(&pose), 0.0);
-        pose.rotations[model.limbs()[limb("right forearm")].rotation] = exp(DVec3::new(0.0, 0.0, 1.2));
+        assert_eq!(cost(&Pose::rest(&model)), 0.0);
+        let pose = posed(&model, DVec3::ZERO, &[("right forearm", exp(DVec3::new(0.0, 0.0, 1.2)))]);
         assert!(cost(&pose) > 1e-3, "{}", cost(&pose));
     }
 

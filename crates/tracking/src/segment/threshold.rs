@@ -73,18 +73,12 @@ impl WithSimd for ByDeviation<'_> {
             for (((off, &level), (&mu, &sigma)), &gain) in numbers {
                 *off = u8::from(threshold.is_level_off(level, gain, mu, sigma));
             }
-            any_channel(&off, &mut pixels);
+            for (pixel, channels) in pixels.iter_mut().zip(off.as_chunks::<3>().0) {
+                *pixel = channels[0] | channels[1] | channels[2];
+            }
             foreground.set_row(y, &pixels);
         }
         foreground
-    }
-}
-
-/// For each pixel whether one of its three channels is set.
-#[inline(always)]
-fn any_channel(channels: &[u8], pixels: &mut [u8]) {
-    for (pixel, channels) in pixels.iter_mut().zip(channels.as_chunks::<3>().0) {
-        *pixel = channels[0] | channels[1] | channels[2];
     }
 }
 

@@ -246,13 +246,11 @@ mod tests {
     fn averages_count_known_pixels_of_the_box() {
         let mask = example();
         assert_eq!(Measurement::from_mask_averaged(&mask, 0), Measurement::from_mask_hard(&mask));
-        let (width, height) = (83, 40);
-        let labels = (0..width * height).map(|i| match i * i % 11 {
+        let large = crate::fixtures::painted([83, 40], |x, y| match (y * 83 + x).pow(2) % 11 {
             3 => Label::Unknown,
-            4 if i % 5 != 0 => Label::Subject,
+            4 if (y * 83 + x) % 5 != 0 => Label::Subject,
             _ => Label::Background,
         });
-        let large = Mask::new(width, height, labels.collect()).unwrap();
         let mut averaged = Measurement::from_mask_hard(&large);
         for (mask, radii) in [(&mask, &[1, 2, 7, 8, usize::MAX - 1][..]), (&large, &[1, 2, 6, 7, 8, 20][..])]
         {

@@ -7,8 +7,7 @@ use backlit_tracking::render::{DrawOptions, Drawing, Prediction, Ramp, RendererK
 use backlit_tracking::search::start;
 use glam::DVec3;
 
-use crate::bodies::with_own_spheres;
-use crate::fixtures::{self, Failures};
+use crate::fixtures::{self, Failures, with_own_spheres};
 
 const RAMPS: [Ramp; 7] = [
     Ramp::Thesis,

@@ -15,7 +15,7 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::fixtures::{Failures, LEFT_AND_RIGHT, camera_pair, fit_view};
+use crate::fixtures::{Failures, LEFT_AND_RIGHT, camera_pair, fit_view, posed};
 
 const WIDTH: u64 = 96;
 const HEIGHT: u64 = 72;
@@ -29,19 +29,16 @@ struct Scene {
 /// The upper body with bent arms, seen by two cameras a quarter turn apart.
 fn scene() -> Scene {
     let model = Arc::new(builtin::upper_body());
-    let mut truth = Pose::rest(&model);
-    truth.root = DVec3::new(0.02, -0.03, 0.04);
-    for (limb, turn) in [
+    let turns = [
         ("torso", DVec3::new(0.1, 0.3, -0.05)),
         ("right upper arm", DVec3::new(-0.4, 0.1, -0.6)),
         ("right forearm", DVec3::new(-0.9, 0.2, -0.2)),
         ("left upper arm", DVec3::new(0.3, 0.0, 0.7)),
         ("left forearm", DVec3::new(-0.7, -0.3, 0.1)),
         ("head", DVec3::new(0.2, 0.0, 0.1)),
-    ] {
-        let limb = model.limb_index(limb).unwrap();
-        truth.rotations[model.limbs()[limb].rotation] = exp(turn);
-    }
+    ];
+    let turns = turns.map(|(limb, turn)| (limb, exp(turn)));
+    let truth = posed(&model, DVec3::new(0.02, -0.03, 0.04), &turns);
     let cameras = camera_pair(LEFT_AND_RIGHT, [WIDTH, HEIGHT], 130.0, DVec3::Y);
     let views = cameras.map(|camera| fit_view(&model, &truth, camera)).into();
     Scene { model, truth, views }

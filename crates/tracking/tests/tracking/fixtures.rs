@@ -5,14 +5,14 @@
 use std::fmt::Arguments;
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
+use backlit_tracking::body::{Kinematics, LimbSphere, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cues::GreyPicture;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 
 /// Both parametrisations.
@@ -84,6 +84,15 @@ pub(crate) fn bent(model: &Model, amount: f64, phase: f64) -> Pose {
     stepped(model, Parameters::Tangent, |i| amount * (i as f64 * 1.7 + phase).sin())
 }
 
+/// A pose with the root there and these limbs' own rotations.
+pub(crate) fn posed(model: &Model, root: DVec3, turns: &[(&str, DQuat)]) -> Pose {
+    let mut pose = Pose { root, ..Pose::rest(model) };
+    for (limb, turn) in turns {
+        pose.rotations[model.limbs()[model.limb_index(limb).unwrap()].rotation] = *turn;
+    }
+    pose
+}
+
 /// The pose that a step leads to from rest, given by its columns.
 pub(crate) fn stepped(model: &Model, parameters: Parameters, step: impl Fn(usize) -> f64) -> Pose {
     let step: Vec<f64> = (0..parameters.columns(model.rotation_count())).map(step).collect();
@@ -107,6 +116,21 @@ pub(crate) fn mask(model: &Model, pose: &Pose, camera: &Camera) -> Mask {
     let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
     let labels = prediction::covered(&view).into_iter().map(label).collect();
     Mask::new(camera.width(), camera.height(), labels).unwrap()
+}
+
+/// Two spheres a limb, of other radii than the limb's and off its axis.
+pub(crate) fn with_own_spheres(model: &Model) -> Model {
+    let mut spec = model.to_spec();
+    for limb in &mut spec.limbs {
+        let sphere = |at, scale, x| LimbSphere {
+            at,
+            radius: scale * limb.radius,
+            offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
+            parent: None,
+        };
+        limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
+    }
+    Model::new(&spec).unwrap()
 }
 
 /// A mask of pixels x, y.

@@ -13,8 +13,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
-use crate::bodies::with_own_spheres;
-use crate::fixtures::{self, Failures};
+use crate::fixtures::{self, Failures, with_own_spheres};
 
 const RAMPS: [Ramp; 6] = [
     Ramp::Thesis,

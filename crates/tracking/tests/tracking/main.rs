@@ -5,7 +5,6 @@
 mod acquisition;
 mod bad_evidence;
 mod bad_input;
-mod bodies;
 mod cues;
 mod drawing;
 mod errata;

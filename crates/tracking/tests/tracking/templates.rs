@@ -18,19 +18,16 @@ use crate::fixtures;
 
 /// Somebody who stands with the arms away from the trunk and the feet apart, turned by some angle.
 fn standing(model: &Model, heading: f64) -> Pose {
-    let mut pose = Pose::rest(model);
-    pose.root = DVec3::new(0.2, -0.1, 0.95);
-    for (limb, turn) in [
+    let turns = [
         ("spine", DVec3::new(0.1, 0.05, 0.0)),
         ("right upper arm", DVec3::new(0.2, -1.1, 0.0)),
         ("left upper arm", DVec3::new(0.3, 0.8, 0.0)),
         ("right forearm", DVec3::new(0.5, 0.0, 0.0)),
         ("right thigh", DVec3::new(0.1, -0.2, 0.0)),
         ("left thigh", DVec3::new(0.25, 0.15, 0.0)),
-    ] {
-        let rotation = model.limbs()[model.limb_index(limb).unwrap()].rotation;
-        pose.rotations[rotation] = exp(turn);
-    }
+    ];
+    let turns = turns.map(|(limb, turn)| (limb, exp(turn)));
+    let mut pose = fixtures::posed(model, DVec3::new(0.2, -0.1, 0.95), &turns);
     let root = model.limbs()[model.limb_index("spine").unwrap()].rotation;
     pose.rotations[root] = DQuat::from_rotation_z(heading) * pose.rotations[root];
     pose
