@@ -74,6 +74,26 @@ impl<const N: usize> RowSums<N> {
         self.forces.axpy(weight * residual, h, 1.0);
     }
 
+    /// JᵀJ += w KᵀMK and Jᵀρ += w Kᵀm, by the columns of K that are not zero and their indices in the state.
+    pub(crate) fn add_to(
+        &self,
+        columns: impl Iterator<Item = (usize, SVector<f64, N>)> + Clone,
+        weight: f64,
+        equations: &mut NormalEquations,
+    ) {
+        for (first, (i, a)) in columns.clone().enumerate() {
+            let pushed = self.products * a * weight;
+            equations.jtr[i] += weight * a.dot(&self.forces);
+            for (j, b) in columns.clone().skip(first) {
+                let sum = pushed.dot(&b);
+                equations.jtj[(i, j)] += sum;
+                if i != j {
+                    equations.jtj[(j, i)] += sum;
+                }
+            }
+        }
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.products.trace() == 0.0
     }

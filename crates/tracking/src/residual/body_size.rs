@@ -196,17 +196,7 @@ impl SizeMap<'_> {
     ) {
         for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
             let columns = self.columns(limb, growth[limb]);
-            for (first, a) in columns.iter().enumerate() {
-                let pushed = block.products * a.motion * weight;
-                equations.jtr[a.index] += weight * a.motion.dot(&block.forces);
-                for b in &columns[first..] {
-                    let sum = pushed.dot(&b.motion);
-                    equations.jtj[(a.index, b.index)] += sum;
-                    if a.index != b.index {
-                        equations.jtj[(b.index, a.index)] += sum;
-                    }
-                }
-            }
+            block.add_to(columns.iter().map(|column| (column.index, column.motion)), weight, equations);
         }
     }
 

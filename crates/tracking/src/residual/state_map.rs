@@ -22,7 +22,6 @@ use glam::DVec3;
 use nalgebra::SVector;
 use pulp::{Simd, WithSimd};
 
-use super::RowSums;
 use super::composite::{Composite, Quad, add_combined, add_lifted};
 use super::silhouette::WorldBlocks;
 use crate::body::{Branches, Kinematics, MovingColumn, Parameters};
@@ -77,7 +76,9 @@ impl WithSimd for Add<'_> {
             for (limb, composite) in map.limbs.iter().enumerate() {
                 if !composite.is_empty() {
                     kinematics.moving_columns_into(limb, parameters, &mut map.columns);
-                    add_limb(composite, &map.columns, equations);
+                    let columns =
+                        map.columns.iter().map(|column| (column.index, SVector::from(column.motion)));
+                    composite.as_matrix().add_to(columns, 1.0, equations);
                 }
             }
             return;
@@ -234,23 +235,6 @@ fn add_block<const ROWS: usize, const COLUMNS: usize>(
         let entries = &mut entries[(column + j) * pitch + row..][..ROWS];
         for i in 0..ROWS {
             entries[i] += block[i][j];
-        }
-    }
-}
-
-/// Adds a limb's own sums over the columns that move it.
-fn add_limb(composite: &Composite, columns: &[MovingColumn], equations: &mut NormalEquations) {
-    let RowSums { products, forces } = composite.as_matrix();
-    for (first, a) in columns.iter().enumerate() {
-        let motion = SVector::from(a.motion);
-        let pushed = products * motion;
-        equations.jtr[a.index] += motion.dot(&forces);
-        for b in &columns[first..] {
-            let sum = pushed.dot(&SVector::from(b.motion));
-            equations.jtj[(a.index, b.index)] += sum;
-            if a.index != b.index {
-                equations.jtj[(b.index, a.index)] += sum;
-            }
         }
     }
 }
