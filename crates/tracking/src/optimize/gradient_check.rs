@@ -246,35 +246,17 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
+    use crate::optimize::solver::tests::TwoUnknowns;
 
-    /// ρ = (3 − x², 1 − x y, −|y − kink|), with one derivative wrong on demand.
-    struct Curve {
-        wrong: f64,
-        kink: f64,
-    }
-
-    impl LeastSquares for Curve {
-        type Point = [f64; 2];
-
-        fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
-            let side = (y - self.kink).signum();
-            let jacobian = DMatrix::from_row_slice(3, 2, &[2.0 * x + self.wrong, 0.0, y, x, 0.0, side]);
-            let residual = DVector::from_vec(vec![3.0 - x * x, 1.0 - x * y, -(y - self.kink).abs() - 1.0]);
-            equations.jtj = jacobian.tr_mul(&jacobian);
-            equations.jtr = jacobian.tr_mul(&residual);
-            equations.cost = residual.norm_squared();
-        }
-
-        fn columns(&self) -> usize {
-            2
-        }
-
-        fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
-            [point[0] + step[0], point[1] + step[1]]
-        }
-    }
-
-    fn check(mut curve: Curve, at: [f64; 2]) -> GradientCheck {
+    /// Checks ρ = (3 − x², 1 − x y, −|y − kink|) at a point, with one derivative wrong on demand.
+    fn check(wrong: f64, kink: f64, at: [f64; 2]) -> GradientCheck {
+        let evaluate = |&[x, y]: &[f64; 2]| {
+            let side = (y - kink).signum();
+            let jacobian = DMatrix::from_row_slice(3, 2, &[2.0 * x + wrong, 0.0, y, x, 0.0, side]);
+            let residual = vec![3.0 - x * x, 1.0 - x * y, -(y - kink).abs() - 1.0];
+            (jacobian, DVector::from_vec(residual))
+        };
+        let mut curve = TwoUnknowns { evaluate, longest: f64::INFINITY };
         let moved = |column: usize, offset: f64| {
             let mut point = at;
             point[column] += offset;
@@ -286,13 +268,13 @@ mod tests {
 
     #[test]
     fn a_right_gradient_passes() {
-        let found = check(Curve { wrong: 0.0, kink: 0.0 }, [0.7, -1.3]);
+        let found = check(0.0, 0.0, [0.7, -1.3]);
         assert!(found.passes() && found.compared == 2, "{found}");
     }
 
     #[test]
     fn a_wrong_derivative_is_named() {
-        let found = check(Curve { wrong: 0.1, kink: 0.0 }, [0.7, -1.3]);
+        let found = check(0.1, 0.0, [0.7, -1.3]);
         assert_eq!(found.mismatches.len(), 1, "{found}");
         assert!(found.to_string().contains("\nx: analytic"), "{found}");
     }
@@ -300,7 +282,7 @@ mod tests {
     #[test]
     fn a_kink_within_the_differences_is_skipped() {
         for offset in [-1.5e-6, -0.3e-6, 0.0, 0.8e-6, 1.2e-6] {
-            let found = check(Curve { wrong: 0.0, kink: -1.3 + offset }, [0.7, -1.3]);
+            let found = check(0.0, -1.3 + offset, [0.7, -1.3]);
             assert_eq!((found.compared, found.skipped), (1, 1), "{offset} {found}");
         }
     }

@@ -324,4 +324,4 @@ impl<P: Clone> Solver<P> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -17,16 +17,11 @@ use backlit_tracking::silhouette::{
 use glam::{DMat3, DQuat, DVec3};
 use image::{GrayImage, RgbImage};
 
-use crate::fixtures::BOTH;
+use crate::fixtures::{BOTH, renderers};
 
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 /// Finite, and squares of it are not.
 const HUGE: f64 = 1e200;
-
-/// All renderers, and trees of a single sphere.
-fn renderers() -> impl Iterator<Item = RendererKind> {
-    RendererKind::ALL.into_iter().chain([RendererKind::SphereTree { spheres: Some(1) }])
-}
 
 const RAMPS: [Ramp; 4] =
     [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 2.0 }, Ramp::Distance { inner_px: 2.0, outer_px: 6.0 }];

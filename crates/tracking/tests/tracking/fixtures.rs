@@ -18,6 +18,11 @@ use nalgebra::{DMatrix, DVector};
 /// Both parametrisations.
 pub(crate) const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
 
+/// All renderers, and trees of a single sphere.
+pub(crate) fn renderers() -> impl Iterator<Item = RendererKind> {
+    RendererKind::ALL.into_iter().chain([RendererKind::SphereTree { spheres: Some(1) }])
+}
+
 /// A lens that bends nothing, but is one.
 pub(crate) const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
 

@@ -3,9 +3,9 @@ use nalgebra::DMatrix;
 use super::*;
 
 /// Residuals of two unknowns with their Jacobian; no step is longer than `longest`.
-struct TwoUnknowns<F> {
-    evaluate: F,
-    longest: f64,
+pub(in crate::optimize) struct TwoUnknowns<F> {
+    pub(in crate::optimize) evaluate: F,
+    pub(in crate::optimize) longest: f64,
 }
 
 impl<F: Fn(&[f64; 2]) -> (DMatrix<f64>, DVector<f64>)> LeastSquares for TwoUnknowns<F> {

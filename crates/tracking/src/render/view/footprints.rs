@@ -12,8 +12,6 @@ use crate::render::{Ramp, RendererKind, View, prediction};
 const RAMPS: [Ramp; 4] =
     [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 3.0 }, Ramp::Distance { inner_px: 1.5, outer_px: 12.0 }];
 
-const SINGLE_SPHERES: RendererKind = RendererKind::SphereTree { spheres: Some(1) };
-
 fn camera(distortion: Distortion, size: [u64; 2], distance: f64, azimuth: f64) -> Camera {
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.2);
     let f = 0.8 * size[0].max(size[1]) as f64;
@@ -74,7 +72,7 @@ fn boxes_hold_every_pixel_that_a_solid_darkens() {
             let cameras = [Distortion::None, fixtures::NO_BEND]
                 .map(|lens| camera(lens, size, distance, 0.9 * seed as f64));
             let pose = bent(&model, seed);
-            for renderer in RendererKind::ALL.into_iter().chain([SINGLE_SPHERES]) {
+            for renderer in fixtures::renderers() {
                 for ramp in RAMPS {
                     let [boxed, whole] = views(&model, &pose, &cameras, renderer, ramp);
                     assert!(boxed.is_pinhole() && !whole.is_pinhole());
