@@ -10,7 +10,7 @@ use image::{Rgba, RgbaImage};
 
 use crate::support::take;
 use crate::support::window::{
-    Window, WindowState, at, built_in, click, command, press, settle, type_into_palette, undo,
+    Window, WindowState, at, built_in, click, command, press, save, type_into_palette, undo,
 };
 
 /// Frames of the take: enough for the forearm to leave every pixel.
@@ -78,8 +78,7 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
 
     // The project keeps them, and a further time does not write over them.
     let project = folder.path().join("arm.backlit");
-    harness.state_mut().save_to(&project);
-    settle(&mut harness);
+    save(&mut harness, &project);
     assert_eq!(read_project(&project).unwrap().document.plates, plates);
     command(&mut harness, NAME);
     let again = harness.document().plates.clone();

@@ -24,7 +24,7 @@ use glam::{DQuat, DVec2, DVec3};
 use image::{Rgb, RgbImage};
 
 use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::window::wheel;
+use crate::support::window::{button, wheel};
 
 const SIZE: [usize; 2] = [136, 240];
 
@@ -300,8 +300,7 @@ fn sizes_are_dragged_by_their_handles() {
         let handle = centre(&harness, label);
         grab(&mut harness, handle, vec2(9.0, 0.0));
         harness.get_by_label("Esc: put back");
-        harness.drop_at(handle + vec2(9.0, 0.0));
-        harness.run();
+        let_go(&mut harness, handle + vec2(9.0, 0.0));
         let events = taken(&mut harness);
         let is_drag = |event: &TileEvent| match event {
             TileEvent::Drag(DragEvent::Begin(Drag::Length { limb, .. })) => is_length && *limb == forearm,
@@ -318,8 +317,7 @@ fn the_hover_card_is_held_by_a_key() {
     let tile = TileView { mode: ViewMode::Gradient, ..TileView::default() };
     let input = TileInput { shows_hover_card: true, tile, ..scene.input(ViewMode::Gradient) };
     let mut harness = driven(input, [416.0, 276.0], Theme::Dark);
-    harness.hover_at(pos2(122.0, 186.0));
-    harness.run();
+    hover(&mut harness, pos2(122.0, 186.0));
     let title = |harness: &Harness<'_, Events>| {
         harness.get_by_label_contains("Pixel ").accesskit_node().value().unwrap_or_default()
     };
@@ -330,8 +328,7 @@ fn the_hover_card_is_held_by_a_key() {
     }
     let first = title(&harness);
     harness.key_down(Key::H);
-    harness.hover_at(pos2(140.0, 120.0));
-    harness.run();
+    hover(&mut harness, pos2(140.0, 120.0));
     assert_eq!(title(&harness), first);
     harness.key_up(Key::H);
     harness.run();
@@ -354,11 +351,10 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
     let with_ray = BodyMarks { sight_ray: Some(scene.ray()), ..scene.posed.clone() };
     let nobody = BodyMarks::default();
     let mut snapshots = Snapshots::default();
-    let mut shot = |input: TileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
+    let mut shot = |input: TileInput<'_>, size, theme, pointer: Option<Pos2>, name: &str| {
         let mut harness = shown(input, size, theme);
-        if let Some(at) = hover {
-            harness.hover_at(at);
-            harness.run();
+        if let Some(at) = pointer {
+            hover(&mut harness, at);
         }
         snapshots.picture(&harness.render().unwrap(), name);
     };
@@ -405,8 +401,8 @@ fn limits_ellipses_and_what_is_compared() {
     let mut known = driven(observed, WIDE, Theme::Dark);
     shot(&mut known, "camera_tile_ellipses");
     known.get_by_label_contains("Uncertainty, 2σ, drawn ×20");
-    known.hover_at(centre(&known, "left wrist, Camera 1"));
-    known.run();
+    let wrist = centre(&known, "left wrist, Camera 1");
+    hover(&mut known, wrist);
     for label in ["Left wrist", "Across, 1σ ±2.3 mm", "In depth, 1σ ±6.1 mm"] {
         assert!(known.query_all_by_label_contains(label).next().is_some(), "{label}");
     }
@@ -424,14 +420,34 @@ fn taken(harness: &mut Harness<'_, Events>) -> Events {
     std::mem::take(harness.state_mut())
 }
 
+/// One of the things that the tile has said since the last call is such.
+#[track_caller]
+fn expect(harness: &mut Harness<'_, Events>, is: impl Fn(&TileEvent) -> bool) -> Events {
+    let events = taken(harness);
+    assert!(events.iter().any(is), "{events:?}");
+    events
+}
+
+fn hover(harness: &mut Harness<'_, Events>, at: Pos2) {
+    harness.hover_at(at);
+    harness.run();
+}
+
+fn hold(harness: &mut Harness<'_, Events>, at: Pos2) {
+    harness.drag_at(at);
+    harness.run();
+}
+
+fn let_go(harness: &mut Harness<'_, Events>, at: Pos2) {
+    harness.drop_at(at);
+    harness.run();
+}
+
 /// Presses on a place and moves; the button stays down.
 fn grab(harness: &mut Harness<'_, Events>, from: Pos2, by: Vec2) {
-    harness.hover_at(from);
-    harness.run();
-    harness.drag_at(from);
-    harness.run();
-    harness.hover_at(from + by);
-    harness.run();
+    hover(harness, from);
+    hold(harness, from);
+    hover(harness, from + by);
 }
 
 fn centre(harness: &Harness<'_, Events>, label: &str) -> Pos2 {
@@ -443,14 +459,11 @@ fn a_joint_is_dragged_by_its_handle() {
     let scene = Scene::new();
     let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let wrist = centre(&harness, "right wrist, Camera 1");
-    harness.hover_at(wrist);
-    harness.run();
+    hover(&mut harness, wrist);
     harness.get_by_label("Right wrist");
-    harness.drag_at(wrist);
-    harness.run();
+    hold(&mut harness, wrist);
     assert_eq!(taken(&mut harness), [TileEvent::Activate, TileEvent::SelectJoint(scene.wrist)]);
-    harness.hover_at(wrist + vec2(20.0, 0.0));
-    harness.run();
+    hover(&mut harness, wrist + vec2(20.0, 0.0));
     let events = taken(&mut harness);
     let Some(TileEvent::Drag(DragEvent::Begin(Drag::Joint { joint, target_px }))) =
         events.iter().find(|event| matches!(event, TileEvent::Drag(DragEvent::Begin(_))))
@@ -463,8 +476,7 @@ fn a_joint_is_dragged_by_its_handle() {
     harness.get_by_label("Dragging right wrist");
     harness.get_by_label("Esc: put back");
     Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_dragging");
-    harness.drop_at(wrist + vec2(20.0, 0.0));
-    harness.run();
+    let_go(&mut harness, wrist + vec2(20.0, 0.0));
     assert!(taken(&mut harness).contains(&TileEvent::Drag(DragEvent::End)));
 }
 
@@ -473,16 +485,12 @@ fn escape_cancels_a_drag_and_shift_changes_the_depth() {
     let scene = Scene::new();
     let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let wrist = centre(&harness, "right wrist, Camera 1");
-    harness.hover_at(wrist);
-    harness.run();
-    harness.drag_at(wrist);
-    harness.run();
+    hover(&mut harness, wrist);
+    hold(&mut harness, wrist);
     harness.event(Event::ModifiersChanged(Modifiers::SHIFT));
-    harness.hover_at(wrist - vec2(0.0, 40.0));
-    harness.run();
-    let events = taken(&mut harness);
+    hover(&mut harness, wrist - vec2(0.0, 40.0));
     let deeper = |event: &TileEvent| matches!(event, TileEvent::Drag(DragEvent::Begin(Drag::Depth { ratio, .. })) if *ratio > 1.0);
-    assert!(events.iter().any(deeper), "{events:?}");
+    expect(&mut harness, deeper);
     harness.event(Event::ModifiersChanged(Modifiers::NONE));
     harness.key_press(Key::Escape);
     harness.run();
@@ -502,11 +510,10 @@ fn a_limb_is_turned_by_its_body() {
     let wrist = centre(&harness, "left wrist, Camera 1");
     let middle = elbow + (wrist - elbow) * 0.5;
     grab(&mut harness, middle, vec2(15.0, 0.0));
-    let events = taken(&mut harness);
     let forearm = scene.body.limb_index("left forearm").unwrap();
-    assert!(events.contains(&TileEvent::SelectLimb(forearm)), "{events:?}");
     let turns = |event: &TileEvent| matches!(event, TileEvent::Drag(DragEvent::Begin(Drag::Turn { limb, .. })) if *limb == forearm);
-    assert!(events.iter().any(turns), "{events:?}");
+    let events = expect(&mut harness, turns);
+    assert!(events.contains(&TileEvent::SelectLimb(forearm)), "{events:?}");
 }
 
 #[test]
@@ -539,8 +546,7 @@ fn header_and_gutter_say_what_was_clicked() {
     harness.get_by_label("IoU 0.777");
     let slider = harness.get_by_role_and_label(Role::Slider, "Weight of Camera 1").rect();
     harness.drag_at(slider.right_center() - vec2(7.0, 0.0));
-    harness.drop_at(slider.right_center() - vec2(7.0, 0.0));
-    harness.run();
+    let_go(&mut harness, slider.right_center() - vec2(7.0, 0.0));
     let events = taken(&mut harness);
     assert!(matches!(events[..], [.., TileEvent::SetWeight(weight, _)] if weight > 1.8), "{events:?}");
     harness.get_by_label("More for Camera 1").click();
@@ -555,34 +561,21 @@ fn the_wheel_zooms_and_the_right_button_pans() {
     let scene = Scene::new();
     let mut harness = shown(scene.posing(), WIDE, Theme::Dark);
     let at = centre(&harness, "Camera 1 picture");
-    harness.hover_at(at);
-    harness.run();
+    hover(&mut harness, at);
     harness.event(wheel(vec2(0.0, 60.0)));
     harness.run_steps(4);
     let zoomed =
         |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { zoom, .. }) if *zoom > 1.0);
-    let events = taken(&mut harness);
-    assert!(events.iter().any(zoomed), "{events:?}");
-    let button = |pos: Pos2, pressed: bool| Event::PointerButton {
-        pos,
-        button: PointerButton::Secondary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    harness.event(button(at, true));
+    expect(&mut harness, zoomed);
+    harness.event(button(at, PointerButton::Secondary, true));
     harness.run();
-    harness.hover_at(at + vec2(12.0, 0.0));
+    hover(&mut harness, at + vec2(12.0, 0.0));
+    harness.event(button(at + vec2(12.0, 0.0), PointerButton::Secondary, false));
     harness.run();
-    harness.event(button(at + vec2(12.0, 0.0), false));
-    harness.run();
-    let events = taken(&mut harness);
     let panned = |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { offset, .. }) if offset[0] < 0.0);
-    assert!(events.iter().any(panned), "{events:?}");
-    assert!(
-        !events
-            .iter()
-            .any(|event| matches!(event, TileEvent::Drag(DragEvent::Begin(_)) | TileEvent::Activate))
-    );
+    let is_press =
+        |event: &TileEvent| matches!(event, TileEvent::Drag(DragEvent::Begin(_)) | TileEvent::Activate);
+    assert!(!expect(&mut harness, panned).iter().any(is_press));
 }
 
 #[test]
@@ -595,8 +588,7 @@ fn a_missing_silhouette_is_told_and_the_wipe_moved() {
     harness.get_by_label_contains("Drop a mask of this frame");
     let handle = centre(&harness, "Wipe to prediction");
     grab(&mut harness, handle, vec2(30.0, 0.0));
-    let events = taken(&mut harness);
     let moved = |event: &TileEvent| matches!(event, TileEvent::SetView(view) if view.wipe_at > 0.6);
-    assert!(events.iter().any(moved), "{events:?}");
+    let events = expect(&mut harness, moved);
     assert!(!events.contains(&TileEvent::Activate), "the picture under the handle is left alone");
 }

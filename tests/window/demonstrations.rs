@@ -14,7 +14,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::window::{Window, WindowState, at, click, demonstration, empty, press, settle};
+use crate::support::window::{Window, WindowState, at, click, demonstration, empty, press, save, settle};
 
 /// Two clicks: the menu, and the demonstration in it.
 fn show(harness: &mut Window, label: &str) {
@@ -123,8 +123,7 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tiny.backlit");
-    harness.state_mut().save_to(&path);
-    settle(&mut harness);
+    save(&mut harness, &path);
     let saved = harness.document().clone();
     assert_eq!(*at(&path).open().document(), saved, "a project keeps its poses: nothing runs by itself");
 }

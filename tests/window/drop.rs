@@ -15,7 +15,7 @@ use image::{GrayImage, Luma};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use crate::support::window::{
-    Window, WindowState, arm, around, at, choose, click, command, empty, press, settle, undo,
+    Window, WindowState, arm, around, at, choose, click, command, empty, press, save, settle, undo,
 };
 
 /// A take in a folder.
@@ -79,8 +79,7 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     assert!(harness.session().iou().unwrap() < iou, "the body is not where these cameras see it");
 
     let project = folder.path().join("a.backlit");
-    harness.state_mut().save_to(&project);
-    settle(&mut harness);
+    save(&mut harness, &project);
     let saved = read_project(&project).unwrap().document;
     assert_eq!(saved, *harness.document());
     let again = open(&project);
@@ -119,8 +118,7 @@ fn silhouettes_replace_those_of_the_frame_and_are_undone() {
     assert_eq!(harness.last_said(), "Replaced the silhouettes of frame 0 in camera 1.");
     assert_eq!(subject_pixels(&harness, 0), 32 * 48);
     let project = folder.path().join("a.backlit");
-    harness.state_mut().save_to(&project);
-    settle(&mut harness);
+    save(&mut harness, &project);
     assert_eq!(subject_pixels(&open(&project), 0), 32 * 48, "a project brings its silhouettes");
     undo(&mut harness);
     assert_eq!(subject_pixels(&harness, 0), before);

@@ -21,7 +21,7 @@ use crate::export::export_to;
 use crate::support::storage::NoStorage;
 use crate::support::take;
 use crate::support::window::{
-    PATIENCE, Window, WindowState, at, click, command, drag, press, settle, wait_until, write_curves,
+    PATIENCE, Window, WindowState, at, click, command, drag, press, save, settle, wait_until, write_curves,
 };
 
 /// Names the folder in which the process on a bad disk works.
@@ -93,13 +93,11 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = open(folder.path());
     let good = folder.path().join("good.backlit");
-    harness.state_mut().save_to(&good);
-    settle(&mut harness);
+    save(&mut harness, &good);
     let saved = read_project(&good).unwrap().document;
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     for (place, reason) in bad_places(folder.path()) {
-        harness.state_mut().save_to(&place);
-        settle(&mut harness);
+        save(&mut harness, &place);
         let said = harness.last_said();
         assert!(said.starts_with("Not saved: ") && names(&said, &place), "{said}");
         assert!(said.contains(reason) && said.contains("Choose a"), "{said}");
@@ -110,8 +108,7 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
     }
     assert_eq!(read_project(&good).unwrap().document, saved);
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 10.0));
-    harness.state_mut().save_to(&good);
-    settle(&mut harness);
+    save(&mut harness, &good);
     assert_eq!(read_project(&good).unwrap().document, *harness.document());
 }
 
@@ -247,8 +244,7 @@ fn work_on_a_bad_disk() {
     if reason == FULL {
         std::fs::remove_file(&filler).unwrap();
         wait_for(&mut harness, WORKS);
-        harness.state_mut().save_to(&good);
-        settle(&mut harness);
+        save(&mut harness, &good);
         assert_eq!(read_project(&good).unwrap().document, *harness.document());
     }
     let parts = |folder: &Path| {

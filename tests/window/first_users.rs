@@ -4,12 +4,11 @@
 use backlit::context::preferences::Layout;
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::body::Kinematics;
-use egui::accesskit::Role;
 use egui::{Key, Modifiers, Order, Vec2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::support::window::{
-    Window, WindowState, arm, built_in, click, command, demonstration, drag, empty, press, undo,
+    Window, WindowState, arm, built_in, click, command, demonstration, drag, empty, open_menu, press, undo,
 };
 
 /// The smallest window, and the commonest laptop's.
@@ -73,16 +72,6 @@ fn runs_from_one_start_are_measured_alike() {
     command(&mut window, "Report 2004");
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(window.runs().last().unwrap().steps[0].mismatch, start);
-}
-
-/// Opens a menu; a narrow window has one button for all of them.
-fn open_menu(window: &mut Window, menu: &str) {
-    if window.query_by_role_and_label(Role::Button, menu).is_none() {
-        window.get_by_role_and_label(Role::Button, "Menu").click();
-        window.run_steps(3);
-    }
-    window.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
-    window.run_steps(3);
 }
 
 #[test]

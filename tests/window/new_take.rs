@@ -52,8 +52,7 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     // Pictures do not say how many there are a second.
     harness.get_by_label("the footage does not say it");
     type_over(&mut harness, "Frames a second", "30");
-    harness.key_press(Key::Enter);
-    settle(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
     click(&mut harness, "Create take");
     assert!(harness.query_by_label("Create take").is_none(), "the card has closed");
     let take = folder.path().join("practice take");

@@ -10,7 +10,7 @@ use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 
 use crate::support::take;
-use crate::support::window::{Window, WindowState, at, click, drag, press, settle};
+use crate::support::window::{Window, WindowState, at, click, drag, press, save, settle};
 
 fn open(path: &Path) -> Window {
     at(path).sized(1200.0, 800.0).open()
@@ -24,8 +24,7 @@ fn project() -> (tempfile::TempDir, Document) {
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 20.0));
     press(&mut harness, Modifiers::NONE, Key::End);
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 20.0));
-    harness.state_mut().save_to(&folder.path().join("work.backlit"));
-    settle(&mut harness);
+    save(&mut harness, &folder.path().join("work.backlit"));
     let document = harness.document().clone();
     (folder, document)
 }

@@ -121,8 +121,7 @@ fn escape_puts_back_what_a_slider_has_changed() {
     grab(&mut harness, from, &[vec2(12.0, 0.0), vec2(24.0, 0.0)]);
     harness.step();
     assert_ne!(pose(&harness), before);
-    harness.key_press(Key::Escape);
-    settle(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(pose(&harness), before);
     release(&mut harness, from + vec2(24.0, 0.0));
     assert_eq!(pose(&harness), before);
@@ -244,8 +243,7 @@ fn sizes_are_dragged_in_the_view() {
     grab(&mut harness, handle, &[out * 5.0, out * 12.0]);
     harness.step();
     assert!(size(&harness).1 > before.1 + 0.002, "{:?}", size(&harness));
-    harness.key_press(Key::Escape);
-    settle(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     release(&mut harness, handle);
     assert_eq!(size(&harness), before);
 }

@@ -3,11 +3,12 @@
 
 use backlit::context::preferences::Layout;
 use backlit_take::demonstration::Demonstration;
-use egui::accesskit::Role;
 use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::window::{Setup, Window, arm, click, command, demonstration, press, settle};
+use crate::support::window::{
+    Setup, Window, arm, click, close_notices, command, demonstration, open_menu, press,
+};
 use crate::support::words::unreadable;
 
 /// Panes that a layout does not have at first, as the palette finds them.
@@ -32,8 +33,7 @@ const SIZES: [Vec2; 4] =
 
 fn open(setup: Setup, layout: Layout, size: Vec2) -> Window {
     let mut window = setup.layout(layout).sized(size.x, size.y).open();
-    window.state_mut().inspector.state.notices.close_all();
-    settle(&mut window);
+    close_notices(&mut window);
     window
 }
 
@@ -54,6 +54,11 @@ fn look_over(window: &Window, place: &str, wrong: &mut Vec<String>) {
     wrong.extend(found.into_iter().filter(is_cut).map(|found| format!("{place}: {found}")));
 }
 
+#[track_caller]
+fn assert_readable(wrong: &[String]) {
+    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
+
 #[test]
 fn every_word_can_be_read_in_every_layout_at_every_size() {
     let mut wrong = Vec::new();
@@ -63,12 +68,11 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
             let mut window = open(arm(), layout, size);
             look(&window, &place, &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Enter);
-            window.state_mut().inspector.state.notices.close_all();
-            settle(&mut window);
+            close_notices(&mut window);
             look(&window, &format!("{place}, fitted"), &mut wrong);
         }
     }
-    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+    assert_readable(&wrong);
 }
 
 #[test]
@@ -86,18 +90,14 @@ fn every_word_of_every_pane_can_be_read() {
                     let title = format!("{}{}", pane[..1].to_uppercase(), &pane[1..]);
                     window.query_all_by_label(&title).next().is_some()
                 };
-                let was_open = is_open(&window);
-                if !was_open {
-                    command(&mut window, &format!("Show or hide {pane}"));
-                }
+                let toggle = (!is_open(&window)).then(|| format!("Show or hide {pane}"));
+                toggle.iter().for_each(|toggle| command(&mut window, toggle));
                 look(&window, &place, &mut wrong);
-                if !was_open {
-                    command(&mut window, &format!("Show or hide {pane}"));
-                }
+                toggle.iter().for_each(|toggle| command(&mut window, toggle));
             }
         }
     }
-    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+    assert_readable(&wrong);
 }
 
 #[test]
@@ -107,12 +107,7 @@ fn every_word_of_every_section_and_menu_can_be_read() {
         let mut window = open(arm(), Layout::Pose, size);
         let place = |what: &str| format!("{what} at {} × {}", size.x.round(), size.y.round());
         for menu in MENUS {
-            if window.query_by_role_and_label(Role::Button, menu).is_none() {
-                window.get_by_role_and_label(Role::Button, "Menu").click();
-                window.run_steps(3);
-            }
-            window.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
-            window.run_steps(3);
+            open_menu(&mut window, menu);
             look_over(&window, &place(menu), &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Escape);
         }
@@ -129,7 +124,7 @@ fn every_word_of_every_section_and_menu_can_be_read() {
             click(&mut window, section);
         }
     }
-    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+    assert_readable(&wrong);
 }
 
 fn demonstrations_can_be_read(size: Vec2) {
@@ -139,11 +134,10 @@ fn demonstrations_can_be_read(size: Vec2) {
         let place = format!("{which:?} at {} × {}", size.x.round(), size.y.round());
         look(&window, &place, &mut wrong);
         press(&mut window, Modifiers::NONE, Key::Space);
-        window.state_mut().inspector.state.notices.close_all();
-        settle(&mut window);
+        close_notices(&mut window);
         look(&window, &format!("{place}, a step on"), &mut wrong);
     }
-    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+    assert_readable(&wrong);
 }
 
 // A test for each size: they run side by side.

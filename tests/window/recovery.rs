@@ -15,7 +15,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use crate::support::window::{
-    Setup, Window, WindowState, at, click, demonstration, drag, empty, press, settle,
+    Setup, Window, WindowState, at, click, demonstration, drag, empty, press, save, settle,
 };
 
 /// 21 November 2026, 14:44 two hours east of Greenwich.
@@ -75,8 +75,7 @@ fn leave_two(folder: &Path) -> [Document; 2] {
     let older = leave(folder, 86_400 + 5 * 3600, |harness| {
         press(harness, Modifiers::NONE, Key::ArrowRight);
         press(harness, Modifiers::COMMAND, Key::Enter);
-        harness.state_mut().save_to(&folder.join("wave.backlit"));
-        settle(harness);
+        save(harness, &folder.join("wave.backlit"));
         drag(harness, "right wrist, Camera 1", vec2(0.0, -30.0));
     });
     let newer = leave(folder, 720, |harness| drag(harness, "right wrist, Camera 1", vec2(0.0, 30.0)));

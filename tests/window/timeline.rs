@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use backlit_document::Document;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
@@ -12,8 +11,8 @@ use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use crate::support::window;
 use crate::support::window::{
-    PATIENCE, Window, WindowState, centre, choose, click, freeze, of_take, pointer, press, refuses, settle,
-    undo, wait_until, wheel,
+    PATIENCE, Window, WindowState, centre, choose, click, close_notices, freeze, of_take, pointer, press,
+    refuses, settle, undo, wait_until, wheel,
 };
 
 /// Frames of the take, and how many of them it shows a second.
@@ -26,20 +25,16 @@ fn open() -> Window {
     of_take(take::take_of(FRAMES, &[])).open()
 }
 
-fn document(window: &Window) -> &Document {
-    window.document()
-}
-
 fn frame(window: &Window) -> usize {
     window.selection().frame
 }
 
 fn tracked(window: &Window) -> Vec<usize> {
-    document(window).estimates.keys().copied().collect()
+    window.document().estimates.keys().copied().collect()
 }
 
 fn keys(window: &Window) -> Vec<usize> {
-    document(window).keys.keys().copied().collect()
+    window.document().keys.keys().copied().collect()
 }
 
 fn go_to(window: &mut Window, frame: usize) {
@@ -315,8 +310,8 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     go_to(&mut window, 5);
     press(&mut window, Modifiers::NONE, Key::Enter);
     window::drag(&mut window, "right wrist, Camera 1", vec2(0.0, 60.0));
-    let wrong = document(&window).keys[&5].clone();
-    assert!(apart(&window, &wrong, &take::truth(&document(&window).model, 5)) > 0.03);
+    let wrong = window.document().keys[&5].clone();
+    assert!(apart(&window, &wrong, &take::truth(&window.document().model, 5)) > 0.03);
     go_to(&mut window, 0);
     click(&mut window, "Solver");
     let choose = |window: &mut Window, from: &str, to: &str| {
@@ -331,17 +326,17 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     };
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     assert_eq!(tracked(&window), (0..FRAMES).collect::<Vec<_>>());
-    assert_eq!(document(&window).estimates[&5].pose, wrong, "as it was set by hand");
+    assert_eq!(window.document().estimates[&5].pose, wrong, "as it was set by hand");
     let off =
-        apart(&window, &document(&window).estimates[&8].pose, &take::truth(&document(&window).model, 8));
+        apart(&window, &window.document().estimates[&8].pose, &take::truth(&window.document().model, 8));
     assert!(off < 0.03, "the track goes on from it: {off} m");
     undo(&mut window);
 
     go_to(&mut window, 0);
     choose(&mut window, "Keep", "Refine");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    let found = document(&window).estimates[&5].pose.clone();
-    assert!(apart(&window, &found, &take::truth(&document(&window).model, 5)) < 0.03);
+    let found = window.document().estimates[&5].pose.clone();
+    assert!(apart(&window, &found, &take::truth(&window.document().model, 5)) < 0.03);
     assert_eq!(keys(&window), [5], "it stays a key pose");
     undo(&mut window);
 
@@ -355,20 +350,20 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
 fn what_was_found_with_another_body_says_so() {
     let mut window = open();
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    assert!(document(&window).estimates.values().all(|found| !found.is_stale));
+    assert!(window.document().estimates.values().all(|found| !found.is_stale));
     press(&mut window, Modifiers::NONE, Key::E);
     choose(&mut window, Role::ListItem, "Right forearm");
     window::drag(&mut window, "right forearm length, Camera 1", vec2(30.0, 0.0));
-    assert!(document(&window).estimates.values().all(|found| found.is_stale));
+    assert!(window.document().estimates.values().all(|found| found.is_stale));
     press(&mut window, Modifiers::NONE, Key::Enter);
     let here = frame(&window);
-    assert!(!document(&window).estimates[&here].is_stale, "fitted again");
-    assert!(document(&window).estimates[&0].is_stale);
+    assert!(!window.document().estimates[&here].is_stale, "fitted again");
+    assert!(window.document().estimates[&0].is_stale);
 }
 
 /// How far apart the arms of two poses are: the ends of both limbs, metres.
 fn apart(window: &Window, a: &backlit_tracking::body::Pose, b: &backlit_tracking::body::Pose) -> f64 {
-    let model = &document(window).model;
+    let model = &window.document().model;
     let ends = |pose| backlit_tracking::body::Kinematics::new(model, pose).ends().to_vec();
     ends(a).into_iter().zip(ends(b)).map(|(a, b)| a.distance(b)).fold(0.0, f64::max)
 }
@@ -377,28 +372,28 @@ fn apart(window: &Window, a: &backlit_tracking::body::Pose, b: &backlit_tracking
 fn between_two_key_poses_both_tracks_are_joined() {
     let mut window = open();
     refuses(&mut window, "Between keys", "Set a key pose before this frame and one after it");
-    let model = document(&window).model.clone();
+    let model = window.document().model.clone();
     for at in [2, 9] {
         go_to(&mut window, at);
         press(&mut window, Modifiers::NONE, Key::Enter);
         press(&mut window, Modifiers::NONE, Key::K);
     }
     go_to(&mut window, 5);
-    let before = document(&window).clone();
+    let before = window.document().clone();
     click(&mut window, "Between keys");
     assert_eq!(tracked(&window), (2..=9).collect::<Vec<_>>(), "nothing outside");
-    for (at, found) in document(&window).estimates.iter() {
+    for (at, found) in window.document().estimates.iter() {
         let off = apart(&window, &found.pose, &take::truth(&model, *at));
         assert!(off < 0.03, "frame {at} is {off} m off");
     }
     for at in [2, 9] {
-        let off = apart(&window, &document(&window).estimates[&at].pose, &before.keys[&at]);
+        let off = apart(&window, &window.document().estimates[&at].pose, &before.keys[&at]);
         assert!(off < 0.01, "the track joins the key pose of frame {at}: {off} m");
     }
     assert_eq!(keys(&window), [2, 9]);
     window.get_by_label_contains("Tracked between the key poses of frames 2 and 9");
     undo(&mut window);
-    assert_eq!(*document(&window), before, "one undo takes it all back");
+    assert_eq!(*window.document(), before, "one undo takes it all back");
 
     for at in [8, 10] {
         go_to(&mut window, at);
@@ -415,19 +410,18 @@ fn a_track_between_keys_that_is_stopped_keeps_what_was_done() {
         go_to(&mut window, at);
         press(&mut window, Modifiers::NONE, Key::K);
     }
-    let before = document(&window).clone();
+    let before = window.document().clone();
     go_to(&mut window, 3);
     window.get_by_role_and_label(Role::Button, "Between keys").click();
     wait_until(&mut window, "four frames", |window| tracked(window).len() >= 4);
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Modifiers::NONE, Key::Escape);
     let done = tracked(&window).len();
     assert!((4..=FRAMES).contains(&done), "{done}");
     if done < FRAMES {
         window.get_by_label_contains("the two tracks are not joined");
     }
     undo(&mut window);
-    assert_eq!(*document(&window), before);
+    assert_eq!(*window.document(), before);
 }
 
 /// A take with a frame in which there is nobody, tracked.
@@ -435,8 +429,7 @@ fn open_tracked(theme: Theme, size: Vec2) -> Window {
     let setup = of_take(take::take_of(FRAMES, &[EMPTY]));
     let mut window = setup.theme(theme).sized(size.x, size.y).open();
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    window.state_mut().inspector.state.notices.close_all();
-    settle(&mut window);
+    close_notices(&mut window);
     window
 }
 
@@ -446,11 +439,11 @@ fn lost_and_worst_frames_are_marked_and_gone_to() {
     refuses(&mut window, "Worst", "No frame is tracked yet");
     let mut window = open_tracked(Theme::Dark, vec2(1500.0, 900.0));
     let lost: Vec<usize> =
-        document(&window).estimates.iter().filter(|(_, found)| found.lost).map(|(at, _)| *at).collect();
+        window.document().estimates.iter().filter(|(_, found)| found.lost).map(|(at, _)| *at).collect();
     assert_eq!(lost, [EMPTY]);
     window.get_by_label("Lost frame 7");
     window.get_by_label_contains("1 lost");
-    let overlaps = document(&window).estimates.iter().filter(|(_, found)| !found.lost);
+    let overlaps = window.document().estimates.iter().filter(|(_, found)| !found.lost);
     let worst = overlaps.min_by(|a, b| a.1.iou.partial_cmp(&b.1.iou).unwrap()).map(|(at, _)| *at).unwrap();
     window.get_by_label(&format!("Worst frame {worst}"));
     press(&mut window, Modifiers::NONE, Key::Home);
@@ -480,7 +473,7 @@ fn lanes_say_their_values_and_their_ends() {
     window.get_by_label("RMS, grey: not known, lane from 0 to 1");
     window.get_by_label("IoU: not known, lane from 0.4 to 1");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    let found = document(&window).estimates[&(FRAMES - 1)].clone();
+    let found = window.document().estimates[&(FRAMES - 1)].clone();
     let iou = backlit_ui::style::format::ratio(found.iou.unwrap());
     window.get_by_label(&format!("IoU: {iou}, lane from 0.9 to 1"));
     let steps = format!("Steps: {}, lane from 0 to", found.steps);
@@ -514,7 +507,7 @@ fn without_silhouettes_nothing_is_tracked_or_fitted_and_what_is_missing_is_said(
         refuses(&mut window, command, "No camera that counts has a silhouette of this frame");
     }
     press(&mut window, Modifiers::COMMAND, Key::Enter);
-    assert!(document(&window).estimates.is_empty());
+    assert!(window.document().estimates.is_empty());
 }
 
 /// Compares the timeline, with its row of buttons.

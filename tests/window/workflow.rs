@@ -11,8 +11,8 @@ use egui_kittest::kittest::Queryable;
 use crate::support::storage::NoStorage;
 use crate::support::take;
 use crate::support::window::{
-    Window, WindowState, arm, at, centre, choose, click, command, drag, empty, grab, press, release, settle,
-    undo, wait_until,
+    Window, WindowState, arm, at, centre, choose, click, command, drag, empty, grab, press, release, save,
+    settle, undo, wait_until,
 };
 
 fn iou(harness: &Window) -> f64 {
@@ -62,8 +62,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.backlit");
-    harness.state_mut().save_to(&path);
-    settle(&mut harness);
+    save(&mut harness, &path);
     assert_eq!(read_project(&path).unwrap().document, *harness.document());
     harness.get_by_label_contains("Saved to arm.backlit");
 
@@ -81,8 +80,7 @@ fn a_project_of_a_folder_is_reopened_equal() {
     press(&mut harness, Modifiers::NONE, Key::Enter);
     settle(&mut harness);
     let path = folder.path().join("work.backlit");
-    harness.state_mut().save_to(&path);
-    settle(&mut harness);
+    save(&mut harness, &path);
     let (saved, runs) = (harness.document().clone(), harness.runs().to_vec());
     assert!(runs.len() == 1 && runs[0].steps.len() > 3);
     let mut again = at(&path).open();
@@ -103,8 +101,7 @@ fn a_drag_is_seen_in_all_views_and_esc_puts_it_back() {
     harness.step();
     let moved = centre(&harness, "right wrist, Camera 2");
     assert!(moved.distance(other) > 5.0, "{other} {moved}");
-    harness.key_press(Key::Escape);
-    settle(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     release(&mut harness, from + vec2(0.0, 60.0));
     assert_eq!(*harness.document(), before);
 }
@@ -114,8 +111,7 @@ fn a_track_that_is_cancelled_keeps_what_is_done() {
     let mut harness = arm().open();
     harness.get_by_role_and_label(Role::Button, "Track forward").click();
     wait_until(&mut harness, "a frame is tracked", |window| !window.document().estimates.is_empty());
-    harness.key_press(Key::Escape);
-    settle(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     let done = harness.document().estimates.len();
     assert!((1..=take::FRAMES).contains(&done));
     harness.get_by_label_contains(if done == take::FRAMES { "Tracked 3 frames" } else { "Stopped after" });

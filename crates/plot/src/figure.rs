@@ -52,12 +52,6 @@ impl Axis {
         self.range = Some([low, high]);
         self
     }
-
-    /// The value that counts as the least of a logarithmic axis.
-    fn floor(&self, values: impl Iterator<Item = f64>) -> f64 {
-        let largest = values.fold(f64::MIN_POSITIVE, f64::max);
-        self.range.map_or(largest * LOG_RANGE, |[low, _]| low.max(f64::MIN_POSITIVE))
-    }
 }
 
 /// One curve; where a value is not finite the curve has a gap.
@@ -121,19 +115,34 @@ impl AsPicture for Figure {
         let legend_bottom = self.legend(&mut page, Point::new(left, top + 46.0), colours);
         let [beside, below] = AXIS_ROOM;
         let area = Rect::new(left + beside, legend_bottom + 8.0, width - left, height - top - below);
-        let floors = [self.floor(0), self.floor(1)];
-        let ranges = [self.range(0, floors[0]), self.range(1, floors[1])];
+        let scales = [self.scale(0), self.scale(1)];
         page.fill(area, colours.plot);
-        self.axes(&mut page, area, ranges, colours);
-        self.lines.iter().for_each(|line| self.draw(&mut page, line, area, (floors, ranges)));
+        self.axes(&mut page, area, &scales, colours);
+        self.lines.iter().for_each(|line| draw(&mut page, line, area, &scales));
         page.finish()
     }
 }
 
+/// How values lie on an axis.
+struct Scale {
+    is_log: bool,
+    /// The value that counts as the least of a logarithmic axis.
+    floor: f64,
+    /// Ends of the axis as it is drawn, as places.
+    ends: [f64; 2],
+}
+
+impl Scale {
+    /// Where a value lies on the axis.
+    fn place(&self, value: f64) -> f64 {
+        if self.is_log { value.max(self.floor).log10() } else { value }
+    }
+}
+
 /// Where a place on the axes lies on the page.
-fn on_page(area: Rect, ranges: [[f64; 2]; 2], place: [f64; 2]) -> Point {
+fn on_page(area: Rect, scales: &[Scale; 2], place: [f64; 2]) -> Point {
     let share = [0, 1].map(|which| {
-        let [low, high] = ranges[which];
+        let [low, high] = scales[which].ends;
         (place[which] - low) / (high - low)
     });
     Point::new(area.x0 + share[0] * area.width(), area.y1 - share[1] * area.height())
@@ -141,16 +150,15 @@ fn on_page(area: Rect, ranges: [[f64; 2]; 2], place: [f64; 2]) -> Point {
 
 impl Figure {
     /// Grid, numbers and names of both axes.
-    fn axes(&self, page: &mut Page, area: Rect, ranges: [[f64; 2]; 2], colours: &PageColours) {
+    fn axes(&self, page: &mut Page, area: Rect, scales: &[Scale; 2], colours: &PageColours) {
         for (which, length) in [area.width(), area.height()].into_iter().enumerate() {
-            let [low, high] = ranges[which];
+            let Scale { is_log, ends: [low, high], .. } = scales[which];
             let span = AxisSpan { bounds: (low, high), division: marks::DIVISION * (high - low) / length };
-            let is_log = self.axis(which).is_log;
             let marks = if is_log { marks::decade_marks(span) } else { marks::even_marks(span) };
             for mark in marks {
-                let mut place = [ranges[0][0], ranges[1][0]];
+                let mut place = [scales[0].ends[0], scales[1].ends[0]];
                 place[which] = mark.value;
-                let low_end = on_page(area, ranges, place);
+                let low_end = on_page(area, scales, place);
                 let at = if which == 0 { low_end.x } else { low_end.y }.floor() + 0.5;
                 let value = if is_log { 10f64.powf(mark.value) } else { mark.value };
                 let text = marks::number(value, if is_log { value } else { mark.step });
@@ -191,51 +199,38 @@ impl Figure {
         at.y + if self.lines.is_empty() { 0.0 } else { LEGEND_ROW }
     }
 
-    fn axis(&self, which: usize) -> &Axis {
-        if which == 0 { &self.x } else { &self.y }
-    }
-
-    fn values(&self, which: usize) -> impl Iterator<Item = f64> {
-        let points = self.lines.iter().flat_map(|line| &line.points);
-        points.map(move |point| point[which]).filter(|value| value.is_finite())
-    }
-
-    fn floor(&self, which: usize) -> f64 {
-        self.axis(which).floor(self.values(which))
-    }
-
-    /// Where a value lies on its axis.
-    fn place(&self, which: usize, value: f64, floor: f64) -> f64 {
-        if self.axis(which).is_log { value.max(floor).log10() } else { value }
-    }
-
-    /// Ends of an axis as it is drawn.
-    fn range(&self, which: usize, floor: f64) -> [f64; 2] {
-        let place = |value| self.place(which, value, floor);
-        let ends = match self.axis(which).range {
-            Some([low, high]) => [place(low), place(high)],
-            None => self.values(which).map(place).fold([f64::INFINITY, f64::NEG_INFINITY], |ends, value| {
-                [ends[0].min(value), ends[1].max(value)]
-            }),
+    fn scale(&self, which: usize) -> Scale {
+        let axis = if which == 0 { &self.x } else { &self.y };
+        let points = || self.lines.iter().flat_map(|line| &line.points);
+        let values = || points().map(move |point| point[which]).filter(|value| value.is_finite());
+        let largest = values().fold(f64::MIN_POSITIVE, f64::max);
+        let floor = axis.range.map_or(largest * LOG_RANGE, |[low, _]| low.max(f64::MIN_POSITIVE));
+        let mut scale = Scale { is_log: axis.is_log, floor, ends: [f64::INFINITY, f64::NEG_INFINITY] };
+        let ends = match axis.range {
+            Some(range) => range.map(|end| scale.place(end)),
+            None => values()
+                .map(|value| scale.place(value))
+                .fold(scale.ends, |[low, high], value| [low.min(value), high.max(value)]),
         };
-        let [low, high] = if ends[0] < ends[1] { ends } else { [-0.5, 0.5].map(|half| half + place(1.0)) };
+        let [low, high] =
+            if ends[0] < ends[1] { ends } else { [-0.5, 0.5].map(|half| half + scale.place(1.0)) };
         let pad = PAD * (high - low);
-        [low - pad, high + pad]
+        scale.ends = [low - pad, high + pad];
+        scale
     }
+}
 
-    fn draw(&self, page: &mut Page, line: &Line, area: Rect, (floors, ranges): ([f64; 2], [[f64; 2]; 2])) {
-        let (colour, stroke) = style(line.style);
-        let place = |point: &[f64; 2]| {
-            on_page(area, ranges, [0, 1].map(|which| self.place(which, point[which], floors[which])))
-        };
-        for &[x, low, high] in &line.bars {
-            page.curve(&[[x, low], [x, high]].map(|end| place(&end)), (1.0, &[]), colour);
-        }
-        for piece in line.points.split(|point| !(point[0].is_finite() && point[1].is_finite())) {
-            let points: Vec<Point> = piece.iter().map(place).collect();
-            page.curve(&points, stroke, colour);
-            points.iter().for_each(|point| page.dot(*point, DOT_RADIUS, colour));
-        }
+fn draw(page: &mut Page, line: &Line, area: Rect, scales: &[Scale; 2]) {
+    let (colour, stroke) = style(line.style);
+    let place =
+        |point: &[f64; 2]| on_page(area, scales, [0, 1].map(|which| scales[which].place(point[which])));
+    for &[x, low, high] in &line.bars {
+        page.curve(&[[x, low], [x, high]].map(|end| place(&end)), (1.0, &[]), colour);
+    }
+    for piece in line.points.split(|point| !(point[0].is_finite() && point[1].is_finite())) {
+        let points: Vec<Point> = piece.iter().map(place).collect();
+        page.curve(&points, stroke, colour);
+        points.iter().for_each(|point| page.dot(*point, DOT_RADIUS, colour));
     }
 }
 
@@ -284,7 +279,7 @@ mod tests {
     fn the_same_figure_is_the_same_picture_and_nothing_is_no_trouble() {
         assert_eq!(figure().picture(Theme::Light), figure().picture(Theme::Light));
         let empty = Figure { lines: Vec::new(), ..figure() };
-        assert!(empty.range(1, empty.floor(1)).iter().all(|end| end.is_finite()));
+        assert!(empty.scale(1).ends.iter().all(|end| end.is_finite()));
         let _ = empty.picture(Theme::Dark);
     }
 }

@@ -107,14 +107,11 @@ impl Convergence {
         let Some((_, text)) = self.typing.as_mut().filter(|(number, _)| *number == run.number) else {
             let colour = if run.is_shown { palette.text } else { palette.text3 };
             let label = egui::Label::new(RichText::new(&run.name).color(colour)).truncate().selectable(false);
-            ui.allocate_ui_with_layout(
-                vec2(width, size::ROW),
-                Direction::left_to_right(Align::Center),
-                |ui| {
-                    ui.set_min_width(width);
-                    ui.add(label);
-                },
-            );
+            let row = vec2(width, size::ROW);
+            ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(width);
+                ui.add(label);
+            });
             if card.double_clicked() {
                 self.typing = Some((run.number, run.name.clone()));
             }

@@ -19,30 +19,27 @@ const WORDS: f32 = 380.0;
 const HANDLE: f32 = 6.0;
 
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), 44.0),
-        Direction::left_to_right(Align::Center),
-        |ui| {
-            icon(ui, context, requests, Command::Fit(FitCommand::EarlierStep), Icon::Previous);
-            icon(ui, context, requests, Command::Fit(FitCommand::LaterStep), Icon::Next);
-            let Some(run) = context.run() else {
-                ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
-                return;
-            };
-            let last = run.last_step();
-            let at = context.shown_step().map(|at| at.step);
-            let text = match at {
-                Some(at) => format!("Step {at} of {last}"),
-                None => format!("{last} steps"),
-            };
-            let text = RichText::new(text).monospace();
-            let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
-            ui.put(rect, egui::Label::new(text));
-            let width = (ui.available_width() - WORDS).max(120.0);
-            slider(ui, requests, run, at, width);
-            words(ui, context, requests, run, at);
-        },
-    );
+    let row = vec2(ui.available_width(), 44.0);
+    ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
+        icon(ui, context, requests, Command::Fit(FitCommand::EarlierStep), Icon::Previous);
+        icon(ui, context, requests, Command::Fit(FitCommand::LaterStep), Icon::Next);
+        let Some(run) = context.run() else {
+            ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
+            return;
+        };
+        let last = run.last_step();
+        let at = context.shown_step().map(|at| at.step);
+        let text = match at {
+            Some(at) => format!("Step {at} of {last}"),
+            None => format!("{last} steps"),
+        };
+        let text = RichText::new(text).monospace();
+        let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
+        ui.put(rect, egui::Label::new(text));
+        let width = (ui.available_width() - WORDS).max(120.0);
+        slider(ui, requests, run, at, width);
+        words(ui, context, requests, run, at);
+    });
 }
 
 fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, width: f32) {

@@ -196,6 +196,28 @@ pub(crate) fn undo(window: &mut Window) {
     press(window, Modifiers::COMMAND, Key::Z);
 }
 
+/// Saves the project to a file.
+pub(crate) fn save(window: &mut Window, path: &Path) {
+    window.state_mut().save_to(path);
+    settle(window);
+}
+
+/// Closes all notices.
+pub(crate) fn close_notices(window: &mut Window) {
+    window.state_mut().inspector.state.notices.close_all();
+    settle(window);
+}
+
+/// Opens a menu; a narrow window has one button for all of them.
+pub(crate) fn open_menu(window: &mut Window, menu: &str) {
+    if window.query_by_role_and_label(Role::Button, menu).is_none() {
+        window.get_by_role_and_label(Role::Button, "Menu").click();
+        window.run_steps(3);
+    }
+    window.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
+    window.run_steps(3);
+}
+
 /// Finds a command in the palette and does it.
 pub(crate) fn command(window: &mut Window, name: &str) {
     type_into_palette(window, name);

@@ -42,32 +42,29 @@ pub(crate) fn ui(
 
 fn head(ui: &mut Ui, bench: &Bench<'_>, choices: &mut LaboratoryChoices, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), HEAD),
-        Direction::right_to_left(Align::Center),
-        |ui| {
-            let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
-            if save.clicked() {
-                let dialog = ("Save plot", DialogKind::NewFile("laboratory.png".to_owned(), &[]));
-                let complain = |why| requests.complain(why);
-                bench.laboratory.dialogs.ask(bench.context.egui, (), dialog, complain);
+    let row = vec2(ui.available_width(), HEAD);
+    ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
+        let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
+        if save.clicked() {
+            let dialog = ("Save plot", DialogKind::NewFile("laboratory.png".to_owned(), &[]));
+            let complain = |why| requests.complain(why);
+            bench.laboratory.dialogs.ask(bench.context.egui, (), dialog, complain);
+        }
+        let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
+        if copy.clicked() {
+            ui.ctx().copy_text(bench.comparison.csv());
+            requests.status("Copied the curves as comma-separated values.");
+        }
+        segmented(ui, &mut choices.is_log, &[(false, "Percent"), (true, "Log")]);
+        ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+            let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
+            ui.add(egui::Label::new(title.color(palette.text)).truncate());
+            if ui.available_width() >= HINT {
+                let hint = RichText::new("by step; a click goes to that step").color(palette.text3);
+                ui.add(egui::Label::new(hint).truncate());
             }
-            let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
-            if copy.clicked() {
-                ui.ctx().copy_text(bench.comparison.csv());
-                requests.status("Copied the curves as comma-separated values.");
-            }
-            segmented(ui, &mut choices.is_log, &[(false, "Percent"), (true, "Log")]);
-            ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
-                let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
-                ui.add(egui::Label::new(title.color(palette.text)).truncate());
-                if ui.available_width() >= HINT {
-                    let hint = RichText::new("by step; a click goes to that step").color(palette.text3);
-                    ui.add(egui::Label::new(hint).truncate());
-                }
-            });
-        },
-    );
+        });
+    });
 }
 
 fn y(percent: f64, is_log: bool) -> f64 {
