@@ -2,7 +2,7 @@
 //! with.
 
 use backlit_ui::style::theme::{self, Palette, size, space};
-use backlit_ui::widgets::{Icon, camera_badge, icon_button, within};
+use backlit_ui::widgets::{Icon, camera_badge, icon_button, text_button, within};
 use egui::{
     Align, Button, Color32, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder, Visuals,
     WidgetInfo, pos2, vec2,
@@ -159,7 +159,7 @@ fn nothing_open(ui: &mut Ui, rect: Rect, requests: &mut Requests) {
     within(ui, middle, Direction::top_down(Align::Center), |ui| {
         ui.label("All tiles are closed.");
         let command = Command::Window(WindowCommand::ArrangeTiles);
-        let button = ui.add(Button::new(command.text()).min_size(vec2(0.0, size::BUTTON)));
+        let button = text_button(ui, command.text());
         if button.on_hover_text(command.tooltip()).clicked() {
             requests.run(command);
         }

@@ -3,7 +3,7 @@
 use backlit_take::dropped::Dropped;
 use backlit_ui::style::theme::{self, size};
 use backlit_ui::widgets::Icon;
-use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
+use egui::{Align2, Area, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 
 use crate::context::Context;
 
@@ -28,12 +28,7 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, dropped: &Dropped) {
     painter.rect_stroke(window.shrink(INSET), f32::from(size::WINDOW_RADIUS), stroke, StrokeKind::Inside);
     let area = Area::new(Id::unique("drop card")).order(Order::Tooltip).interactable(false);
     area.pivot(Align2::CENTER_CENTER).fixed_pos(window.center()).show(ui.ctx(), |ui| {
-        let frame = Frame::NONE
-            .fill(palette.raised)
-            .stroke(palette.edge())
-            .corner_radius(size::WINDOW_RADIUS)
-            .inner_margin(Margin::symmetric(28, 20));
-        let shown = frame.show(ui, |ui| {
+        let shown = palette.raised_frame(size::WINDOW_RADIUS, Margin::symmetric(28, 20)).show(ui, |ui| {
             ui.vertical_centered(|ui| {
                 ui.set_width(380.0);
                 if !is_possible {

@@ -1,7 +1,7 @@
 //! The cards of the Help menu: all messages since the start; version, licence and source of the method.
 
 use backlit_ui::style::theme::{self, size, space, title};
-use backlit_ui::widgets::{Icon, card, primary_button};
+use backlit_ui::widgets::{Icon, card, primary_button, text_button};
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::notices::{Notices, Severity};
@@ -93,10 +93,10 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.label(RichText::new("The method follows").small().color(palette.text3));
         ui.label(CITATION);
         ui.horizontal(|ui| {
-            if text_button(ui, "Copy citation", "As it stands above") {
+            if text_button(ui, "Copy citation").on_hover_text("As it stands above").clicked() {
                 requests.request(ShellRequest::Copy("citation", CITATION.to_owned()));
             }
-            if text_button(ui, "Copy BibTeX", BIBTEX) {
+            if text_button(ui, "Copy BibTeX").on_hover_text(BIBTEX).clicked() {
                 requests.request(ShellRequest::Copy("BibTeX entry", BIBTEX.to_owned()));
             }
         });
@@ -113,14 +113,10 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             close = primary_button(ui, "Close").clicked();
             let system = format!("{version}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
-            if text_button(ui, "Copy version", &system) {
+            if text_button(ui, "Copy version").on_hover_text(&system).clicked() {
                 requests.request(ShellRequest::Copy("version", format!("Backlit {}", system.to_lowercase())));
             }
         });
     });
     !(close || modal.should_close())
-}
-
-fn text_button(ui: &mut Ui, text: &str, tooltip: &str) -> bool {
-    ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON))).on_hover_text(tooltip).clicked()
 }

@@ -1,10 +1,8 @@
 //! Notices as cards, bottom right above the timeline.
 
 use backlit_ui::style::theme::{self, size, space};
-use backlit_ui::widgets::{Icon, icon_button};
-use egui::{
-    Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,
-};
+use backlit_ui::widgets::{Icon, icon_button, text_button};
+use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2};
 
 use crate::context::command::{Command, HistoryCommand, WindowCommand};
 use crate::context::notices::{Notice, Severity};
@@ -49,12 +47,8 @@ fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
         Severity::Info => (palette.line2, Icon::Info, palette.info),
         Severity::Error => (palette.error, Icon::Warning, palette.error),
     };
-    let frame = Frame::NONE
-        .fill(palette.raised)
-        .stroke(egui::Stroke::new(size::HAIRLINE, edge))
-        .corner_radius(size::BUTTON_RADIUS)
-        .inner_margin(Margin::same(10));
-    frame.show(ui, |ui| {
+    let frame = palette.raised_frame(size::BUTTON_RADIUS, Margin::same(10));
+    frame.stroke(egui::Stroke::new(size::HAIRLINE, edge)).show(ui, |ui| {
         ui.set_width(size::NOTICE - 20.0);
         ui.horizontal_top(|ui| {
             let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, size::BUTTON), Sense::hover());
@@ -65,7 +59,7 @@ fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
                     requests.request(ShellRequest::CloseNotice(notice.id));
                 }
                 if let Some(command) = notice.command
-                    && ui.add(Button::new(word(command)).min_size(vec2(0.0, size::BUTTON))).clicked()
+                    && text_button(ui, word(command)).clicked()
                 {
                     requests.run(command);
                     requests.request(ShellRequest::CloseNotice(notice.id));

@@ -16,7 +16,7 @@ mod still_plot;
 
 pub use buttons::{
     CHEVRON, camera_badge, checkbox, choice, icon_button, icon_toggle, menu_words, paint_camera_badge,
-    primary_button, segmented,
+    primary_button, segmented, text_button,
 };
 pub use cards::{
     Card, button_row, card, cut_off, first_that_fits, fitting_label, named_section, paint_text, search_card,
@@ -25,7 +25,7 @@ pub use cards::{
 pub use curves::{PointMark, apart, end_with_room, mark_points, paint_run_sample, run_line};
 pub use handles::{Grip, JointLook, SizeHandles, grip_at};
 pub use icons::Icon;
-pub use image_canvas::{Framing, ViewTransform};
+pub use image_canvas::{Framing, ViewTransform, paint_whole};
 pub use marks::{Overlay, cased};
 pub use slider::{
     SliderRow, ValueSlider, focus_holds_arrows_only, hint, hold_arrows, named_row, number_field, row_name,

@@ -2,10 +2,10 @@
 
 mod table;
 
-use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, ValueSlider, checkbox, icon_button, segmented};
-use egui::{Button, Label, RichText, ScrollArea, TextStyle, Ui, vec2};
+use backlit_ui::widgets::{Icon, ValueSlider, checkbox, icon_button, segmented, text_button};
+use egui::{Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use super::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
 use crate::context::command::{BeginningCommand, Command};
@@ -125,7 +125,7 @@ impl Beginnings {
                 ),
                 _ => ("Take this pose", "The frame gets the pose of this step, as a key pose"),
             };
-            let button = ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)));
+            let button = text_button(ui, text);
             if button.on_hover_text(tooltip).clicked() {
                 self.take(context, requests);
                 context.egui.request_repaint();

@@ -6,7 +6,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Grip, cased, two_words};
-use egui::{Area, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, TextStyle, Ui, Vec2, pos2, vec2};
+use egui::{Area, Id, Margin, Order, Pos2, Rect, TextStyle, Ui, Vec2, pos2, vec2};
 use glam::DVec2;
 
 use super::gutter::grip_name;
@@ -55,27 +55,22 @@ impl HoverCard {
         let area = Area::new(id).order(Order::Tooltip).fixed_pos(card.min).interactable(false).fade_in(false);
         area.show(ui.ctx(), |ui| {
             let palette = theme::palette(ui);
-            Frame::new()
-                .fill(palette.raised)
-                .stroke(palette.edge())
-                .corner_radius(CornerRadius::same(size::BUTTON_RADIUS))
-                .inner_margin(Margin::same(MARGIN as i8 - 1))
-                .show(ui, |ui| {
-                    ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
-                    ui.spacing_mut().item_spacing.y = 0.0;
-                    for (index, (label, value)) in rows.iter().enumerate() {
-                        match index {
-                            0 => title_row(ui, label, value),
-                            _ => row(ui, label, value, TextStyle::Small),
-                        }
+            palette.raised_frame(size::BUTTON_RADIUS, Margin::same(MARGIN as i8 - 1)).show(ui, |ui| {
+                ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
+                ui.spacing_mut().item_spacing.y = 0.0;
+                for (index, (label, value)) in rows.iter().enumerate() {
+                    match index {
+                        0 => title_row(ui, label, value),
+                        _ => row(ui, label, value, TextStyle::Small),
                     }
-                    let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
-                    title_row(ui, &title, if self.is_frozen { "held" } else { "H holds" });
-                    pixel_rows(ui, input, &sample);
-                    if let Some((label, value)) = &derivative {
-                        row(ui, label, value, TextStyle::Monospace);
-                    }
-                });
+                }
+                let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
+                title_row(ui, &title, if self.is_frozen { "held" } else { "H holds" });
+                pixel_rows(ui, input, &sample);
+                if let Some((label, value)) = &derivative {
+                    row(ui, label, value, TextStyle::Monospace);
+                }
+            });
         });
     }
 

@@ -8,7 +8,7 @@ use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{checkbox, choice, paint_text, segmented};
 use egui::{
-    Align, Align2, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
+    Align, Align2, Area, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
     WidgetInfo, vec2,
 };
 use egui_plot::PlotResponse;
@@ -191,32 +191,27 @@ fn show_read_out(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground
         .interactable(false)
         .fixed_pos(egui::pos2(left.max(window.left() + 4.0), top))
         .show(ui.ctx(), |ui| {
-            Frame::NONE
-                .fill(palette.raised)
-                .stroke(palette.edge())
-                .corner_radius(size::BUTTON_RADIUS)
-                .inner_margin(Margin::same(10))
-                .show(ui, |ui| {
-                    ui.set_width(CARD.x - 20.0);
-                    ui.spacing_mut().item_spacing.y = 2.0;
-                    ui.spacing_mut().interact_size.y = 17.0;
-                    // The run's colour where it can be read as text.
-                    let style = run_style(run.colour);
-                    let colour = if style.width > 1.0 { style.colour } else { palette.text };
-                    ui.add(egui::Label::new(RichText::new(&run.name).color(colour)).truncate());
-                    ui.horizontal(|ui| {
-                        let stage = run.stages.get(record.iteration.stage).filter(|_| run.stages.len() > 1);
-                        let stage = stage.map_or_else(String::new, |stage| format!(", ramp {stage} px"));
-                        let title = format!("Step {}{stage}", step.step);
-                        ui.label(RichText::new(title).color(palette.text));
-                        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                            ui.label(RichText::new(kind(step.step, record)).small().color(palette.text3));
-                        });
+            palette.raised_frame(size::BUTTON_RADIUS, Margin::same(10)).show(ui, |ui| {
+                ui.set_width(CARD.x - 20.0);
+                ui.spacing_mut().item_spacing.y = 2.0;
+                ui.spacing_mut().interact_size.y = 17.0;
+                // The run's colour where it can be read as text.
+                let style = run_style(run.colour);
+                let colour = if style.width > 1.0 { style.colour } else { palette.text };
+                ui.add(egui::Label::new(RichText::new(&run.name).color(colour)).truncate());
+                ui.horizontal(|ui| {
+                    let stage = run.stages.get(record.iteration.stage).filter(|_| run.stages.len() > 1);
+                    let stage = stage.map_or_else(String::new, |stage| format!(", ramp {stage} px"));
+                    let title = format!("Step {}{stage}", step.step);
+                    ui.label(RichText::new(title).color(palette.text));
+                    ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                        ui.label(RichText::new(kind(step.step, record)).small().color(palette.text3));
                     });
-                    for (name, value) in rows(run, step.step, record) {
-                        row(ui, name, &value);
-                    }
                 });
+                for (name, value) in rows(run, step.step, record) {
+                    row(ui, name, &value);
+                }
+            });
         });
 }
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    button_row, card, checkbox, number_field, primary_button, row_name, segmented, text_field,
+    button_row, card, checkbox, number_field, primary_button, row_name, segmented, text_button, text_field,
 };
-use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
+use egui::{Align, Layout as Direction, RichText, Ui};
 
 use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
 use super::{ExportArea, ExportChoices, ExportOrder, MotionChoices, SeriesFormat, Subject};
@@ -301,7 +301,7 @@ pub(super) fn path_row(ui: &mut Ui, name: &str, field: &str, path: &mut String) 
     let mut asks = false;
     row(ui, name, |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
+            asks = text_button(ui, "Choose…").clicked();
             text_field(ui, field, "", path);
         });
     });
@@ -320,7 +320,7 @@ pub(super) fn ending(ui: &mut Ui, problem: Option<String>, summary: impl FnOnce(
     button_row(ui, |ui| {
         let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
         clicked.0 = export.on_disabled_hover_text(problem.unwrap_or_default()).clicked();
-        clicked.1 = ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
+        clicked.1 = text_button(ui, "Cancel").clicked();
     });
     clicked
 }

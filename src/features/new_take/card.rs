@@ -7,10 +7,12 @@ use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{button_row, card, hint, primary_button, row_name, text_field};
+use backlit_ui::widgets::{
+    button_row, card, hint, paint_whole, primary_button, row_name, text_button, text_field,
+};
 use egui::{
-    Align, Button, Color32, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense,
-    Ui, WidgetInfo, pos2, vec2,
+    Align, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo,
+    vec2,
 };
 
 use super::{Asked, ImportStage, Looked, NewTake};
@@ -66,7 +68,7 @@ impl NewTake {
     fn contents(&mut self, ui: &mut Ui, action: &mut Option<CardAction>) {
         row(ui, "Footage", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                if button(ui, "Choose folder…") {
+                if text_button(ui, "Choose folder…").clicked() {
                     *action = Some(CardAction::Ask(Asked::Footage));
                 }
                 let path = self.paths.first().map_or_else(String::new, |path| path.display().to_string());
@@ -121,7 +123,7 @@ impl NewTake {
         });
         row(ui, "Take goes to", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                if button(ui, "Choose…") {
+                if text_button(ui, "Choose…").clicked() {
                     *action = Some(CardAction::Ask(Asked::Out));
                 }
                 text_field(ui, "Take goes to", "a new folder", &mut self.out);
@@ -136,7 +138,7 @@ impl NewTake {
         }
         button_row(ui, |ui| {
             if matches!(self.stage, ImportStage::Writing(..)) {
-                if button(ui, "Stop") {
+                if text_button(ui, "Stop").clicked() {
                     *action = Some(CardAction::Stop);
                 }
                 return;
@@ -145,7 +147,7 @@ impl NewTake {
             if create.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
                 *action = Some(CardAction::Create);
             }
-            if button(ui, "Cancel") {
+            if text_button(ui, "Cancel").clicked() {
                 *action = Some(CardAction::Close);
             }
         });
@@ -196,8 +198,7 @@ fn found(ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
                     let [width, height] = image.size.map(|side| side as f32);
                     let scale = PICTURE / width.max(height);
                     let shown = Rect::from_center_size(rect.center(), vec2(width, height) * scale);
-                    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                    ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
+                    paint_whole(ui.painter(), &texture, shown);
                 }
                 ui.vertical(|ui| words(ui, camera, action));
             });
@@ -262,7 +263,7 @@ fn words(ui: &mut Ui, camera: &ImportCamera, action: &mut Option<CardAction>) {
 fn calibration_row(ui: &mut Ui, path: Option<&Path>, action: &mut Option<CardAction>) {
     row(ui, "Calibration", |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            if button(ui, "Choose file…") {
+            if text_button(ui, "Choose file…").clicked() {
                 *action = Some(CardAction::Ask(Asked::Calibration));
             }
             let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
@@ -271,10 +272,6 @@ fn calibration_row(ui: &mut Ui, path: Option<&Path>, action: &mut Option<CardAct
             });
         });
     });
-}
-
-fn button(ui: &mut Ui, text: &str) -> bool {
-    ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON))).clicked()
 }
 
 fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {

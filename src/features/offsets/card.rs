@@ -7,12 +7,12 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{
-    ValueSlider, button_row, camera_badge, card, choice, hint, named_row, number_field, primary_button,
-    row_name,
+    ValueSlider, button_row, camera_badge, card, choice, hint, named_row, number_field, paint_whole,
+    primary_button, row_name, text_button,
 };
 use egui::{
-    Button, Color32, CornerRadius, Id, Painter, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke,
-    Ui, Vec2, WidgetInfo, pos2, vec2,
+    Button, CornerRadius, Id, Painter, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2,
+    WidgetInfo, vec2,
 };
 use glam::DVec2;
 
@@ -120,8 +120,7 @@ impl Offsets {
         let full = vec2(camera.width() as f32, camera.height() as f32);
         let scale = (size.x / full.x).min(size.y / full.y);
         let shown = Rect::from_center_size(rect.center(), full * scale);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture.id(), shown, whole, Color32::WHITE);
+        paint_whole(&painter, &texture, shown);
         self.paint_line(&painter, shown, side, cameras);
         pixel_under(&response, shown, scale)
     }
@@ -182,14 +181,14 @@ impl Offsets {
         });
         named_row(ui, "Silhouettes", NAMES, |ui| {
             if self.find.is_busy() {
-                if ui.add(Button::new("Stop").min_size(vec2(0.0, size::BUTTON))).clicked() {
+                if text_button(ui, "Stop").clicked() {
                     self.find.stop();
                 }
                 let [done, all] = self.progress.unwrap_or_default();
                 hint(ui, &format!("{done} of {all} frames looked at"));
                 return;
             }
-            if ui.add(Button::new("Find offsets").min_size(vec2(0.0, size::BUTTON))).clicked() {
+            if text_button(ui, "Find offsets").clicked() {
                 self.find(context);
             }
             match &self.found {
@@ -237,7 +236,7 @@ impl Offsets {
             if write.on_hover_text(tooltip).clicked() {
                 self.write(context);
             }
-            ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked()
+            text_button(ui, "Cancel").clicked()
         })
     }
 }

@@ -4,10 +4,10 @@ use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space, title};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{card as over, paint_text, primary_button, within};
+use backlit_ui::widgets::{card as over, paint_text, paint_whole, primary_button, text_button, within};
 use egui::{
-    Align, Button, Color32, CornerRadius, Frame, Id, Label, Layout as Direction, Margin, Rect, RichText,
-    Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align, CornerRadius, Id, Label, Layout as Direction, Margin, Rect, RichText, Role, ScrollArea, Sense, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::{Left, Recovery};
@@ -70,11 +70,7 @@ fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<De
     let mut decision = None;
     let palette = theme::palette(ui);
     let left = &offered[index];
-    let frame = Frame::NONE
-        .fill(palette.raised)
-        .stroke(Stroke::new(size::HAIRLINE, palette.line2))
-        .corner_radius(size::BUTTON_RADIUS)
-        .inner_margin(Margin::same(10));
+    let frame = palette.raised_frame(size::BUTTON_RADIUS, Margin::same(10));
     let outside = vec2(WIDTH, PICTURE + 20.0 + space::WIDGET);
     ui.allocate_ui_with_layout(outside, Direction::top_down(Align::Min), |ui| {
         frame.show(ui, |ui| {
@@ -113,14 +109,8 @@ fn picture(ui: &mut Ui, left: &Left) {
     let [width, height] = image.size.map(|side| side as f32);
     let scale = PICTURE / width.max(height);
     let shown = Rect::from_center_size(rect.center(), vec2(width, height) * scale);
-    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    ui.painter().image(texture.id(), shown, uv, Color32::WHITE);
-    ui.painter().rect_stroke(
-        rect,
-        CornerRadius::ZERO,
-        Stroke::new(size::HAIRLINE, palette.line2),
-        egui::StrokeKind::Inside,
-    );
+    paint_whole(ui.painter(), &texture, shown);
+    ui.painter().rect_stroke(rect, CornerRadius::ZERO, palette.edge(), egui::StrokeKind::Inside);
     let hover = "What the camera on the screen showed: grey is agreement, orange is missing, blue is \
                  spurious";
     response.on_hover_text(hover);
@@ -149,12 +139,8 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
 fn buttons(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {
     let left = &offered[index];
     let hover = "Go on with it; it stays unsaved until you save it";
-    let restore = if index == 0 {
-        primary_button(ui, "Restore")
-    } else {
-        ui.add(Button::new("Restore").min_size(vec2(0.0, size::BUTTON)))
-    };
-    let discard = ui.add(Button::new("Discard").min_size(vec2(0.0, size::BUTTON)));
+    let restore = if index == 0 { primary_button(ui, "Restore") } else { text_button(ui, "Restore") };
+    let discard = text_button(ui, "Discard");
     if offered.len() > 1 {
         // Who only hears the buttons is to know which copy they are about.
         for (response, word) in [(&restore, "Restore"), (&discard, "Discard")] {
@@ -173,7 +159,7 @@ fn all(ui: &mut Ui, count: usize) -> Option<Decision> {
     let row = vec2(WIDTH, size::BUTTON);
     ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
         let mut button = |text: &str, hover: &str, choice| {
-            let button = ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)));
+            let button = text_button(ui, text);
             if button.on_hover_text(hover).clicked() {
                 decision = Some(choice);
             }

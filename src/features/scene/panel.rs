@@ -8,7 +8,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{CHEVRON, checkbox, cut_off, menu_words, within};
+use backlit_ui::widgets::{CHEVRON, checkbox, cut_off, menu_words, paint_whole, within};
 use egui::{Align, Button, Color32, Layout, Popup, Rect, Ui, pos2, vec2};
 use glam::DVec3;
 
@@ -215,9 +215,7 @@ fn show_drawing(ui: &Ui, picture: Rect, drawing: &SceneDrawing) {
     // All but the rounding to whole pixels.
     let fits = (size.x - picture.width()).abs() <= 1.0;
     let place = if fits { picture } else { Rect::from_center_size(picture.center(), size) };
-    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    let painter = ui.painter_at(picture);
-    painter.image(texture.id(), place, uv, Color32::WHITE);
+    paint_whole(&ui.painter_at(picture), &texture, place);
 }
 
 fn show_header(

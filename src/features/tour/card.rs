@@ -2,10 +2,10 @@
 
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{Palette, size, space};
-use backlit_ui::widgets::primary_button;
+use backlit_ui::widgets::{primary_button, text_button};
 use egui::{
-    Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Sense,
-    Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Area, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Sense, Shape, Stroke,
+    Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// What the cards say: what is to be done, and what is to be seen.
@@ -69,7 +69,7 @@ pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<CardAnswer> {
                 if primary_button(ui, "Take the tour").clicked() {
                     event = Some(CardAnswer::Begin);
                 }
-                if small_button(ui, "Not now", "Help › Tour begins it at any time") {
+                if text_button(ui, "Not now").on_hover_text("Help › Tour begins it at any time").clicked() {
                     event = Some(CardAnswer::Skip);
                 }
             });
@@ -109,11 +109,15 @@ pub(super) fn card(
                     if can_go_on && primary_button(ui, "Next").clicked() {
                         event = Some(CardAnswer::Next);
                     }
-                    let back = |ui: &mut Ui| small_button(ui, "Back", "To the step before");
+                    let back =
+                        |ui: &mut Ui| text_button(ui, "Back").on_hover_text("To the step before").clicked();
                     if ui.add_enabled_ui(step > 0, back).inner {
                         event = Some(CardAnswer::Back);
                     }
-                    if small_button(ui, "Skip", "End the tour; Help › Tour begins it again") {
+                    if text_button(ui, "Skip")
+                        .on_hover_text("End the tour; Help › Tour begins it again")
+                        .clicked()
+                    {
                         event = Some(CardAnswer::Skip);
                     }
                 });
@@ -130,21 +134,12 @@ pub(super) fn card(
 
 fn framed(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, &Palette)) {
     let palette = theme::palette(ui);
-    let frame = Frame::NONE
-        .fill(palette.raised)
-        .stroke(palette.edge())
-        .corner_radius(size::WINDOW_RADIUS)
-        .inner_margin(Margin::same(12));
-    let shown = frame.show(ui, |ui| {
+    let shown = palette.raised_frame(size::WINDOW_RADIUS, Margin::same(12)).show(ui, |ui| {
         ui.set_width(WIDTH);
         add(ui, palette);
     });
     let node = ui.interact(shown.response.rect, ui.scope_id().with("card"), Sense::hover());
     node.widget_info(|| WidgetInfo::labeled(Role::Group, true, name));
-}
-
-fn small_button(ui: &mut Ui, text: &str, tooltip: &str) -> bool {
-    ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON))).on_hover_text(tooltip).clicked()
 }
 
 /// Where a card lies: inside the window and beside what it points at, on the side where it comes nearest to that

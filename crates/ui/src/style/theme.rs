@@ -10,7 +10,7 @@ pub mod data_colours;
 mod style;
 
 use backlit_plot::colours::PageColours;
-use egui::{Color32, Stroke, TextStyle};
+use egui::{Color32, Frame, Margin, Stroke, TextStyle};
 
 pub use backlit_plot::Theme;
 pub use data_colours::{
@@ -122,6 +122,11 @@ impl Palette {
     /// An edge that must be seen.
     pub fn edge(&self) -> Stroke {
         Stroke::new(size::HAIRLINE, self.line2)
+    }
+
+    /// The frame of a card that lies on what is below it.
+    pub fn raised_frame(&self, radius: u8, margin: Margin) -> Frame {
+        Frame::NONE.fill(self.raised).stroke(self.edge()).corner_radius(radius).inner_margin(margin)
     }
 
     /// The outline of the active tile.

@@ -54,6 +54,11 @@ fn paint_icon_button(ui: &mut Ui, icon: Icon, label: &str, tooltip: &str, on: Op
     response.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
 }
 
+/// A button of words, as high as one of an icon.
+pub fn text_button(ui: &mut Ui, text: &str) -> Response {
+    ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)))
+}
+
 /// The one button that is the likely next act, in the accent. There is at most one on the screen.
 pub fn primary_button(ui: &mut Ui, text: &str) -> Response {
     let palette = theme::palette(ui);

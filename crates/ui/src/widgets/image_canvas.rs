@@ -249,8 +249,13 @@ fn within_side(image: Arc<ColorImage>, side: usize) -> Arc<ColorImage> {
 
 /// Paints a texture as the picture of `view`.
 pub fn paint_picture(painter: &Painter, view: &ViewTransform, size_px: [usize; 2], texture: &TextureHandle) {
+    paint_whole(painter, texture, view.picture_rect(size_px));
+}
+
+/// Fills a rectangle with a whole texture.
+pub fn paint_whole(painter: &Painter, texture: &TextureHandle, place: Rect) {
     let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    painter.image(texture.id(), view.picture_rect(size_px), uv, Color32::WHITE);
+    painter.image(texture.id(), place, uv, Color32::WHITE);
 }
 
 /// Lines between pixels begin to show at this size of a pixel, in points, and are whole at twice that.

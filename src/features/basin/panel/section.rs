@@ -6,9 +6,9 @@ use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size, space};
-use backlit_ui::widgets::choice;
 use backlit_ui::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
-use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
+use backlit_ui::widgets::{choice, text_button};
+use egui::{ComboBox, RichText, TextEdit, Ui, vec2};
 
 use super::run_or_cancel;
 use crate::context::command::{BasinView, Command, WindowCommand};
@@ -175,7 +175,7 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
     }
     if settings.compared.len() < MOST_COMPARED {
         row(ui, "", |ui| {
-            let button = ui.add(Button::new("Compare with…").min_size(vec2(0.0, size::BUTTON)));
+            let button = text_button(ui, "Compare with…");
             if button.on_hover_text("Try the same starts with another preset or renderer too").clicked() {
                 settings.compared.push(ComparedFit::next(&context.document().fit, &settings.compared));
             }
