@@ -186,8 +186,7 @@ impl Export {
         let Some(ExportProgress { path, done, total, outcome }) = self.running.take() else { return };
         let (name, is_folder) = (format::file_name(&path), path.is_dir());
         self.folder = if is_folder { Some(path) } else { path.parent().map(Path::to_owned) };
-        let pictures =
-            |count: usize| if count == 1 { "1 picture".to_owned() } else { format!("{count} pictures") };
+        let pictures = |count| format::counted(count, "picture");
         match outcome {
             Exported::Whole | Exported::Pictures(_) => {
                 let text = match total {

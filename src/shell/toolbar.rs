@@ -108,10 +108,8 @@ fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
     let name = RichText::new(format!("{}{dirty}", take.take().name())).color(palette.text);
     ui.add(Label::new(name).truncate()).on_hover_text(hover);
     if !folded {
-        let cameras = take.cameras.len();
-        let plural = if cameras == 1 { "" } else { "s" };
         ui.add_space(space::ROW);
-        let short = format!("{cameras} camera{plural}");
+        let short = format::counted(take.cameras.len(), "camera");
         let text = format!("{short}, {} fps", format::number(take.take().frame_rate(), 0));
         fitting_label(ui, &[&text, &short], TextStyle::Body, palette.text3);
     }

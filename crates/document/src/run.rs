@@ -151,13 +151,13 @@ impl Run {
 
     /// How it ended, in a sentence without its full stop.
     pub fn ending_text(&self) -> String {
-        let so_far = || format!("{} so far", steps_text(self.last_step()));
+        let so_far = || format!("{} so far", format::counted(self.last_step(), "step"));
         self.ending.as_ref().map_or_else(so_far, RunEnding::text)
     }
 
     /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.
     pub fn reached_text(&self) -> String {
-        let mut text = steps_text(self.last_step());
+        let mut text = format::counted(self.last_step(), "step");
         if let Some(share) = self.fraction(self.last_step()) {
             text += &format!(", {} of the start", format::percent(share));
         }
@@ -166,10 +166,6 @@ impl Run {
         }
         text
     }
-}
-
-fn steps_text(count: usize) -> String {
-    if count == 1 { "1 step".to_owned() } else { format!("{count} steps") }
 }
 
 #[cfg(test)]

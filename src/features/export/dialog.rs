@@ -228,8 +228,9 @@ impl ExportDialog {
         let what = match (self.order.subject, self.count(context)) {
             (Subject::View, _) => format!("Camera {}, {size}", context.selection.camera + 1),
             (Subject::Window, _) => size,
-            (Subject::Steps | Subject::Frames, 1) => format!("1 picture, {size}"),
-            (Subject::Steps | Subject::Frames, count) => format!("{count} pictures, {size}"),
+            (Subject::Steps | Subject::Frames, count) => {
+                format!("{}, {size}", format::counted(count, "picture"))
+            }
         };
         let replaced = match (self.wants_folder(), Path::new(&self.path).exists()) {
             (false, true) => "; the file that is there is replaced",

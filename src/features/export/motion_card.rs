@@ -151,10 +151,10 @@ impl MotionCard {
             String::new()
         };
         let axes = if axes == Axes::World { "axes of the take" } else { axes_text(axes) };
-        let frames = if count == 1 { "frame" } else { "frames" };
+        let frames = format::counted(count, "frame");
         let there =
             if Path::new(self.path.trim()).exists() { " The file that is there is replaced." } else { "" };
-        format!("{count} {frames}{gaps}; {}, {}.{there}", axes.to_lowercase(), unit_text(unit).to_lowercase())
+        format!("{frames}{gaps}; {}, {}.{there}", axes.to_lowercase(), unit_text(unit).to_lowercase())
     }
 
     fn problem(&self) -> Option<String> {

@@ -45,8 +45,8 @@ impl Refitted {
             }
         };
         let (before, after) = (format::cost(self.before), format::cost(self.after));
-        let plural = if self.steps == 1 { "" } else { "s" };
-        format!("{}: {how}, from {before} to {after}, in {} step{plural}.", self.what, self.steps)
+        let steps = format::counted(self.steps, "step");
+        format!("{}: {how}, from {before} to {after}, in {steps}.", self.what)
     }
 }
 

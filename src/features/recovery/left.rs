@@ -9,6 +9,7 @@ use backlit_document::{Document, Origin};
 use backlit_formats::{DiskFiles, FileError, TakeFiles, atomic, images};
 use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{PictureInput, ViewMode, compose};
+use backlit_ui::style::format;
 use egui::{Color32, ColorImage};
 use image::{DynamicImage, RgbImage, imageops};
 use serde::{Deserialize, Serialize};
@@ -77,10 +78,9 @@ impl Left {
 
     /// What has been done: "3 poses by hand, 1 fitted, 31 tracked".
     pub(crate) fn work(&self) -> String {
-        let poses = |count: usize| if count == 1 { "1 pose".to_owned() } else { format!("{count} poses") };
         let kinds = [(self.by_hand, "set by hand"), (self.fitted, "fitted"), (self.tracked, "tracked")];
         let mut parts = kinds.iter().filter(|(count, _)| *count > 0);
-        let first = parts.next().map(|(count, how)| format!("{} {how}", poses(*count)));
+        let first = parts.next().map(|(count, how)| format!("{} {how}", format::counted(*count, "pose")));
         let rest = parts.map(|(count, how)| format!("{count} {how}"));
         let all: Vec<String> = first.into_iter().chain(rest).collect();
         if all.is_empty() { "No poses yet, only settings".to_owned() } else { all.join(", ") }

@@ -133,8 +133,7 @@ fn summaries(context: &Context<'_>) -> [String; 2] {
     let mean = mean.map_or_else(String::new, |mean| format!(", mean IoU {}", format::ratio(mean)));
     let keys = match document.keys.len() {
         0 => String::new(),
-        1 => ", 1 key pose".to_owned(),
-        keys => format!(", {keys} key poses"),
+        keys => format!(", {}", format::counted(keys, "key pose")),
     };
     let frames = match found.len() {
         1 => format!("Frame {first} fitted"),

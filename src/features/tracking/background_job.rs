@@ -132,10 +132,7 @@ fn poses(context: &Context<'_>) -> BTreeMap<usize, Pose> {
 
 /// "Learnt the background of 4 cameras without the body. Unknown is 1.2 % of cam01, nothing of the others. The plates …"
 fn said_of(unknown: &[(String, f64)], folder: Option<&Path>) -> String {
-    let cameras = match unknown.len() {
-        1 => "1 camera".to_owned(),
-        count => format!("{count} cameras"),
-    };
+    let cameras = format::counted(unknown.len(), "camera");
     let parts: Vec<String> = unknown
         .iter()
         .filter(|(_, share)| *share > 0.0)

@@ -104,8 +104,7 @@ fn take_in_sizes(fit: &BodyFit, context: &Context<'_>, requests: &mut Requests) 
 
 /// "Fitted the body to 8 frames: IoU 0.890, scaled as a whole 0.877. Hardly seen: length of neck, radius of hip. …"
 fn sizes_text(fit: &BodyFit) -> String {
-    let count = fit.frames.len();
-    let mut said = format!("Fitted the body to {count} {}", if count == 1 { "frame" } else { "frames" });
+    let mut said = format!("Fitted the body to {}", format::counted(fit.frames.len(), "frame"));
     if let [Some(before), Some(after)] = fit.iou {
         said.push_str(&format!(": IoU {after:.3}, scaled as a whole {before:.3}"));
     }

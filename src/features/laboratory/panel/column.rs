@@ -231,8 +231,7 @@ fn ending(ui: &mut Ui, fit: &Contestant, marked: Option<&Worst>) {
         Some(RunEnding::Solver(words)) => format!("Stopped at step {}: {words}", fit.last()),
         Some(RunEnding::Stopped) => format!("Stopped by you at step {}", fit.last()),
         None if fit.last() == 0 => "Not stepped yet".to_owned(),
-        None if fit.last() == 1 => "1 step so far".to_owned(),
-        None => format!("{} steps so far", fit.last()),
+        None => format!("{} so far", format::counted(fit.last(), "step")),
     };
     let (text, short, colour) = match marked {
         Some(worst) => {
