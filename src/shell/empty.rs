@@ -1,6 +1,7 @@
 //! The window before a take is open.
 
 use backlit_ui::style::theme::{self, title};
+use backlit_ui::widgets::hint;
 use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 
 use super::recent;
@@ -44,12 +45,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, reques
             }
             ui.add_space(16.0);
             if !context.preferences.recent.is_empty() {
-                ui.label(RichText::new("Recent takes and projects").small().color(palette.text3));
+                hint(ui, "Recent takes and projects");
                 recent::rows(ui, context, requests, false);
                 ui.add_space(8.0);
             }
             let text = "A take is a folder with a take.toml: drop one anywhere to open it, or drop footage to make one.";
-            ui.label(RichText::new(text).small().color(palette.text3));
+            hint(ui, text);
         });
     });
 }

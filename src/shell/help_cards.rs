@@ -1,7 +1,7 @@
 //! The cards of the Help menu: all messages since the start; version, licence and source of the method.
 
 use backlit_ui::style::theme::{self, size, space, title};
-use backlit_ui::widgets::{Icon, card, primary_button, text_button};
+use backlit_ui::widgets::{Icon, card, hint, primary_button, text_button};
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::notices::{Notices, Severity};
@@ -90,7 +90,7 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.add_space(space::WIDGET);
         ui.label("Fits an articulated body to its silhouettes, and shows how.");
         ui.add_space(space::GROUP);
-        ui.label(RichText::new("The method follows").small().color(palette.text3));
+        hint(ui, "The method follows");
         ui.label(CITATION);
         ui.horizontal(|ui| {
             if text_button(ui, "Copy citation").on_hover_text("As it stands above").clicked() {
@@ -101,7 +101,7 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
             }
         });
         ui.add_space(space::GROUP);
-        ui.label(RichText::new("Licence").small().color(palette.text3));
+        hint(ui, "Licence");
         ui.label("Free software: use, change and pass it on under the MIT licence or the Apache licence 2.0, as you like.");
         ui.add_space(space::ROW);
         for (text, address) in LINKS {

@@ -4,8 +4,8 @@ use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::drawing::{ModeComparison, ViewMode};
-use backlit_ui::style::theme::{self, size, space};
-use backlit_ui::widgets::checkbox;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{checkbox, hint};
 use egui::Ui;
 
 use crate::context::command::{
@@ -129,7 +129,7 @@ fn recent(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         return;
     }
     ui.separator();
-    ui.label(egui::RichText::new("Recent takes and projects").small().color(theme::palette(ui).text3));
+    hint(ui, "Recent takes and projects");
     if super::recent::rows(ui, context, requests, true) {
         ui.close();
     }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use backlit_ui::style::theme::{self, size};
-use backlit_ui::widgets::{Icon, icon_button};
-use egui::{Id, RichText, Ui};
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{Icon, hint, icon_button};
+use egui::{Id, Ui};
 
 use crate::context::{Context, DesktopRequest, Requests, ShellRequest};
 
@@ -40,7 +40,7 @@ pub(crate) fn rows(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, 
             let direction = egui::Layout::left_to_right(egui::Align::Center);
             let shown = ui.allocate_ui_with_layout(room, direction, |ui| {
                 let opens = row(ui);
-                ui.label(RichText::new("missing").small().color(theme::palette(ui).text3));
+                hint(ui, "missing");
                 (opens, forget(ui))
             });
             shown.inner

@@ -1,7 +1,7 @@
 //! All keys, searchable, and the gestures of the pointer.
 
 use backlit_ui::style::theme::{self, size};
-use backlit_ui::widgets::{Icon, icon_button, search_card, search_field};
+use backlit_ui::widgets::{Icon, hint, icon_button, search_card, search_field};
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, keys_text};
@@ -88,7 +88,7 @@ fn group(
     }
     let palette = theme::palette(ui);
     ui.add_space(4.0);
-    ui.label(RichText::new(title).small().color(palette.text3));
+    hint(ui, title);
     for (keys, text, explanation) in &rows {
         ui.horizontal(|ui| {
             ui.set_min_height(size::ROW);

@@ -2,7 +2,7 @@
 
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, fitting_label, paint_text, segmented};
+use backlit_ui::widgets::{Icon, fitting_label, paint_text, segmented, within};
 use egui::{
     Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Sense, TextStyle, Ui, UiBuilder, vec2,
 };
@@ -31,23 +31,20 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
     let response = panel.show(ui, |ui| {
         let rect = ui.max_rect();
         let width = rect.width();
-        let from = |direction| UiBuilder::new().max_rect(rect).layout(direction);
-        let menus_end = ui
-            .scope_builder(from(Direction::left_to_right(Align::Center)), |ui| {
-                left(ui, context, requests, width)
-            })
-            .inner;
-        let right_side = ui
-            .scope_builder(from(Direction::right_to_left(Align::Center)), |ui| {
-                right(ui, context, features, requests, width);
-            })
-            .response
-            .rect;
+        let (row, row_from_right) =
+            (Direction::left_to_right(Align::Center), Direction::right_to_left(Align::Center));
+        let menus_end = within(ui, rect, row, |ui| left(ui, context, requests, width));
+        let right_side = within(ui, rect, row_from_right, |ui| {
+            right(ui, context, features, requests, width);
+            ui.min_rect()
+        });
         // The name of the take has what is left, and the switch stands in the middle of the window or where they leave room.
         let mut room = rect.with_min_x(menus_end + space::ROW);
         room.max.x = (right_side.left() - SWITCH - 2.0 * space::ROW).max(room.min.x);
-        let builder = UiBuilder::new().max_rect(room).layout(Direction::left_to_right(Align::Center));
-        let named = ui.scope_builder(builder, |ui| take(ui, context, width < FOLD_MENUS)).response.rect;
+        let named = within(ui, room, row, |ui| {
+            take(ui, context, width < FOLD_MENUS);
+            ui.min_rect()
+        });
         let aside = 0.5 * SWITCH + space::ROW;
         let centre = rect.center().x.max(named.right() + aside).min(right_side.left() - aside);
         let middle =

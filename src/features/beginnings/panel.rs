@@ -4,7 +4,7 @@ mod table;
 
 use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, ValueSlider, checkbox, icon_button, segmented, text_button};
+use backlit_ui::widgets::{Icon, ValueSlider, checkbox, hint, icon_button, segmented, text_button};
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use super::{AttemptIndex, Beginnings, COMPARED, Method, MethodWords};
@@ -60,7 +60,7 @@ impl Beginnings {
         } else {
             summary(self)
         };
-        ui.add(Label::new(RichText::new(text).small().color(theme::palette(ui).text3)).wrap());
+        hint(ui, text);
     }
 
     /// A step is looked at that was chosen by hand.

@@ -6,7 +6,7 @@ use backlit_document::runs::StepRef;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{checkbox, choice, paint_text, segmented};
+use backlit_ui::widgets::{checkbox, choice, hint, paint_text, segmented};
 use egui::{
     Align, Align2, Area, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Ui, Vec2,
     WidgetInfo, vec2,
@@ -205,7 +205,7 @@ fn show_read_out(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground
                     let title = format!("Step {}{stage}", step.step);
                     ui.label(RichText::new(title).color(palette.text));
                     ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                        ui.label(RichText::new(kind(step.step, record)).small().color(palette.text3));
+                        hint(ui, kind(step.step, record));
                     });
                 });
                 for (name, value) in rows(run, step.step, record) {

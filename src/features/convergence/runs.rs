@@ -4,7 +4,7 @@ use backlit_document::run::Run;
 use backlit_document::runs::{RunChange, StepRef};
 use backlit_ui::style::theme::{run_style, size};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{Icon, icon_button, paint_run_sample};
+use backlit_ui::widgets::{Icon, hint, icon_button, paint_run_sample};
 use egui::{
     Align, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit, Ui,
     WidgetInfo, vec2,
@@ -28,8 +28,7 @@ impl Convergence {
                 self.card(ui, context, requests, run);
             }
             if context.runs().all().is_empty() {
-                let text = "Runs are kept here, each with all its steps.";
-                ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+                hint(ui, "Runs are kept here, each with all its steps.");
             }
         });
     }

@@ -170,8 +170,17 @@ impl Subject {
     pub(super) const ALL: [(Self, &'static str); 4] =
         [(Self::View, "View"), (Self::Window, "Window"), (Self::Steps, "Steps"), (Self::Frames, "Frames")];
 
+    /// What the pictures of a folder are called, if there is more than one picture.
+    pub(super) const fn series(self) -> Option<&'static str> {
+        match self {
+            Self::View | Self::Window => None,
+            Self::Steps => Some("step"),
+            Self::Frames => Some("frame"),
+        }
+    }
+
     pub(super) const fn is_series(self) -> bool {
-        matches!(self, Self::Steps | Self::Frames)
+        self.series().is_some()
     }
 }
 
@@ -220,15 +229,6 @@ impl ExportOrder {
                 let last = last.min(context.session.frame_count().saturating_sub(1));
                 (first..=last).map(|frame| (frame, Shot::Frame(frame))).collect()
             }
-        }
-    }
-
-    /// What the pictures of a folder are called, if there is more than one picture.
-    pub(super) fn series(&self) -> Option<&'static str> {
-        match self.subject {
-            Subject::View | Subject::Window => None,
-            Subject::Steps => Some("step"),
-            Subject::Frames => Some("frame"),
         }
     }
 }

@@ -52,7 +52,7 @@ impl ExportJob {
     fn next(&mut self, cancel: &CancelToken) -> Result<bool, ExportError> {
         let ExportOrder { path, choices, .. } = &self.order;
         if self.writer.is_none()
-            && let Some(name) = self.order.series()
+            && let Some(name) = self.order.subject.series()
         {
             self.writer = Some(SeriesWriter::new(path, name, choices, self.shots.len())?);
         }

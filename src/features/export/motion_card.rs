@@ -94,11 +94,7 @@ impl MotionCard {
     fn contents(&mut self, ui: &mut Ui) {
         let (axes, unit) = self.choices.format.defaults();
         row(ui, "Axes", |ui| {
-            let mut rows = vec![(
-                None,
-                format!("{}, as expected", axes_text(axes)),
-                "What programs expect of such a file",
-            )];
+            let mut rows = vec![expected(axes_text(axes))];
             let others = [
                 (Axes::YUp, "Blender, Maya and OpenSim turn it as they need"),
                 (Axes::ZUp, "As in most laboratories"),
@@ -108,11 +104,7 @@ impl MotionCard {
             pick(ui, "Axes", &mut self.choices.axes, &rows);
         });
         row(ui, "Unit", |ui| {
-            let mut rows = vec![(
-                None,
-                format!("{}, as expected", unit_text(unit)),
-                "What programs expect of such a file",
-            )];
+            let mut rows = vec![expected(unit_text(unit))];
             rows.extend(
                 UNITS.map(|unit| (Some(unit), unit_text(unit).to_owned(), "Lengths and places in the file")),
             );
@@ -196,6 +188,11 @@ fn unit_text(unit: Unit) -> &'static str {
         Unit::Centimetres => "Centimetres",
         Unit::Millimetres => "Millimetres",
     }
+}
+
+/// The choice of what suits the format.
+fn expected<T>(what: &str) -> (Option<T>, String, &'static str) {
+    (None, format!("{what}, as expected"), "What programs expect of such a file")
 }
 
 /// A box of choices.

@@ -20,8 +20,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     let shadows = if options.shadow.is_some() { "shadows on" } else { "shadows off" };
     let summary = format!("z-score {}, {shadows}", format::number(f64::from(options.z_threshold), 1));
     section(ui, "Measurement", &summary, open, |ui| {
-        let mut changed = options.clone();
-        numbers(ui, requests, &mut changed);
+        numbers(ui, requests, options);
         let mut toggles = options.clone();
         switches(ui, &mut toggles);
         if toggles != *options {
@@ -31,42 +30,40 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     });
 }
 
-fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
-    let mut z = f64::from(options.z_threshold);
-    let mut floor = f64::from(options.noise_floor);
-    let mut opening = options.opening_px as f64;
-    let mut closing = options.closing_px as f64;
-    let mut smallest = options.min_component_px as f64;
+fn numbers(ui: &mut Ui, requests: &mut Requests, options: &SegmentOptions) {
+    let mut values = [
+        f64::from(options.z_threshold),
+        f64::from(options.noise_floor),
+        options.opening_px as f64,
+        options.closing_px as f64,
+        options.min_component_px as f64,
+    ];
+    let differs = "How many standard deviations a pixel of foreground differs, at least";
+    let noise = "The least noise assumed of a pixel, in grey levels";
     let rows = [
-        (
-            "Z-score",
-            "",
-            1,
-            1.0..=20.0,
-            &mut z,
-            "How many standard deviations a pixel of foreground differs, at least",
-        ),
-        ("Noise", "", 1, 0.5..=20.0, &mut floor, "The least noise assumed of a pixel, in grey levels"),
-        ("Opening", " px", 0, 0.0..=6.0, &mut opening, "Removes specks up to this radius"),
-        ("Closing", " px", 0, 0.0..=8.0, &mut closing, "Closes gaps up to this radius"),
-        ("Smallest", " px", 0, 0.0..=2000.0, &mut smallest, "Components with fewer pixels are dropped"),
+        SliderRow::new("Z-score", "", 1, 1.0..=20.0, differs),
+        SliderRow::new("Noise", "", 1, 0.5..=20.0, noise),
+        SliderRow::new("Opening", " px", 0, 0.0..=6.0, "Removes specks up to this radius"),
+        SliderRow::new("Closing", " px", 0, 0.0..=8.0, "Closes gaps up to this radius"),
+        SliderRow::new("Smallest", " px", 0, 0.0..=2000.0, "Components with fewer pixels are dropped"),
     ];
     let mut drag = None;
     let mut changed = false;
-    for (index, (name, unit, decimals, range, value, tooltip)) in rows.into_iter().enumerate() {
-        let response = SliderRow::new(name, unit, decimals, range, tooltip).show(ui, value);
+    for (index, (row, value)) in rows.into_iter().zip(&mut values).enumerate() {
+        let response = row.show(ui, value);
         let this = gesture(ui, ("measurement", index), &response);
         if response.changed() {
             (drag, changed) = (this, true);
         }
     }
     if changed {
-        options.z_threshold = z as f32;
-        options.noise_floor = floor as f32;
-        options.opening_px = opening.round().max(0.0) as usize;
-        options.closing_px = closing.round().max(0.0) as usize;
-        options.min_component_px = smallest.round().max(0.0) as usize;
-        requests.edits.push((Edit::SetMeasurement(Box::new(options.clone())), drag));
+        let [z, floor, pixels @ ..] = values;
+        let [opening_px, closing_px, min_component_px] = pixels.map(|value| value.round().max(0.0) as usize);
+        let (z_threshold, noise_floor) = (z as f32, floor as f32);
+        let rest = options.clone();
+        let options =
+            SegmentOptions { z_threshold, noise_floor, opening_px, closing_px, min_component_px, ..rest };
+        requests.edits.push((Edit::SetMeasurement(Box::new(options)), drag));
     }
 }
 

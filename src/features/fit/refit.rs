@@ -76,16 +76,11 @@ impl Fit {
             });
             ui.add_space(space::ROW);
             let palette = theme::palette(ui);
-            let small =
-                |text: String, colour| egui::Label::new(RichText::new(text).small().color(colour)).wrap();
-            match last {
-                Some(last) => {
-                    ui.add(small(last.sentence(), palette.text2));
-                    ui.add(small(format!("{}.", last.ending), palette.text3));
-                }
-                None => {
-                    ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
-                }
+            let said = last.map(|last| (last.sentence(), palette.text2));
+            let ending = last
+                .map_or_else(|| "No refit of this frame yet".to_owned(), |last| format!("{}.", last.ending));
+            for (text, colour) in said.into_iter().chain([(ending, palette.text3)]) {
+                ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
             }
             more(ui, requests);
         });

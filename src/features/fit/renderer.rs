@@ -4,9 +4,9 @@ use backlit_document::edit::Edit;
 use backlit_document::fit_words as words;
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
-use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{SliderRow, checkbox, choice, section};
-use egui::{RichText, Ui};
+use backlit_ui::style::format;
+use backlit_ui::widgets::{SliderRow, checkbox, choice, hint, section};
+use egui::Ui;
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, FeatureRequest, Requests, command_button};
@@ -52,7 +52,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         }
         let text = fit.renderer.pull();
         command_button::button(ui, context, requests, Command::Fit(FitCommand::MakeSpheres));
-        ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+        hint(ui, text);
     });
 }
 

@@ -4,7 +4,7 @@ use backlit_document::fit_words::short_ramp;
 use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::render::Ramp;
 use backlit_ui::style::theme::{self, space};
-use backlit_ui::widgets::{number_field, paint_text};
+use backlit_ui::widgets::{hint, number_field, paint_text};
 use egui::{Align2, Button, RichText, TextStyle, Ui, vec2};
 
 /// Width of a stage's number, and of a field.
@@ -72,8 +72,7 @@ pub(super) fn ui(ui: &mut Ui, options: &mut FitOptions) {
     if let Some(index) = gone {
         options.stages.remove(index);
     }
-    let says = if options.to_scale { TO_SCALE } else { AS_THEY_ARE };
-    ui.add(egui::Label::new(RichText::new(says).small().color(theme::palette(ui).text3)).wrap());
+    hint(ui, if options.to_scale { TO_SCALE } else { AS_THEY_ARE });
     let may_add = options.stages.len() < MOST_STAGES;
     let add = ui.add_enabled(may_add, Button::new("Add stage").small());
     let add = add.on_hover_text("One more like the last, half as wide");

@@ -5,7 +5,7 @@ use backlit_tracking::observability::SubsetFigures;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{paint_camera_badge, paint_text, section};
+use backlit_ui::widgets::{hint, paint_camera_badge, paint_text, section};
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::panel::paint_selected;
@@ -31,7 +31,7 @@ impl Observability {
             self.drawn.figures = true;
             let palette = theme::palette(ui);
             let Some(found) = self.found.clone().filter(|found| !found.subsets.is_empty()) else {
-                ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
+                hint(ui, "No camera has a silhouette yet");
                 return;
             };
             ui.spacing_mut().item_spacing.y = 0.0;

@@ -9,7 +9,7 @@ use backlit_ui::drawing::joint_name;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    Icon, SliderRow, checkbox, first_that_fits, icon_button, named_row, section, two_words, within,
+    Icon, SliderRow, checkbox, first_that_fits, hint, icon_button, named_row, section, two_words, within,
 };
 use egui::{Align, ComboBox, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -68,10 +68,6 @@ fn waiting_for(context: &Context<'_>) -> &'static str {
         false => "Waiting for the frame…",
         true => "Looking through every camera…",
     }
-}
-
-fn hint(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(RichText::new(text).small().color(theme::palette(ui).text3)).wrap());
 }
 
 /// The ground of the row that is looked at or in use.
@@ -133,7 +129,7 @@ fn words(ui: &mut Ui, is_stale: bool, shown: &Figures, direction: &Direction) {
     let rest = [remedy, &known].into_iter().filter(|text| !text.is_empty());
     let rest = rest.collect::<Vec<_>>().join(" ");
     if !rest.is_empty() {
-        hint(ui, &rest);
+        hint(ui, rest);
     }
 }
 

@@ -93,7 +93,7 @@ impl Offsets {
                 }
             }
             let number = i64::try_from(self.frame).unwrap_or(0) + self.shifts[chosen];
-            hint(ui, &format!("its frame {number}"));
+            hint(ui, format!("its frame {number}"));
         });
     }
 
@@ -175,7 +175,7 @@ impl Offsets {
                         self.show_with(index);
                     }
                     let text = self.said_of(index);
-                    hint(ui, &text);
+                    hint(ui, text);
                 });
             }
         });
@@ -185,7 +185,7 @@ impl Offsets {
                     self.find.stop();
                 }
                 let [done, all] = self.progress.unwrap_or_default();
-                hint(ui, &format!("{done} of {all} frames looked at"));
+                hint(ui, format!("{done} of {all} frames looked at"));
                 return;
             }
             if text_button(ui, "Find offsets").clicked() {

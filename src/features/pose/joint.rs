@@ -7,8 +7,8 @@ use backlit_ui::drawing::limits::WARN_WITHIN;
 use backlit_ui::drawing::{JointId, joint_name};
 use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{SliderRow, named_section, number_field, paint_text, row_name};
-use egui::{Align2, RichText, TextStyle, Ui, vec2};
+use backlit_ui::widgets::{SliderRow, hint, named_section, number_field, paint_text, row_name};
+use egui::{Align2, TextStyle, Ui, vec2};
 
 use super::dragged::{joint_position, moved};
 use crate::context::command::{Command, PoseCommand};
@@ -141,7 +141,6 @@ fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &
     if let JointId::End(limb) = joint
         && document.pins.contains(&limb)
     {
-        let palette = theme::palette(ui);
-        ui.label(RichText::new("Pinned: other drags leave it here").small().color(palette.text3));
+        hint(ui, "Pinned: other drags leave it here");
     }
 }

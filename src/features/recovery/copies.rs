@@ -33,14 +33,8 @@ fn lock_path(copy: &Path) -> PathBuf {
 #[derive(Debug)]
 pub struct Copies {
     folder: PathBuf,
-    own: Option<Own>,
-}
-
-#[derive(Debug)]
-struct Own {
-    path: PathBuf,
-    /// Held as long as this window lives.
-    _lock: Lock,
+    /// Its lock is held as long as this window lives.
+    own: Option<(PathBuf, Lock)>,
 }
 
 /// The lock of a copy, free again as soon as this is dropped.
@@ -66,14 +60,14 @@ impl Copies {
 
     /// This window's copy: the first name that is free. Errors: the folder cannot be made or written.
     pub(crate) fn own(&mut self) -> io::Result<&Path> {
-        if self.own.is_none() {
-            std::fs::create_dir_all(&self.folder)?;
-            self.own = Some(self.claim_free()?);
-        }
-        match &self.own {
-            Some(own) => Ok(&own.path),
-            None => Err(io::ErrorKind::NotFound.into()),
-        }
+        let own = match self.own.take() {
+            Some(own) => own,
+            None => {
+                std::fs::create_dir_all(&self.folder)?;
+                self.claim_free()?
+            }
+        };
+        Ok(&self.own.insert(own).0)
     }
 
     /// What the system says about the folder, with its name.
@@ -84,10 +78,10 @@ impl Copies {
     /// Leaves this window's copy if its folder was taken away, together with the lock: the next copy has a folder and
     /// a lock of its own.
     pub(crate) fn leave_if_gone(&mut self) {
-        self.own.take_if(|own| !lock_path(&own.path).exists());
+        self.own.take_if(|(path, _)| !lock_path(path).exists());
     }
 
-    fn claim_free(&self) -> io::Result<Own> {
+    fn claim_free(&self) -> io::Result<(PathBuf, Lock)> {
         for number in 1..=MOST {
             let name = if number == 1 { NAME.to_owned() } else { format!("{NAME}-{number}") };
             let path = self.folder.join(name).with_extension(ENDING);
@@ -95,21 +89,17 @@ impl Copies {
             if let Some(lock) = lock(&path)?
                 && !path.exists()
             {
-                return Ok(Own { path, _lock: lock });
+                return Ok((path, lock));
             }
         }
         Err(io::Error::other(format!("there are {MOST} copies already")))
-    }
-
-    pub(crate) fn is_own(&self, path: &Path) -> bool {
-        self.own.as_ref().is_some_and(|own| own.path == path)
     }
 
     /// Goes on with a copy that was left: this window writes it from now on. Not if another window was quicker.
     /// Errors: the lock cannot be made.
     pub(crate) fn adopt(&mut self, path: &Path) -> io::Result<bool> {
         let Some(lock) = lock(path)? else { return Ok(false) };
-        self.own = Some(Own { path: path.to_owned(), _lock: lock });
+        self.own = Some((path.to_owned(), lock));
         Ok(true)
     }
 
@@ -120,8 +110,8 @@ impl Copies {
 
     /// Removes this window's copy: everything in it is saved.
     pub(crate) fn forget(&mut self) {
-        if let Some(own) = self.own.take() {
-            remove(&own.path);
+        if let Some((path, _)) = self.own.take() {
+            remove(&path);
         }
     }
 
@@ -129,7 +119,8 @@ impl Copies {
     pub fn left(&self) -> (Vec<Left>, Vec<ProjectError>) {
         let (mut found, mut wrong) = (Vec::new(), Vec::new());
         for path in self.files(NAME) {
-            if self.is_own(&path) || !matches!(lock(&path), Ok(Some(_))) {
+            let is_own = self.own.as_ref().is_some_and(|(own, _)| *own == path);
+            if is_own || !matches!(lock(&path), Ok(Some(_))) {
                 continue;
             }
             match read_project(&path) {

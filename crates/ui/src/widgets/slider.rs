@@ -240,7 +240,7 @@ pub fn named_row(ui: &mut Ui, name: &str, width: f32, contents: impl FnOnce(&mut
 }
 
 /// What a field is about, or its unit, small behind it.
-pub fn hint(ui: &mut Ui, text: &str) {
+pub fn hint(ui: &mut Ui, text: impl Into<String>) {
     ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
 }
 

@@ -4,7 +4,7 @@ use backlit_runs::basin::{BasinResult, LevelReport, RandomStarts};
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{PointMark, mark_points, paint_run_sample, paint_text, run_line, still_plot};
+use backlit_ui::widgets::{PointMark, hint, mark_points, paint_run_sample, paint_text, run_line, still_plot};
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
@@ -147,8 +147,7 @@ fn counts(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts) {
         }
         ui.add_space(space::ROW);
         let limit = format::short(result.options.success_mm);
-        let text = format!("Found: root and leaf joints end less than {limit} mm off on average.");
-        ui.label(RichText::new(text).small().color(palette.text3));
+        hint(ui, format!("Found: root and leaf joints end less than {limit} mm off on average."));
     });
 }
 
