@@ -3,7 +3,7 @@
 use backlit_formats::images;
 use serde_json::Value;
 
-use crate::scene::Scene;
+use crate::scene::{BUILT_IN, Scene};
 
 #[test]
 fn the_single_limb_is_measured_plotted_and_told() {
@@ -46,20 +46,19 @@ fn every_experiment_writes_its_numbers_and_plots() {
 #[test]
 fn sequences_run_on_a_take() {
     let scene = Scene::new();
-    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
-    let said = scene.ok(&format!("experiment fig5.4 --take {take} --out one"));
+    let said = scene.ok(&format!("experiment fig5.4 --take {BUILT_IN} --out one"));
     assert!(said.contains("fig5.4-robust.png"), "{said}");
     let sheet = images::read(&scene.path("one/fig5.4-report.png")).unwrap();
     assert!(sheet.width() > 4 * 144 && sheet.height() > 4 * 192, "{} × {}", sheet.width(), sheet.height());
-    let ask = format!("experiment fig5.6 --take {take} --cameras cam2,cam4 --frames 9 --starts 1");
+    let ask = format!("experiment fig5.6 --take {BUILT_IN} --cameras cam2,cam4 --frames 9 --starts 1");
     let said = scene.ok(&format!("{ask} --out two"));
     assert!(!said.contains("own grey levels") && said.contains("fig5.6-report.png"), "{said}");
     let numbers = scene.read_json("two/fig5.6.json");
     assert_eq!(numbers["options"]["cameras"], serde_json::json!(["cam2", "cam4"]));
     assert_eq!(numbers["options"]["size_px"], serde_json::json!([36, 48]));
     assert!(numbers["report"]["ways"][0]["joint_error_mm"]["mean"].as_f64().unwrap() > 0.0);
-    scene.fails(&format!("experiment fig5.5 --take {take} --frames 999"), 1, &["--frames 999", "60"]);
-    scene.fails(&format!("experiment fig5.5 --take {take} --cameras cam9"), 1, &["cam9"]);
+    scene.fails(&format!("experiment fig5.5 --take {BUILT_IN} --frames 999"), 1, &["--frames 999", "60"]);
+    scene.fails(&format!("experiment fig5.5 --take {BUILT_IN} --cameras cam9"), 1, &["cam9"]);
     scene.fails("experiment fig5.5 --cameras cam1", 2, &["--take"]);
 }
 
@@ -81,8 +80,7 @@ fn senseless_experiments_are_explained() {
 #[test]
 fn the_basin_of_a_frame_of_a_take() {
     let scene = Scene::new();
-    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
-    let ask = format!("experiment basin --take {take} --downhill --unscaled --starts 2 --angles 3");
+    let ask = format!("experiment basin --take {BUILT_IN} --downhill --unscaled --starts 2 --angles 3");
     let said = scene.ok(&format!("{ask} --joint neck --root 0 --within 60 --out one"));
     assert!(said.contains("3°, 0.0 cm") && said.contains("of 2"), "{said}");
     let printed = scene.ok(&format!("{ask} --frame 3 --json --out two"));
@@ -102,8 +100,7 @@ fn the_basin_of_a_frame_of_a_take() {
 #[test]
 fn the_basin_map_of_a_frame_of_a_take() {
     let scene = Scene::new();
-    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
-    let map = format!("experiment basin --take {take} --downhill --map neck.flexion,neck.twist");
+    let map = format!("experiment basin --take {BUILT_IN} --downhill --map neck.flexion,neck.twist");
     let said = scene.ok(&format!("{map} --cells 2 --farthest 10 --compare report --out map"));
     for part in ["Across: neck, flexion. Up: neck, twist", "Robust: ", "Report 2004: ", " of 4"] {
         assert!(said.contains(part), "{part}: {said}");
@@ -114,8 +111,12 @@ fn the_basin_map_of_a_frame_of_a_take() {
     scene.fails(&format!("{map} --cells 1"), 1, &["cells", "2 to 61"]);
     scene.fails(&format!("{map} --starts 3"), 2, &["--starts", "--map"]);
     scene.fails(&format!("{map} --compare best"), 2, &["--compare", "search:cylinder"]);
-    scene.fails(&format!("experiment basin --take {take} --map neck.flexion"), 2, &["JOINT.AXIS"]);
-    scene.fails(&format!("experiment basin --take {take} --map tail.twist,neck.twist"), 1, &["no limb tail"]);
+    scene.fails(&format!("experiment basin --take {BUILT_IN} --map neck.flexion"), 2, &["JOINT.AXIS"]);
+    scene.fails(
+        &format!("experiment basin --take {BUILT_IN} --map tail.twist,neck.twist"),
+        1,
+        &["no limb tail"],
+    );
     scene.fails("experiment basin --map neck.flexion,neck.twist", 2, &["--take"]);
 }
 
@@ -154,8 +155,7 @@ fn ways_to_begin_are_compared() {
     scene.fails("experiment begin --starts 1 --layers 0", 1, &["`layers` is 0"]);
     scene.fails("experiment begin --starts 1 --angles 7", 1, &["--angles"]);
     scene.fails("experiment begin --frames 3", 2, &["--take"]);
-    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
-    let ask = format!("experiment begin --take {take} --methods ramp --cameras 4 --angles 10 --frames 3");
+    let ask = format!("experiment begin --take {BUILT_IN} --methods ramp --cameras 4 --angles 10 --frames 3");
     let said = scene.ok(&format!("{ask} --out three"));
     assert!(said.contains("4, 10°: ramp") && said.contains("of 1"), "{said}");
 }

@@ -1,11 +1,12 @@
 //! From another tool's project to a tracked person, by two commands and without a hand; and what `import` says.
 
+use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 
 use serde_json::Value;
 
 use crate::footage::footage;
+use crate::scene::Scene;
 
 /// The mean distance of a joint from the project's own markers, which are themselves off by 8 to 17 pixels in places. All 70
 /// frames have 43.2.
@@ -19,19 +20,13 @@ fn project() -> Option<PathBuf> {
     project.is_dir().then_some(project)
 }
 
-fn backlit(arguments: &[&str]) -> (Value, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_backlit")).args(arguments).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{arguments:?}: {said}");
-    (serde_json::from_slice(&output.stdout).unwrap(), said)
-}
-
 #[test]
 fn a_project_of_another_tool_becomes_a_tracked_person() {
     let Some(project) = project() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let [take, results] = ["take", "results"].map(|name| folder.path().join(name).display().to_string());
-    let (found, said) = backlit(&["import", project.to_str().unwrap(), "--out", &take, "--json"]);
+    let scene = Scene::new();
+    let [take, results] = ["take", "results"].map(|name| scene.path(name).display().to_string());
+    let [found, said] = scene.told(&format!("import {} --out {take} --json", project.display()));
+    let found: Value = serde_json::from_str(&found).unwrap();
     assert_eq!((&found["project"], &found["frames"]), (&"a Pose2Sim project".into(), &70.into()), "{found}");
     // The calibration is 10 to 20 pixels off; what keypoints make of it is said.
     assert!(found["adjusted_px"][1].as_f64().unwrap() < 8.0, "{found}");
@@ -41,42 +36,29 @@ fn a_project_of_another_tool_becomes_a_tracked_person() {
         return;
     }
     let table = project.join("pose-3d/S00_P00_T01_BalancingTrial_0-70.trc");
-    let reference = table.to_str().unwrap();
     // Every fifth frame: faster, and harder than all of them.
-    let track = ["track", &take, "--out", &results, "--reference", reference, "--every", "5", "--json"];
-    let (summary, _) = backlit(&track);
+    let track = format!("track {take} --out {results} --reference {} --every 5 --json", table.display());
+    let summary = scene.json(&track);
     assert_eq!((&summary["frames"], &summary["lost"]), (&14.into(), &0.into()), "{summary}");
     let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
     assert!(number("/joint_error_mm/mean") <= MEAN_ERROR_MM, "{summary}");
     assert!(number("/iou/mean") >= IOU, "{summary}");
 
     // The background again, without the person that was tracked.
-    let plates = folder.path().join("plates");
-    let output = Command::new(env!("CARGO_BIN_EXE_backlit"))
-        .args(["background", &take, "--without", &results, "--out", plates.to_str().unwrap()])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let [_, said] = scene.told(&format!("background {take} --without {results} --out plates"));
     let learnt = said.lines().filter(|line| line.contains("was learnt again without the body")).count();
-    assert!(output.status.success() && learnt == 4, "{said}");
+    assert_eq!(learnt, 4, "{said}");
     assert!(
         said.contains("note: the take reads outside its own folder: "),
         "the footage stays where it is: {said}"
     );
-    assert!(plates.join("cam03.png").is_file());
+    assert!(scene.path("plates/cam03.png").is_file());
 }
 
 #[test]
 fn what_is_not_there_to_import_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let said = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_backlit")).args(arguments).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-        String::from_utf8(output.stderr).unwrap()
-    };
-    let empty = folder.path().to_str().unwrap();
-    let message = said(&["import", empty, "--dry-run"]);
-    assert!(message.contains(empty) && message.contains("expected"), "{message}");
-    let message = said(&["background", empty, "--without", empty, "--out", empty]);
-    assert!(message.contains("track.json"), "{message}");
+    let scene = Scene::new();
+    fs::create_dir(scene.path("empty")).unwrap();
+    scene.fails("import empty --dry-run", 1, &["empty", "expected"]);
+    scene.fails("background empty --without empty --out empty", 1, &["track.json"]);
 }

@@ -1,12 +1,10 @@
 //! The real footage, tracked end to end by the built program: how far the fitted joints are from the keypoints,
 //! and how well the silhouettes agree.
 
-use std::path::Path;
-use std::process::Command;
-
 use serde_json::Value;
 
 use crate::footage::footage;
+use crate::scene::Scene;
 
 /// Largest mean distance of a joint from its keypoint, which is itself good to a few centimetres. The robust preset has
 /// 30.1 mm, the report's 34 to 35.
@@ -19,18 +17,12 @@ const MAX_ERROR_MM: f64 = 80.0;
 const IOU: f64 = 0.865;
 
 /// What the program prints of the real take; `None` where there is no footage.
-fn json(command: &[&str], options: &str) -> Option<Value> {
-    let footage = footage()?;
-    let out = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_backlit"))
-        .env("BACKLIT_DATA", std::path::absolute(footage.parent().unwrap()).unwrap())
-        .args(command)
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing"))
-        .args(options.split(' '))
-        .args(["--json", "--out"])
-        .arg(out.path())
-        .output()
-        .unwrap();
+fn json(command: &str, options: &str) -> Option<Value> {
+    const TAKE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/takes/balancing");
+    let footage = std::path::absolute(footage()?.parent().unwrap()).unwrap();
+    let scene = Scene::new();
+    let mut command = scene.command(&format!("{command} {TAKE} {options} --json --out results"));
+    let output = command.env("BACKLIT_DATA", footage).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     // Nothing but JSON on standard output.
     Some(serde_json::from_slice(&output.stdout).unwrap())
@@ -39,14 +31,14 @@ fn json(command: &[&str], options: &str) -> Option<Value> {
 /// Four cameras, with the person's own sizes.
 #[test]
 fn the_real_person_is_found_without_a_start() {
-    let Some(found) = json(&["experiment", "no-start"], "--sets-of 4 --frames 0") else { return };
+    let Some(found) = json("experiment no-start", "--sets-of 4 --frames 0") else { return };
     assert_eq!(found["report"]["groups"][0]["found"], 1, "{found}");
 }
 
 /// Every other camera's clock is shifted by whole frames; all four cameras together are the last case.
 #[test]
 fn a_shift_of_real_footage_is_found() {
-    let Some(found) = json(&["experiment", "sync"], "--shifts 0,7,-12") else { return };
+    let Some(found) = json("experiment sync", "--shifts 0,7,-12") else { return };
     let cases = found["report"]["cases"].as_array().unwrap();
     let offsets = cases.last().unwrap()["found"].as_array().unwrap();
     assert_eq!(offsets.len(), 9);
@@ -59,8 +51,7 @@ fn a_shift_of_real_footage_is_found() {
 #[test]
 fn a_real_person_is_followed_from_a_noisy_start() {
     // Every fifth frame of 70: faster, and harder than all of them.
-    let Some(summary) = json(&["track"], "--every 5 --start reference --start-noise 5deg,3cm --seed 1")
-    else {
+    let Some(summary) = json("track", "--every 5 --start reference --start-noise 5deg,3cm --seed 1") else {
         return;
     };
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(14), Some(0)), "{summary}");

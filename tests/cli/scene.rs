@@ -16,6 +16,9 @@ use tempfile::TempDir;
 pub(crate) const RENDER: &str = "render --model upper_body --cameras cameras.json --pose pose.json --out out";
 pub(crate) const FIT: &str = "fit --model upper_body --cameras cameras.json --start start.json --masks masks";
 
+/// The take that comes with the program.
+pub(crate) const BUILT_IN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
+
 /// A folder with two cameras and a pose of the upper body, and what the program says in it.
 pub(crate) struct Scene {
     folder: TempDir,
@@ -66,12 +69,18 @@ impl Scene {
         self.command(arguments).output().unwrap()
     }
 
+    /// Runs a command that must succeed; its standard output and what it says beside it.
+    pub(crate) fn told(&self, arguments: &str) -> [String; 2] {
+        let output = self.run(arguments);
+        let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "backlit {arguments}: {complaint}");
+        [String::from_utf8(output.stdout).unwrap(), complaint]
+    }
+
     /// Runs a command that must succeed; its standard output.
     pub(crate) fn ok(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        let complaint = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "backlit {arguments}: {complaint}");
-        String::from_utf8(output.stdout).unwrap()
+        let [printed, _] = self.told(arguments);
+        printed
     }
 
     /// Runs a command that must succeed and print JSON.

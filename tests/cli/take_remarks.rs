@@ -2,62 +2,55 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
-/// A take with the built-in take's pictures, which stay where they are.
-fn take(folder: &Path) {
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
-    fs::copy(assets.join("start.json"), folder.join("start.json")).unwrap();
-    let text = fs::read_to_string(assets.join("take.toml")).unwrap();
-    let footage = format!("footage = {:?}\nframe_rate", assets.to_str().unwrap());
-    fs::write(folder.join("take.toml"), text.replacen("frame_rate", &footage, 1)).unwrap();
-}
+use crate::scene::{BUILT_IN, Scene};
 
-/// What a command that succeeds says on standard error.
-fn said(arguments: &[&str]) -> String {
-    let out = Command::new(env!("CARGO_BIN_EXE_backlit")).args(arguments).output().unwrap();
-    let said = String::from_utf8(out.stderr).unwrap();
-    assert!(out.status.success(), "{said}");
-    said
+/// A scene with some of the built-in take's files in `take`, and the text of its take file.
+fn with_files(files: &[&str]) -> (Scene, String) {
+    let scene = Scene::new();
+    let assets = Path::new(BUILT_IN);
+    fs::create_dir_all(scene.path("take/cam1")).unwrap();
+    for file in files {
+        fs::copy(assets.join(file), scene.path("take").join(file)).unwrap();
+    }
+    (scene, fs::read_to_string(assets.join("take.toml")).unwrap())
 }
 
 #[test]
 fn files_outside_the_takes_folder_are_told_once() {
-    let folder = tempfile::tempdir().unwrap();
-    take(folder.path());
-    let out = folder.path().join("out");
-    let [take, out] = [folder.path(), &out].map(|path| path.to_str().unwrap());
+    // The pictures stay where they are.
+    let (scene, text) = with_files(&["start.json"]);
+    let footage = format!("footage = {BUILT_IN:?}\nframe_rate");
+    scene.write("take/take.toml", &text.replacen("frame_rate", &footage, 1));
     for arguments in [
-        &["track", take, "--out", out, "--frames", "0..2"][..],
-        &["track", take, "--out", out, "--frames", "0..3", "--resume"],
-        &["fit", take, "--frame", "1"],
+        "track take --out out --frames 0..2",
+        "track take --out out --frames 0..3 --resume",
+        "fit take --frame 1",
     ] {
-        let said = said(arguments);
+        let [_, said] = scene.told(arguments);
         let told: Vec<&str> = said.lines().filter(|line| line.contains("outside its own folder")).collect();
-        assert_eq!(told.len(), 1, "{arguments:?}: {said}");
+        assert_eq!(told.len(), 1, "{arguments}: {said}");
         assert!(told[0].starts_with("note: the take reads outside its own folder: "), "{told:?}");
         assert!(told[0].contains("assets/take/cameras.json, and 9 more paths that it names"), "{told:?}");
     }
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
-    let said = said(&["track", own.to_str().unwrap(), "--out", out, "--frames", "0..1"]);
+    let [_, said] = scene.told(&format!("track {BUILT_IN} --out out --frames 0..1"));
     assert!(!said.contains("outside"), "{said}");
 }
 
 #[test]
 fn pictures_behind_a_gap_are_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
-    fs::create_dir_all(folder.path().join("cam1")).unwrap();
-    let files = ["cameras.json", "start.json", "cam1/empty_000.jpg", "cam1/empty_001.jpg"];
-    let frames = [0, 1, 3].map(|frame| format!("cam1/frame_{frame:03}.jpg"));
-    for file in files.into_iter().chain(frames.iter().map(String::as_str)) {
-        fs::copy(assets.join(file), folder.path().join(file)).unwrap();
-    }
-    let text = fs::read_to_string(assets.join("take.toml")).unwrap();
+    let (scene, text) = with_files(&[
+        "cameras.json",
+        "start.json",
+        "cam1/empty_000.jpg",
+        "cam1/empty_001.jpg",
+        "cam1/frame_000.jpg",
+        "cam1/frame_001.jpg",
+        "cam1/frame_003.jpg",
+    ]);
     let one_camera: Vec<&str> = text.split("[[camera]]").take(2).collect();
-    fs::write(folder.path().join("take.toml"), one_camera.join("[[camera]]")).unwrap();
-    let out = folder.path().join("out");
-    let said = said(&["silhouettes", folder.path().to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    scene.write("take/take.toml", &one_camera.join("[[camera]]"));
+    let [_, said] = scene.told("silhouettes take --out out");
     assert!(said.contains("note: camera \"cam1\": pictures 2 to 2 are missing"), "{said}");
     assert!(!said.contains("outside"), "{said}");
 }

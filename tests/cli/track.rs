@@ -11,7 +11,7 @@ use backlit_tracking::render::{Ramp, RendererKind, predict};
 use image::{DynamicImage, Rgb, RgbImage};
 use serde_json::Value;
 
-use crate::scene::Scene;
+use crate::scene::{BUILT_IN, Scene};
 
 const FRAMES: usize = 5;
 
@@ -417,9 +417,8 @@ fn ctrl_c_ends_a_track_in_order() {
     use std::time::{Duration, Instant};
 
     let scene = Scene::new();
-    let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
-    let mut command = scene.command("track --search --out results");
-    let program = command.arg(take).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let mut command = scene.command(&format!("track {BUILT_IN} --search --out results"));
+    let program = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let began = Instant::now();
     // It listens before it makes the folder.
     while !scene.path("results").is_dir() {
