@@ -36,16 +36,13 @@ impl<'a> Window<'a> {
         let process = command.spawn().unwrap();
         let mut window = Self { desk, process, id: String::new(), state, stderr, pointer: [1, 1] };
         let pid = window.process.id().to_string();
-        let began = Instant::now();
-        while window.id.is_empty() || !window.state.is_file() {
-            assert!(began.elapsed() < PATIENCE, "no window: {}", window.complaints());
-            window.must_live();
-            let found =
-                window.desk.command("xdotool").args(["search", "--onlyvisible", "--pid", &pid]).output();
-            let found = String::from_utf8_lossy(&found.unwrap().stdout).into_owned();
-            window.id = found.lines().next().unwrap_or_default().to_owned();
-            sleep(GLANCE);
-        }
+        let missing = |_: &Self| "no window".to_owned();
+        window.id = window.wait(GLANCE, missing, |window| {
+            let search = ["search", "--onlyvisible", "--pid", &pid];
+            let found = window.desk.command("xdotool").args(search).output().unwrap().stdout;
+            let id = String::from_utf8_lossy(&found).lines().next()?.to_owned();
+            window.state.is_file().then_some(id)
+        });
         window.xdotool(&["mousemove", "1", "1"]);
         window.focus();
         window
@@ -75,6 +72,24 @@ impl<'a> Window<'a> {
         }
     }
 
+    /// Looks until there is something, with pauses.
+    fn wait<T>(
+        &mut self,
+        pause: Duration,
+        missing: impl Fn(&Self) -> String,
+        mut look: impl FnMut(&mut Self) -> Option<T>,
+    ) -> T {
+        let began = Instant::now();
+        loop {
+            if let Some(found) = look(self) {
+                return found;
+            }
+            self.must_live();
+            assert!(began.elapsed() < PATIENCE, "{}: {}", missing(self), self.complaints());
+            sleep(pause);
+        }
+    }
+
     fn xdotool(&self, arguments: &[&str]) {
         let status = self.desk.command("xdotool").args(arguments).status().unwrap();
         assert!(status.success(), "xdotool {arguments:?}");
@@ -91,21 +106,14 @@ impl<'a> Window<'a> {
 
     /// Waits until the state is as it should be, and returns it.
     pub(crate) fn until(&mut self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
-        let began = Instant::now();
-        loop {
-            let state = self.state();
-            if is_so(&state) {
-                println!("ok: {what}");
-                return state;
-            }
-            self.must_live();
-            if began.elapsed() > PATIENCE {
-                let mut short = state;
-                short["pose"] = Value::Null;
-                panic!("not so: {what}\n{short:#}\n{}", self.complaints());
-            }
-            sleep(GLANCE);
-        }
+        let missing = |window: &Self| {
+            let mut short = window.state();
+            short["pose"] = Value::Null;
+            format!("not so: {what}\n{short:#}\n")
+        };
+        let state = self.wait(GLANCE, missing, |window| Some(window.state()).filter(&is_so));
+        println!("ok: {what}");
+        state
     }
 
     /// The same, and waits until the take is there and nothing is being computed.
@@ -162,28 +170,19 @@ impl<'a> Window<'a> {
 
     /// The place of a widget once it is there and stays there.
     fn waited_for(&mut self, name: &str) -> [i32; 2] {
-        let began = Instant::now();
         let mut before = None;
-        loop {
-            let place = self.place(name);
-            if let Some(place) = place.filter(|_| place == before) {
-                return place;
-            }
-            before = place;
-            self.must_live();
-            assert!(began.elapsed() < PATIENCE, "there is no {name}");
-            sleep(4 * GLANCE);
-        }
+        let missing = |_: &Self| format!("there is no {name}");
+        self.wait(4 * GLANCE, missing, |window| {
+            let place = window.place(name);
+            let last = std::mem::replace(&mut before, place);
+            place.filter(|_| place == last)
+        })
     }
 
     /// Waits until no widget has this name.
     pub(crate) fn until_gone(&mut self, name: &str) {
-        let began = Instant::now();
-        while self.place(name).is_some() {
-            self.must_live();
-            assert!(began.elapsed() < PATIENCE, "{name} is still there");
-            sleep(GLANCE);
-        }
+        let missing = |_: &Self| format!("{name} is still there");
+        self.wait(GLANCE, missing, |window| window.place(name).is_none().then_some(()));
         println!("ok: {name} is gone");
     }
 
@@ -206,21 +205,15 @@ impl<'a> Window<'a> {
     }
 
     fn until_pointer(&mut self, what: &str, is_so: impl Fn(&Value, f64) -> bool) {
-        let began = Instant::now();
-        loop {
-            let exported = self.exported();
-            if is_so(&exported["pointer"], exported["pixels_per_point"].as_f64().unwrap()) {
-                return;
-            }
-            self.must_live();
-            assert!(
-                began.elapsed() < PATIENCE,
-                "the pointer, sent to {:?}: not so that it {what}: {}",
-                self.pointer,
-                exported["pointer"]
-            );
-            sleep(GLANCE / 4);
-        }
+        let missing = |window: &Self| {
+            let found = &window.exported()["pointer"];
+            format!("the pointer, sent to {:?}: not so that it {what}: {found}", window.pointer)
+        };
+        self.wait(GLANCE / 4, missing, |window| {
+            let exported = window.exported();
+            let scale = exported["pixels_per_point"].as_f64().unwrap();
+            is_so(&exported["pointer"], scale).then_some(())
+        });
     }
 
     /// Points at the first widget of this name. A frame has been drawn by then; where that has moved the widget, it is followed.
