@@ -122,10 +122,7 @@ fn standing(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
     set_angles(model, &mut pose, "chest", [3.0, 1.5 * sway, 2.0 * sway]);
     right.pose(model, &mut pose, "right");
     left.pose(model, &mut pose, "left");
-    for (side, sign) in [("right", 1.0), ("left", -1.0)] {
-        let ankle = DVec3::new(sign * 0.13, -0.02, ANKLE_HEIGHT);
-        place_leg(model, &mut pose, side, ankle, DQuat::from_rotation_z(-sign * 0.15));
-    }
+    plant(model, &mut pose, 0.0);
     pose
 }
 
@@ -173,7 +170,7 @@ fn squat(model: &Model, seconds: f64) -> Pose {
     pose.root += DVec3::new(0.0, -0.2 * depth, -0.4 * depth);
     set(model, &mut pose, "spine", DQuat::from_rotation_x(-(3.0 + 36.0 * depth).to_radians()));
     set_angles(model, &mut pose, "chest", [4.0 + 10.0 * depth, 0.0, 0.0]);
-    plant(model, &mut pose);
+    plant(model, &mut pose, STOP);
     pose
 }
 
@@ -203,14 +200,14 @@ fn blows(model: &Model, seconds: f64) -> Pose {
     pose.root += DVec3::new(0.03 * phase.sin(), 0.03, -0.04 - 0.015 * (2.0 * phase).cos());
     let turn = DQuat::from_rotation_z(0.35 * (right - left)) * DQuat::from_rotation_x(-0.14);
     set(model, &mut pose, "spine", turn);
-    plant(model, &mut pose);
+    plant(model, &mut pose, STOP);
     pose
 }
 
-/// Both feet where they stand.
-fn plant(model: &Model, pose: &mut Pose) {
+/// Both feet on the floor, this far ahead.
+fn plant(model: &Model, pose: &mut Pose, ahead: f64) {
     for (side, sign) in [("right", 1.0), ("left", -1.0)] {
-        let ankle = DVec3::new(sign * 0.13, STOP - 0.02, ANKLE_HEIGHT);
+        let ankle = DVec3::new(sign * 0.13, ahead - 0.02, ANKLE_HEIGHT);
         place_leg(model, pose, side, ankle, DQuat::from_rotation_z(-sign * 0.15));
     }
 }

@@ -55,7 +55,6 @@ pub enum Material {
 /// A point of the figure's surface with what is needed to colour it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Touch {
-    pub(super) distance: f64,
     pub(super) material: Material,
     /// The point in the frame of the part, where textures live.
     pub(super) local: DVec3,
@@ -265,7 +264,7 @@ impl Figure {
 
     /// The nearest part and material, for colouring.
     pub(super) fn touch(&self, point: DVec3) -> Touch {
-        let (distance, material) = self.layers(point).nearest();
+        let (_, material) = self.layers(point).nearest();
         let mut part = (f64::INFINITY, Part::Trunk);
         for candidate in PARTS {
             let own = self.part(candidate, point).0
@@ -281,7 +280,7 @@ impl Figure {
             Part::Leg(side) if material == Material::Shoe => &self.legs[side].end,
             Part::Leg(side) => nearest_frame(&self.legs[side], point),
         };
-        Touch { distance, material, local: frame.local(point), part: part.1 }
+        Touch { material, local: frame.local(point), part: part.1 }
     }
 
     fn layers(&self, point: DVec3) -> Layers {

@@ -9,7 +9,7 @@ use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::{Camera, Rectification};
 use backlit_tracking::segment::{Background, segment};
-use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::silhouette::{Label, Mask, Overlap};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/take")
@@ -68,7 +68,8 @@ fn the_segmentation_finds_the_person_where_the_truth_is() {
             let pose = motion::pose(take.model(), frame as f64);
             let figure = Figure::new(take.model(), &pose, Build::default()).unwrap();
             let exact = silhouette(&figure, &ideal).unwrap();
-            let iou = overlap(&mask, &exact);
+            let subject: Vec<bool> = exact.labels().iter().map(|label| *label == Label::Subject).collect();
+            let iou = Overlap::of_covered(&mask, &subject).unwrap().iou().unwrap();
             let missed = joints_outside(&take, &mask, &ideal, frame);
             if iou < 0.9 || missed > 1 {
                 failures
@@ -78,19 +79,6 @@ fn the_segmentation_finds_the_person_where_the_truth_is() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-/// Intersection over union of two masks' subjects, where both know.
-fn overlap(a: &Mask, b: &Mask) -> f64 {
-    let (mut both, mut either) = (0, 0);
-    for (a, b) in a.labels().iter().zip(b.labels()) {
-        if *a != Label::Unknown && *b != Label::Unknown {
-            let subjects = [*a, *b].map(|label| label == Label::Subject);
-            both += usize::from(subjects == [true; 2]);
-            either += usize::from(subjects.contains(&true));
-        }
-    }
-    both as f64 / f64::from(u32::try_from(either.max(1)).unwrap())
 }
 
 /// How many reference joints are seen on the background.
