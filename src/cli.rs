@@ -91,9 +91,9 @@ pub fn run() -> ExitCode {
     if std::env::var_os(NARROW_VECTORS).is_some_and(|value| value == "256") {
         processor::use_narrow_vectors();
     }
-    let result = match &cli.command {
+    let result = match cli.command {
         None => open(cli.take.as_deref(), cli.state),
-        Some(Command::Screenshot(arguments)) => screenshot::run(arguments),
+        Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Work(command)) => command.run(),
     };
     match result {

@@ -1,6 +1,6 @@
 //! `backlit experiment`: measurements on data of known truth, most of them figures of the report.
 //!
-//! An experiment is one file, listed in [`EXPERIMENTS`]. Its options are a struct: the command line fills it in, and the file
+//! An experiment is one file, listed in [`Chosen`]. Its options are a struct: the command line fills it in, and the file
 //! with the numbers keeps it. [`Experiment::run`] measures; [`Experiment::table`] and [`Experiment::pictures`] show the report.
 //! [`Experiment::perform`] does the rest: progress, Ctrl+C, files, the screen.
 
@@ -24,7 +24,7 @@ mod track;
 use anyhow::{Context, ensure};
 use backlit_plot::{AsPicture, Drawn, png};
 use backlit_tracking::cancel::CancelToken;
-use clap::{ArgMatches, Args, FromArgMatches, Subcommand};
+use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -154,12 +154,6 @@ pub(crate) fn check_least(option: &str, value: usize, least: usize) -> anyhow::R
     Ok(())
 }
 
-/// What the command line tells one experiment. Its documentation is the help.
-trait ExperimentArguments: Args {
-    const NAME: &'static str;
-    fn run(self) -> anyhow::Result<()>;
-}
-
 // An experiment's options, and where its files go. A doc comment would be the help of every experiment.
 #[derive(Debug, Args)]
 struct WithOutput<E: Args> {
@@ -169,49 +163,36 @@ struct WithOutput<E: Args> {
     output: OutputArguments,
 }
 
-impl<E: Experiment + Args> ExperimentArguments for WithOutput<E> {
-    const NAME: &'static str = E::NAME;
+impl<E: Experiment + Args> WithOutput<E> {
     fn run(mut self) -> anyhow::Result<()> {
         self.experiment.perform(&self.output)
     }
 }
 
-/// How an experiment is told its arguments, and how it then runs.
-struct Registration {
-    command: fn() -> clap::Command,
-    run: fn(&ArgMatches) -> anyhow::Result<()>,
+/// All experiments, in the order of the help. The documentation of their arguments is their help.
+#[derive(Debug, Subcommand)]
+enum Chosen {
+    #[command(name = fig51::SingleLimb::NAME)]
+    SingleLimb(WithOutput<fig51::SingleLimb>),
+    #[command(name = fig52::UpperBody::<1>::NAME)]
+    BeforeOneCamera(WithOutput<fig52::UpperBody<1>>),
+    #[command(name = fig52::UpperBody::<2>::NAME)]
+    BeforeTwoCameras(WithOutput<fig52::UpperBody<2>>),
+    #[command(name = fig54::OneFrame::NAME)]
+    OneFrame(WithOutput<fig54::OneFrame>),
+    #[command(name = fig55::Followed::<192, 144>::NAME)]
+    Followed(WithOutput<fig55::Followed<192, 144>>),
+    #[command(name = fig55::Followed::<48, 36>::NAME)]
+    FollowedSmall(WithOutput<fig55::Followed<48, 36>>),
+    Sizes(WithOutput<sizes::OwnSizes>),
+    Track(WithOutput<track::Speeds>),
+    Basin(Box<basin::Arguments>),
+    Acquire(Box<acquire::Arguments>),
+    Begin(Box<begin::Arguments>),
+    Footage(Box<footage::Arguments>),
+    NoStart(WithOutput<no_start::NoStart>),
+    Sync(WithOutput<sync::ShiftedTake>),
 }
-
-impl Registration {
-    const fn of<E: Experiment + Args>() -> Self {
-        Self::arguments::<WithOutput<E>>()
-    }
-
-    const fn arguments<A: ExperimentArguments>() -> Self {
-        Self {
-            command: || A::augment_args(clap::Command::new(A::NAME)),
-            run: |matches| A::from_arg_matches(matches)?.run(),
-        }
-    }
-}
-
-/// All experiments, in the order of the help.
-const EXPERIMENTS: &[Registration] = &[
-    Registration::of::<fig51::SingleLimb>(),
-    Registration::of::<fig52::UpperBody<1>>(),
-    Registration::of::<fig52::UpperBody<2>>(),
-    Registration::of::<fig54::OneFrame>(),
-    Registration::of::<fig55::Followed<192, 144>>(),
-    Registration::of::<fig55::Followed<48, 36>>(),
-    Registration::of::<sizes::OwnSizes>(),
-    Registration::of::<track::Speeds>(),
-    Registration::arguments::<basin::Arguments>(),
-    Registration::arguments::<acquire::Arguments>(),
-    Registration::arguments::<begin::Arguments>(),
-    Registration::arguments::<footage::Arguments>(),
-    Registration::of::<no_start::NoStart>(),
-    Registration::of::<sync::ShiftedTake>(),
-];
 
 const AFTER_HELP: &str = "\
 Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The \
@@ -225,44 +206,25 @@ pub struct Arguments {
     chosen: Chosen,
 }
 
-/// The experiment that was asked for.
-#[derive(Debug)]
-struct Chosen(String, ArgMatches);
-
-impl FromArgMatches for Chosen {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let missing = || clap::Error::new(clap::error::ErrorKind::MissingSubcommand);
-        let (name, matches) = matches.subcommand().ok_or_else(missing)?;
-        Ok(Self(name.to_owned(), matches.clone()))
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
-impl Subcommand for Chosen {
-    fn augment_subcommands(command: clap::Command) -> clap::Command {
-        let commands = EXPERIMENTS.iter().map(|experiment| (experiment.command)());
-        command.subcommands(commands).subcommand_required(true).arg_required_else_help(true)
-    }
-
-    fn augment_subcommands_for_update(command: clap::Command) -> clap::Command {
-        Self::augment_subcommands(command)
-    }
-
-    fn has_subcommand(name: &str) -> bool {
-        EXPERIMENTS.iter().any(|experiment| (experiment.command)().get_name() == name)
-    }
-}
-
 /// Runs the experiment.
 ///
 /// # Errors
 /// An option is out of range, a file cannot be read or written, or Ctrl+C was pressed.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let Chosen(name, matches) = &arguments.chosen;
-    let chosen = EXPERIMENTS.iter().find(|experiment| (experiment.command)().get_name() == name);
-    chosen.map_or(Ok(()), |experiment| (experiment.run)(matches))
+pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.chosen {
+        Chosen::SingleLimb(chosen) => chosen.run(),
+        Chosen::BeforeOneCamera(chosen) => chosen.run(),
+        Chosen::BeforeTwoCameras(chosen) => chosen.run(),
+        Chosen::OneFrame(chosen) => chosen.run(),
+        Chosen::Followed(chosen) => chosen.run(),
+        Chosen::FollowedSmall(chosen) => chosen.run(),
+        Chosen::Sizes(chosen) => chosen.run(),
+        Chosen::Track(chosen) => chosen.run(),
+        Chosen::Basin(chosen) => chosen.run(),
+        Chosen::Acquire(chosen) => chosen.run(),
+        Chosen::Begin(chosen) => chosen.run(),
+        Chosen::Footage(chosen) => chosen.run(),
+        Chosen::NoStart(chosen) => chosen.run(),
+        Chosen::Sync(chosen) => chosen.run(),
+    }
 }

@@ -78,22 +78,22 @@ pub enum Command {
 
 impl Command {
     /// Does it.
-    pub fn run(&self) -> anyhow::Result<()> {
+    pub fn run(self) -> anyhow::Result<()> {
         match self {
-            Self::Import(arguments) => import::run(arguments),
-            Self::Render(arguments) => render::run(arguments),
-            Self::Fit(arguments) => fit::run(arguments),
-            Self::FitBody(arguments) => fit_body::run(arguments),
-            Self::Track(arguments) => track::run(arguments),
-            Self::Export(arguments) => export::run(arguments),
-            Self::Background(arguments) => background::run(arguments),
-            Self::Observability(arguments) => observability::run(arguments),
-            Self::Silhouettes(arguments) => silhouettes::run(arguments),
-            Self::Sync(arguments) => sync::run(arguments),
-            Self::Prior(arguments) => prior::run(arguments),
-            Self::Cameras(arguments) => cameras::run(arguments),
-            Self::SphereTree(arguments) => sphere_tree::run(arguments),
-            Self::Recognise(arguments) => recognise::run(arguments),
+            Self::Import(arguments) => import::run(&arguments),
+            Self::Render(arguments) => render::run(&arguments),
+            Self::Fit(arguments) => fit::run(&arguments),
+            Self::FitBody(arguments) => fit_body::run(&arguments),
+            Self::Track(arguments) => track::run(&arguments),
+            Self::Export(arguments) => export::run(&arguments),
+            Self::Background(arguments) => background::run(&arguments),
+            Self::Observability(arguments) => observability::run(&arguments),
+            Self::Silhouettes(arguments) => silhouettes::run(&arguments),
+            Self::Sync(arguments) => sync::run(&arguments),
+            Self::Prior(arguments) => prior::run(&arguments),
+            Self::Cameras(arguments) => cameras::run(&arguments),
+            Self::SphereTree(arguments) => sphere_tree::run(&arguments),
+            Self::Recognise(arguments) => recognise::run(&arguments),
             Self::Experiment(arguments) => experiment::run(arguments),
         }
     }

@@ -1,9 +1,8 @@
 //! How far off a start may be, and still end where it should: poses × starts × choices of fit.
 //!
 //! A [`Subject`] is a body, what its cameras see, and the pose that starts are about. Where a subject comes from does not
-//! matter: a frame of a take or a simulation. Its starts are drawn at random or stand on a grid ([`Starts`]), or are handed
-//! in with it ([`Basin::from_starts`]). A fit succeeds when root and leaf joints end within a limit of the target on
-//! average ([`leaf_error_mm`]).
+//! matter: a frame of a take or a simulation. Its starts are drawn at random or stand on a grid ([`Starts`]). A fit succeeds
+//! when root and leaf joints end within a limit of the target on average ([`leaf_error_mm`]).
 //! Every trial can be made by itself, in any order, and gives the same numbers every time.
 
 mod choice;
@@ -107,7 +106,7 @@ pub enum BasinError {
 pub struct Trial {
     /// Index of the choice.
     pub choice: usize,
-    /// Where its start stands among the others: level and number, or column and row, or subject and 0.
+    /// Where its start stands among the others: level and number, or column and row.
     pub place: [usize; 2],
     /// Mean distance from the choice's target at the start, millimetres.
     pub start_mm: f64,
@@ -115,22 +114,15 @@ pub struct Trial {
     pub error_mm: f64,
 }
 
-/// One start, whose it is, and where it stands among the others.
-#[derive(Debug, Clone)]
-struct PlacedStart {
-    subject: usize,
-    place: [usize; 2],
-    pose: Pose,
-}
-
 /// All trials, ready to be made one by one.
 #[derive(Debug, Clone)]
 pub struct Basin {
-    subjects: Vec<Subject>,
-    /// Where each choice is to end, by subject.
-    targets: Vec<Vec<Pose>>,
+    subject: Subject,
+    /// Where each choice is to end.
+    targets: Vec<Pose>,
     choices: Vec<FitChoice>,
-    starts: Vec<PlacedStart>,
+    /// Where starts stand among the others, and they themselves.
+    starts: Vec<([usize; 2], Pose)>,
 }
 
 impl Basin {
@@ -147,22 +139,9 @@ impl Basin {
                 .map(|end| end.unwrap_or_else(|| subject.reference.clone())),
         };
         let targets = options.choices.iter().map(target).collect::<Result<_, _>>()?;
-        let start = |place| PlacedStart { subject: 0, place, pose: options.starts.pose(&subject, place) };
+        let start = |place| (place, options.starts.pose(&subject, place));
         let starts = options.starts.places().into_iter().map(start).collect();
-        Ok(Self { targets: vec![targets], choices: options.choices.clone(), starts, subjects: vec![subject] })
-    }
-
-    /// One trial a subject, each from its own start; fits are to end at the references.
-    #[must_use]
-    pub fn from_starts(starts: Vec<(Subject, Pose)>, choice: FitChoice) -> Self {
-        let (subjects, poses): (Vec<Subject>, Vec<Pose>) = starts.into_iter().unzip();
-        let start = |(subject, pose)| PlacedStart { subject, place: [subject, 0], pose };
-        Self {
-            targets: subjects.iter().map(|subject| vec![subject.reference.clone()]).collect(),
-            choices: vec![choice],
-            starts: poses.into_iter().enumerate().map(start).collect(),
-            subjects,
-        }
+        Ok(Self { targets, choices: options.choices.clone(), starts, subject })
     }
 
     /// How many trials there are.
@@ -177,16 +156,10 @@ impl Basin {
     /// Returns an error if the fit cannot begin, or if `cancel` was given.
     pub fn run(&self, index: usize, cancel: &CancelToken) -> Result<Trial, BasinError> {
         let choice = index % self.choices.len();
-        let start = &self.starts[index / self.choices.len()];
-        let subject = &self.subjects[start.subject];
-        let target = &self.targets[start.subject][choice];
-        let error_mm = |pose: &Pose| leaf_error_mm(&subject.model, pose, target);
-        let end = self.choices[choice].end(subject, &start.pose, cancel)?;
-        Ok(Trial {
-            choice,
-            place: start.place,
-            start_mm: error_mm(&start.pose),
-            error_mm: end.as_ref().map_or(f64::INFINITY, error_mm),
-        })
+        let (place, start) = &self.starts[index / self.choices.len()];
+        let (subject, target) = (&self.subject, &self.targets[choice]);
+        let start_mm = leaf_error_mm(&subject.model, start, target);
+        let error_mm = self.choices[choice].error_mm(subject, start, target, cancel)?;
+        Ok(Trial { choice, place: *place, start_mm, error_mm })
     }
 }

@@ -30,7 +30,7 @@ use serde::Serialize;
 
 use self::of_take::AcquiredTake;
 use super::arguments::OutputArguments;
-use super::{Experiment, ExperimentArguments, Run, check_least};
+use super::{Experiment, Run, check_least};
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -47,10 +47,8 @@ pub(crate) struct Arguments {
     output: OutputArguments,
 }
 
-impl ExperimentArguments for Arguments {
-    const NAME: &'static str = AcquiredPeople::NAME;
-
-    fn run(mut self) -> Result<()> {
+impl Arguments {
+    pub(crate) fn run(mut self) -> Result<()> {
         let Some(take) = &self.take else { return self.simulated.perform(&self.output) };
         let by_hand = Arc::clone(Take::open(take)?.model());
         let footage = take_options::open_with_model(take, Some("full_body"))?;

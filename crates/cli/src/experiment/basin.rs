@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 use backlit_formats::starts_file::{self, Start};
 use backlit_lab::experiment::starts::Draw;
 use backlit_plot::{Axis, Drawn, Figure, Line};
-use backlit_runs::basin::{Basin, FitChoice, SUCCESS_MM, Subject, SuccessRate};
-use backlit_tracking::fit::Preset;
+use backlit_runs::basin::{FitChoice, SUCCESS_MM, Subject, SuccessRate};
+use backlit_tracking::fit::{FitView, Preset};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::SearchOptions;
 use backlit_tracking::search::start::{LEVELS, Level};
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
 use super::frame_basin::FrameArguments;
-use super::{Experiment, ExperimentArguments, Run};
+use super::{Experiment, Run};
 use crate::fit_options::solid_help;
 use crate::output::number;
 use crate::table::Table;
@@ -97,10 +97,8 @@ struct CameraBasin {
     ms_per_start: f64,
 }
 
-impl ExperimentArguments for Arguments {
-    const NAME: &'static str = Basins::NAME;
-
-    fn run(self) -> Result<()> {
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
         let (preset, renderer) = (self.preset, self.renderer);
         let mut choice = FitChoice::best_of(preset);
         choice.fit.renderer = renderer;
@@ -131,21 +129,17 @@ impl Experiment for Basins {
         let mut basins = Vec::with_capacity(self.cameras.len());
         for (index, &cameras) in self.cameras.iter().enumerate() {
             let subject = |start: &Start| {
-                let views = start.views.get(&cameras).cloned();
-                let views = views.with_context(|| {
-                    format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
-                })?;
-                let subject = Subject { model: start.model.clone(), views, reference: start.truth.clone() };
-                Ok((subject, start.start.clone()))
+                let (views, reference) = (views_of(start, cameras)?.to_vec(), start.truth.clone());
+                Ok(Subject { model: start.model.clone(), views, reference })
             };
-            let subjects = self.given.iter().map(subject).collect::<Result<_>>()?;
-            let basin = Basin::from_starts(subjects, self.choice.clone());
+            let subjects: Vec<Subject> = self.given.iter().map(subject).collect::<Result<_>>()?;
             let mut errors: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
             let mut seconds = 0.0;
-            for (trial, start) in self.given.iter().enumerate() {
+            for (trial, (start, subject)) in self.given.iter().zip(&subjects).enumerate() {
                 run.progress(index * self.given.len() + trial, total)?;
                 let began = Instant::now();
-                let error_mm = basin.run(trial, &run.cancel)?.error_mm;
+                let error_mm =
+                    self.choice.error_mm(subject, &start.start, &subject.reference, &run.cancel)?;
                 seconds += began.elapsed().as_secs_f64();
                 run.check()?;
                 errors.entry(start.degrees).or_default().push(error_mm);
@@ -227,6 +221,14 @@ pub(super) fn starts_of(
     let levels = if angles.is_empty() { LEVELS.to_vec() } else { levels_of(angles)? };
     let draw = Draw { starts: count, levels, cameras: cameras.to_vec(), size_px, seed };
     Ok((draw.draw()?, Some(draw)))
+}
+
+/// What this many cameras see of a start's truth.
+pub(super) fn views_of(start: &Start, cameras: usize) -> Result<&[FitView]> {
+    let views = start.views.get(&cameras).with_context(|| {
+        format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
+    })?;
+    Ok(views)
 }
 
 /// How far starts of these angles are off.

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use backlit_formats::starts_file::Start;
 use backlit_lab::experiment::starts::Draw;
 use backlit_plot::{Axis, Drawn, Figure, Line};
@@ -21,9 +21,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
-use super::basin::{levels_of, starts_of};
+use super::basin::{levels_of, starts_of, views_of};
 use super::no_start::{KeypointFrame, error_mm, sets};
-use super::{Experiment, ExperimentArguments, Run};
+use super::{Experiment, Run};
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -109,10 +109,8 @@ struct Frames {
     seed: u64,
 }
 
-impl ExperimentArguments for Arguments {
-    const NAME: &'static str = Beginnings::NAME;
-
-    fn run(self) -> Result<()> {
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
         let mut choices = InitialisationOptions { heads: self.heads, ..InitialisationOptions::default() };
         for chosen in [&mut choices.particles, &mut choices.particles_no_start] {
             chosen.particles = self.particles.unwrap_or(chosen.particles);
@@ -226,9 +224,7 @@ impl Beginnings {
         let mut trials = Trials::new();
         for &cameras in &self.cameras {
             for start in &self.given {
-                let views = start.views.get(&cameras).with_context(|| {
-                    format!("`cameras` is {cameras}; expected a number of cameras that the starts have")
-                })?;
+                let views = views_of(start, cameras)?;
                 let given = (!self.no_start).then_some(&start.start);
                 let inputs =
                     InitialisationInputs { model: &start.model, views, start: given, cancel: &run.cancel };

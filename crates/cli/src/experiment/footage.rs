@@ -11,7 +11,6 @@ use clap::Args;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::ExperimentArguments;
 use crate::follow_options::FollowArguments;
 use crate::output::{self, number};
 use crate::progress::each_frame;
@@ -60,16 +59,12 @@ struct OneStart {
     track: TrackSummary,
 }
 
-impl ExperimentArguments for Arguments {
-    const NAME: &'static str = "footage";
-
-    fn run(self) -> anyhow::Result<()> {
+impl Arguments {
+    pub(crate) fn run(self) -> anyhow::Result<()> {
         let report = self.report()?;
         if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
     }
-}
 
-impl Arguments {
     /// All starts go through the take together, so that each frame is segmented once.
     fn report(&self) -> anyhow::Result<Report> {
         let smoothing = self.follow.smoothing()?;

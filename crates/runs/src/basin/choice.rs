@@ -7,6 +7,7 @@ use backlit_document::run_names::{count_twins, plain_names};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitOptions, Preset};
+use backlit_tracking::metrics::leaf_error_mm;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::{
     SearchOptions, WithoutStartError, WithoutStartOptions, fit_best, without_start,
@@ -69,6 +70,21 @@ impl FitChoice {
         };
         let pose = fit.run(cancel, |_| {}).pose;
         if cancel.is_cancelled() { Err(BasinError::Cancelled) } else { Ok(Some(pose)) }
+    }
+
+    /// How far from a target a fit ends, millimetres; infinitely far where no pose was found.
+    ///
+    /// # Errors
+    /// As [`end`](Self::end).
+    pub fn error_mm(
+        &self,
+        subject: &Subject,
+        start: &Pose,
+        target: &Pose,
+        cancel: &CancelToken,
+    ) -> Result<f64, BasinError> {
+        let end = self.end(subject, start, cancel)?;
+        Ok(end.map_or(f64::INFINITY, |end| leaf_error_mm(&subject.model, &end, target)))
     }
 }
 

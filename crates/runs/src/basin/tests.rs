@@ -6,7 +6,7 @@ use backlit_lab::experiment::starts::Draw;
 use backlit_lab::synthetic::{capsules, upper_body};
 use backlit_tracking::body::builtin;
 use backlit_tracking::camera::Camera;
-use backlit_tracking::fit::{Evidence, FitOptions, Preset};
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::search::start::Level;
 
 use super::*;
@@ -15,10 +15,8 @@ use super::*;
 fn subject() -> Subject {
     let model = Arc::new(builtin::upper_body());
     let reference = upper_body::motion(&model, 7);
-    let view = |camera: &Arc<Camera>| FitView {
-        camera: Arc::clone(camera),
-        evidence: Evidence::Mask(Arc::new(capsules::hard_mask(&model, &reference, camera).unwrap())),
-        weight: 1.0,
+    let view = |camera: &Arc<Camera>| {
+        FitView::of_mask(camera.clone(), capsules::hard_mask(&model, &reference, camera).unwrap())
     };
     let views = upper_body::cameras(2, [48, 36]).unwrap().iter().map(view).collect();
     Subject { model, views, reference }
@@ -155,13 +153,12 @@ fn options_out_of_range_are_named() {
 /// The rate of starts that are so far off before four cameras.
 fn drawn(starts: usize, level: Level, choice: FitChoice) -> SuccessRate {
     let draw = Draw { starts, levels: vec![level], cameras: vec![4], ..Draw::default() };
-    let subject = |start: backlit_formats::starts_file::Start| {
-        let views = start.views[&4].clone();
-        (Subject { model: start.model, views, reference: start.truth }, start.start)
+    let run = |drawn: backlit_formats::starts_file::Start| {
+        let views = drawn.views[&4].clone();
+        let subject = Subject { model: drawn.model, views, reference: drawn.truth };
+        choice.error_mm(&subject, &drawn.start, &subject.reference, &CancelToken::new()).unwrap()
     };
-    let basin = Basin::from_starts(draw.draw().unwrap().into_iter().map(subject).collect(), choice);
-    let run = |index| basin.run(index, &CancelToken::new()).unwrap().error_mm;
-    SuccessRate::of((0..basin.trials()).map(run).collect(), SUCCESS_MM)
+    SuccessRate::of(draw.draw().unwrap().into_iter().map(run).collect(), SUCCESS_MM)
 }
 
 #[test]
