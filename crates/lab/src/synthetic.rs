@@ -38,7 +38,7 @@ pub mod squats;
 pub mod studio;
 pub mod upper_body;
 
-pub use figure::{Build, Figure, Material};
+pub use figure::{Build, Figure};
 pub use masks::silhouette;
 pub use noise::Sensor;
 pub use render::{Picture, Plate};

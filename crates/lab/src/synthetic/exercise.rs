@@ -93,19 +93,7 @@ struct Arm {
     elbow: f64,
 }
 
-const HANGING: Arm = Arm { raised: 4.0, out: 20.0, turned: 0.0, elbow: 14.0 };
-
 impl Arm {
-    fn towards(self, other: Self, share: f64) -> Self {
-        let blend = |a: f64, b: f64| a + (b - a) * share;
-        Self {
-            raised: blend(self.raised, other.raised),
-            out: blend(self.out, other.out),
-            turned: blend(self.turned, other.turned),
-            elbow: blend(self.elbow, other.elbow),
-        }
-    }
-
     fn pose(self, model: &Model, pose: &mut Pose, side: &str) {
         let sign = if side == "right" { 1.0 } else { -1.0 };
         let angles = [self.raised, sign * self.out, -sign * self.turned];
@@ -165,7 +153,8 @@ fn stand_at_stop(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
 
 fn squat(model: &Model, seconds: f64) -> Pose {
     let depth = 0.5 - 0.5 * (TAU * seconds / SQUAT_S).cos();
-    let arm = HANGING.towards(Arm { raised: 78.0, out: 12.0, turned: 0.0, elbow: 12.0 }, depth);
+    let arm =
+        Arm { raised: 4.0 + 74.0 * depth, out: 20.0 - 8.0 * depth, turned: 0.0, elbow: 14.0 - 2.0 * depth };
     let mut pose = stand_at_stop(model, seconds, arm, arm);
     pose.root += DVec3::new(0.0, -0.2 * depth, -0.4 * depth);
     set(model, &mut pose, "spine", DQuat::from_rotation_x(-(3.0 + 36.0 * depth).to_radians()));

@@ -39,16 +39,12 @@ impl Default for Build {
 
 /// What a point of the figure's surface is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Material {
-    /// Face, neck, arms and hands.
+pub(super) enum Material {
     Skin,
-    /// The T-shirt.
     Shirt,
-    /// The trousers.
     Trousers,
     /// Shoes and socks.
     Shoe,
-    /// The hair.
     Hair,
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::room::{HALF, HEIGHT, Piece, Room, Shape};
+use super::room::{HALF, HEIGHT, Piece, Room, Shape, turned};
 use super::shading::{LAMPS, Surface};
 use super::solid::lattice;
 
@@ -23,9 +23,8 @@ impl Furnisher {
     }
 
     fn add(&mut self, shape: Shape, centre: DVec3, surface: Surface) -> &mut Self {
-        let [sin, cos] = self.turn;
-        let turned = DVec3::new(cos * centre.x - sin * centre.y, sin * centre.x + cos * centre.y, centre.z);
-        self.pieces.push(Piece { shape, centre: self.place + turned, turn: self.turn, surface });
+        let centre = self.place + turned(self.turn, centre);
+        self.pieces.push(Piece { shape, centre, turn: self.turn, surface });
         self
     }
 

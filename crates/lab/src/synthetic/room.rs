@@ -132,14 +132,14 @@ impl Piece {
                 }
             }
         };
-        let [sin, cos] = self.turn;
-        let normal = DVec3::new(
-            cos * local_normal.x - sin * local_normal.y,
-            sin * local_normal.x + cos * local_normal.y,
-            local_normal.z,
-        );
+        let normal = turned(self.turn, local_normal);
         RoomHit { position, normal, local, half, surface: self.surface }
     }
+}
+
+/// Turned about the vertical, by sine and cosine.
+pub(super) fn turned([sin, cos]: [f64; 2], v: DVec3) -> DVec3 {
+    DVec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
 /// Floor, ceiling and walls, seen from inside.

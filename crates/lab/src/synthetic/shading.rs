@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::figure::{Build, Figure, Material, Part, Touch};
+use super::figure::{Figure, Material, Part, Touch};
 use super::room::RoomHit;
 use super::solid::{lattice, noise};
 
@@ -253,18 +253,8 @@ fn sky(p: DVec3, half: DVec3) -> DVec3 {
     }
 }
 
-/// Reflectance and gloss of a point of the figure.
-fn figure_colours(touch: &Touch, build: &Build) -> (DVec3, f64) {
-    let (colour, gloss) = cloth_colours(touch);
-    if build.pattern == 0.0 {
-        return (colour, gloss);
-    }
-    let p = touch.local;
-    let blotches = 0.7 * noise(p * 26.0) + 0.5 * noise(p * 55.0);
-    (colour * (1.0 + build.pattern * blotches).max(0.1), gloss)
-}
-
-fn cloth_colours(touch: &Touch) -> (DVec3, f64) {
+/// Reflectance and gloss of a point of the figure, without the pattern of its build.
+fn figure_colours(touch: &Touch) -> (DVec3, f64) {
     let p = touch.local;
     match touch.material {
         Material::Skin => (skin(touch), 0.1),
@@ -404,7 +394,12 @@ impl Shade {
 /// Light from a point of the figure towards the eye (`direction` is the ray's, unit).
 pub(super) fn figure_light(figure: &Figure, position: DVec3, direction: DVec3, shade: &Shade) -> DVec3 {
     let normal = figure.normal(position);
-    let (colour, gloss) = figure_colours(&figure.touch(position), &figure.build);
+    let touch = figure.touch(position);
+    let (mut colour, gloss) = figure_colours(&touch);
+    if figure.build.pattern != 0.0 {
+        let blotches = 0.7 * noise(touch.local * 26.0) + 0.5 * noise(touch.local * 55.0);
+        colour *= (1.0 + figure.build.pattern * blotches).max(0.1);
+    }
     let mut light = colour * ambient(normal) * shade.open;
     for (lamp, seen) in LAMPS.iter().zip(shade.lamps) {
         let half = ((lamp.centre - position).normalize() - direction).normalize();

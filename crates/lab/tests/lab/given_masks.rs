@@ -1,6 +1,5 @@
 //! A take of nothing but masks and cameras: it opens, and a person is tracked in it at a working size.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,7 +13,8 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::track::Tracker;
-use image::ImageFormat;
+
+use crate::png;
 
 const FRAMES: usize = 4;
 
@@ -36,9 +36,7 @@ fn take(reduction: usize) -> Take {
         text += &format!("[[camera]]\nname = \"{name}\"\nmasks = \"masks/{name}/%d.png\"\n");
         for frame in 0..FRAMES {
             let mask = capsules::hard_mask(&body, &motion::pose(&body, frame as f64), camera).unwrap();
-            let mut bytes = Cursor::new(Vec::new());
-            mask.to_gray().write_to(&mut bytes, ImageFormat::Png).unwrap();
-            files.push((format!("masks/{name}/{frame}.png").into(), bytes.into_inner()));
+            files.push((format!("masks/{name}/{frame}.png").into(), png(mask.to_gray())));
         }
     }
     files.push(("take.toml".into(), text.into_bytes()));

@@ -1,7 +1,6 @@
 //! Backgrounds learnt from footage: again without the body that was tracked, and with what keypoints say of a frame.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,7 +15,9 @@ use backlit_tracking::render::prediction::covered;
 use backlit_tracking::render::{Ramp, RendererKind, View};
 use backlit_tracking::silhouette::Label;
 use glam::DVec3;
-use image::{ImageFormat, Rgb, RgbImage};
+use image::{Rgb, RgbImage, RgbaImage};
+
+use crate::png;
 
 const FRAMES: usize = 16;
 
@@ -40,12 +41,6 @@ fn picture(camera: &Camera, frame: usize) -> RgbImage {
     })
 }
 
-fn png(picture: &RgbImage) -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
-    bytes.into_inner()
-}
-
 /// Two cameras, lenses and all; `more` is added to each camera's table, and to the files.
 fn take(more: &str, mut files: Vec<(PathBuf, Vec<u8>)>) -> Take {
     let resized = |camera: &Camera| camera.resized(108, 144).unwrap();
@@ -58,7 +53,7 @@ fn take(more: &str, mut files: Vec<(PathBuf, Vec<u8>)>) -> Take {
         let name = camera.name();
         text += &format!("[[camera]]\nname = \"{name}\"\nframes = \"{name}/%d.png\"\n{more}");
         for frame in 0..FRAMES {
-            files.push((format!("{name}/{frame}.png").into(), png(&picture(camera, frame))));
+            files.push((format!("{name}/{frame}.png").into(), png(picture(camera, frame))));
         }
     }
     files.push(("take.toml".into(), text.into_bytes()));
@@ -105,11 +100,8 @@ fn where_the_background_is_unknown_keypoints_say_what_is_subject() {
         .map(|at| format!("{}, {}, 0.9", at.x, at.y))
         .collect();
     let people = format!("{{\"people\": [{{\"pose_keypoints_2d\": [{}]}}]}}", seen.join(", "));
-    let transparent = image::RgbaImage::new(108, 144);
-    let mut plate = Cursor::new(Vec::new());
-    transparent.write_to(&mut plate, ImageFormat::Png).unwrap();
     let files = vec![
-        ("plate.png".into(), plate.into_inner()),
+        ("plate.png".into(), png(RgbaImage::new(108, 144))),
         ("keypoints/00.json".into(), people.into_bytes()),
         ("keypoints/01.json".into(), b"{\"people\": [{\"pose_keypoints_2d\": [1, 2]}]}".to_vec()),
     ];

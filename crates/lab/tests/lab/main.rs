@@ -10,3 +10,10 @@ mod learnt_plates;
 mod own_sizes;
 mod turned_round;
 mod without_start;
+
+/// A picture as the bytes of a file.
+fn png(picture: impl Into<image::DynamicImage>) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.into().write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}

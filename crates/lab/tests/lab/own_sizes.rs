@@ -22,18 +22,13 @@ use backlit_tracking::silhouette::Label;
 /// Moments of the built-in movement.
 const MOMENTS: [usize; 6] = [0, 10, 20, 31, 41, 50];
 
-fn cameras() -> Vec<Arc<Camera>> {
-    let resized = |camera: &Camera| Arc::new(camera.without_distortion().resized(96, 128).unwrap());
-    studio::cameras().cameras().iter().map(resized).collect()
-}
-
 /// What the cameras see of a body, masks too wide by this many pixels.
 fn views(body: &Model, pose: &Pose, by_px: f64) -> Vec<FitView> {
     let see = |camera: Arc<Camera>| {
         let exact = capsules::hard_mask(body, pose, &camera).unwrap();
         FitView::of_mask(camera, widened(exact, by_px).unwrap())
     };
-    cameras().into_iter().map(see).collect()
+    studio::pinholes([96, 128]).unwrap().into_iter().map(see).collect()
 }
 
 /// The average adult's poses near the true ones, as a track has them.
