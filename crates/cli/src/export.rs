@@ -1,7 +1,6 @@
 //! `backlit export`: a track, or the poses of a project, as motion files of other programs.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use anyhow::{Context, ensure};
 use backlit_document::project::read_project;
@@ -51,8 +50,8 @@ pub struct ExportArguments {
     model: Option<String>,
     /// Which way is up in the take's world: x, y, z, -x, -y, -z, or three numbers with commas between [default: z; of a
     /// project, what its cameras say]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    up: Option<Up>,
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = direction)]
+    up: Option<DVec3>,
     /// Which way the file's axes point: y-up, z-up or world [default: as the format expects]
     #[arg(long, value_parser = axes)]
     axes: Option<Axes>,
@@ -87,7 +86,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     };
     let options = MotionOptions {
         axes: arguments.axes,
-        up: arguments.up.map(|up| up.0).or(up).unwrap_or(MotionOptions::default().up),
+        up: arguments.up.or(up).unwrap_or(MotionOptions::default().up),
         unit: arguments.unit,
         range,
         names: arguments.names,
@@ -119,34 +118,23 @@ fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
     Ok((Motion { name, model: (*document.model).clone(), frame_rate, poses }, up))
 }
 
-/// A direction in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Up(pub(super) DVec3);
-
-impl FromStr for Up {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        const EXPECTED: &str =
-            "expected x, y, z, -x, -y, -z, or three numbers with commas between, not all zero";
-        let axis = |letter: &str| match letter {
-            "x" => Some(DVec3::X),
-            "y" => Some(DVec3::Y),
-            "z" => Some(DVec3::Z),
-            _ => None,
-        };
-        let signed = text.strip_prefix('-').and_then(|letter| axis(letter).map(|axis| -axis));
-        if let Some(axis) = axis(text).or(signed) {
-            return Ok(Self(axis));
-        }
-        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[x, y, z]) if DVec3::new(x, y, z).try_normalize().is_some() => {
-                Ok(Self(DVec3::new(x, y, z)))
-            }
-            _ => Err(EXPECTED),
-        }
+/// Reads a direction in the world.
+pub(super) fn direction(text: &str) -> Result<DVec3, &'static str> {
+    let axis = |letter: &str| match letter {
+        "x" => Some(DVec3::X),
+        "y" => Some(DVec3::Y),
+        "z" => Some(DVec3::Z),
+        _ => None,
+    };
+    let signed = text.strip_prefix('-').and_then(|letter| axis(letter).map(|axis| -axis));
+    if let Some(axis) = axis(text).or(signed) {
+        return Ok(axis);
     }
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let three = numbers.and_then(|numbers| Some(DVec3::from_array(numbers.try_into().ok()?)));
+    three
+        .filter(|three| three.try_normalize().is_some())
+        .ok_or("expected x, y, z, -x, -y, -z, or three numbers with commas between, not all zero")
 }
 
 fn format(text: &str) -> Result<MotionFormat, &'static str> {
@@ -187,10 +175,10 @@ mod tests {
 
     #[test]
     fn words_are_read() {
-        assert_eq!("-y".parse(), Ok(Up(-DVec3::Y)));
-        assert_eq!("0, 0.5,2".parse(), Ok(Up(DVec3::new(0.0, 0.5, 2.0))));
+        assert_eq!(direction("-y"), Ok(-DVec3::Y));
+        assert_eq!(direction("0, 0.5,2"), Ok(DVec3::new(0.0, 0.5, 2.0)));
         for bad in ["w", "1,2", "0,0,0", "nan,0,1", ""] {
-            assert!(bad.parse::<Up>().is_err(), "{bad}");
+            assert!(direction(bad).is_err(), "{bad}");
         }
         assert_eq!(order("zyx"), Ok(EulerOrder::Zyx));
         assert_eq!(format("C3D"), Ok(MotionFormat::C3d));

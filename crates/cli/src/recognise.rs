@@ -16,7 +16,7 @@ use glam::DVec3;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
-use super::export::Up;
+use super::export::direction;
 use super::table::Table;
 use crate::{output, track_files};
 
@@ -76,8 +76,8 @@ pub struct RecogniseArguments {
     #[arg(long, value_name = "BODY")]
     body: Option<String>,
     /// Which way is up in the tracks' world: x, y, z, -x, -y, -z, or three numbers with commas between; BVH is y up
-    #[arg(long, value_name = "AXIS", default_value = "z", allow_hyphen_values = true)]
-    up: Up,
+    #[arg(long, value_name = "AXIS", default_value = "z", allow_hyphen_values = true, value_parser = direction)]
+    up: DVec3,
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
@@ -93,7 +93,7 @@ fn millimetres(text: &str) -> Result<f64, &'static str> {
 /// # Errors
 /// A file that cannot be read or written, or joints that are no motion.
 pub(crate) fn run(arguments: &RecogniseArguments) -> anyhow::Result<()> {
-    let source = Source { body: arguments.body.as_deref(), up: arguments.up.0 };
+    let source = Source { body: arguments.body.as_deref(), up: arguments.up };
     match (&arguments.train, &arguments.out, &arguments.test) {
         (Some(folder), Some(out), _) => train(folder, out, arguments.statistics_only, &source),
         (_, _, Some(folder)) => test(folder, arguments, &source),

@@ -1,7 +1,6 @@
 //! Options that all experiments share, and the files that they write.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use backlit_formats::atomic;
 use backlit_lab::experiment::Simulation;
@@ -101,18 +100,11 @@ pub(crate) const SIMULATIONS: Words<Simulation> = &[
     ("mask", "Black-and-white silhouettes, as segmentation gives them", Simulation::Mask),
 ];
 
-/// Pixels across and down.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct PictureSize(pub(crate) [u64; 2]);
-
-impl FromStr for PictureSize {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=4096).contains(side));
-        let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
-        sides.map(Self).ok_or("expected WIDTHxHEIGHT, 1 to 4096 pixels each")
-    }
+/// Reads pixels across and down.
+pub(crate) fn picture_size(text: &str) -> Result<[u64; 2], &'static str> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=4096).contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or("expected WIDTHxHEIGHT, 1 to 4096 pixels each")
 }
 
 /// An experiment as the command line gives it without any argument.

@@ -16,7 +16,7 @@ use backlit_tracking::search::start::{LEVELS, Level};
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::{OutputArguments, PictureSize};
+use super::arguments::{OutputArguments, picture_size};
 use super::frame_basin::FrameArguments;
 use super::{Experiment, Run};
 use crate::fit_options::solid_help;
@@ -40,8 +40,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map")]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "48x36")]
-    size: PictureSize,
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36")]
+    size: [u64; 2],
     /// Set of choices: report (as in 2004) or robust
     #[arg(long, default_value_t = Preset::Robust)]
     preset: Preset,
@@ -111,7 +111,7 @@ impl Arguments {
         if let Some(take) = &self.frame.take {
             return self.frame.run(take, (&self.angles, &self.starts, self.seed), choice, &self.output);
         }
-        let (given, draw) = starts_of(&self.starts, &self.angles, (&self.cameras, self.size.0, self.seed))?;
+        let (given, draw) = starts_of(&self.starts, &self.angles, (&self.cameras, self.size, self.seed))?;
         let (cameras, no_start, starts) = (self.cameras, self.no_start, self.starts);
         let hypotheses = choice.hypotheses.clone();
         Basins { cameras, preset, renderer, scaled, hypotheses, no_start, starts, draw, given, choice }

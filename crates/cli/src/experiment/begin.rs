@@ -20,7 +20,7 @@ use backlit_tracking::statistics::{Statistics, Z_95, wilson};
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::{OutputArguments, PictureSize};
+use super::arguments::{OutputArguments, picture_size};
 use super::basin::{levels_of, starts_of, views_of};
 use super::no_start::{KeypointFrame, error_mm, sets};
 use super::{Experiment, Run};
@@ -54,8 +54,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "48x36", conflicts_with = "take")]
-    size: PictureSize,
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36", conflicts_with = "take")]
+    size: [u64; 2],
     /// Particles of the filter [default: 200 from a start, 400 without]
     #[arg(long, value_name = "N")]
     particles: Option<usize>,
@@ -123,7 +123,7 @@ impl Arguments {
             let (levels, within_mm, seed) = (levels_of(&self.angles)?, self.within_mm, self.seed);
             frames = Some(Frames { take, frames: self.frames, levels, within_mm, seed });
         } else {
-            (given, draw) = starts_of(&self.starts, &self.angles, (&cameras, self.size.0, self.seed))?;
+            (given, draw) = starts_of(&self.starts, &self.angles, (&cameras, self.size, self.seed))?;
             starts = Some(self.starts);
         }
         Beginnings { methods, cameras, no_start, choices, starts, draw, frames, given }.perform(&self.output)

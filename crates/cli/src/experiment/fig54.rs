@@ -10,7 +10,7 @@ use backlit_tracking::fit::Fit;
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::{PictureSize, Starts};
+use super::arguments::{Starts, picture_size};
 use super::sequence::{SequenceArguments, SequenceMethod, ViewPictures};
 use super::{Experiment, Run};
 use crate::output::number;
@@ -36,9 +36,9 @@ pub(crate) struct OneFrame {
     #[serde(rename = "ways")]
     methods: Vec<SequenceMethod>,
     /// Size of the pictures, pixels; portrait pictures of a take stay portrait
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "192x144")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "192x144")]
     #[serde(skip)]
-    size: PictureSize,
+    size: [u64; 2],
     #[command(flatten)]
     #[serde(flatten)]
     sequence: SequenceArguments,
@@ -71,7 +71,7 @@ impl Experiment for OneFrame {
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        let sequence = self.sequence.open(self.size.0, 1)?;
+        let sequence = self.sequence.open(self.size, 1)?;
         let masks = self.sequence.methods().into_iter().filter(|one| one.simulation == Simulation::Mask);
         self.methods = masks.take(2).collect();
         let (model, moment) = (&sequence.model, &sequence.moments[0]);
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn iterations_come_nearer_and_are_drawn() {
-        let mut small = OneFrame { size: PictureSize([96, 72]), ..defaults() };
+        let mut small = OneFrame { size: [96, 72], ..defaults() };
         let report = small.run(&Run::hidden()).unwrap();
         for method in &report.ways {
             let [first, .., last] = &method.shown[..] else { panic!("four columns") };

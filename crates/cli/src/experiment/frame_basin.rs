@@ -3,7 +3,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use anyhow::{Context, ensure};
 use backlit_formats::Take;
@@ -25,24 +24,15 @@ use crate::take_options;
 /// Metres that the root is moved a degree, where the table of levels has no such angle.
 const METRES_A_DEGREE: f64 = 0.005;
 
-/// Two angles of the body: across and up.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct MapAngles([(String, Angle); 2]);
-
-impl FromStr for MapAngles {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        const EXPECTED: &str =
-            "expected two angles as JOINT.AXIS,JOINT.AXIS, with flexion, sideways or twist for AXIS";
-        let angle = |text: &str| {
-            let (joint, axis) = text.trim().rsplit_once('.')?;
-            let angle = Angle::ALL.into_iter().find(|angle| angle.name() == axis)?;
-            (!joint.is_empty()).then(|| (joint.to_owned(), angle))
-        };
-        let (across, up) = text.split_once(',').ok_or(EXPECTED)?;
-        angle(across).zip(angle(up)).map(|(across, up)| Self([across, up])).ok_or(EXPECTED)
-    }
+/// Reads two angles of the body, each by its limb: across and up.
+fn two_angles(text: &str) -> Result<[(String, Angle); 2], &'static str> {
+    let angle = |text: &str| {
+        let (joint, axis) = text.trim().rsplit_once('.')?;
+        let angle = Angle::ALL.into_iter().find(|angle| angle.name() == axis)?;
+        (!joint.is_empty()).then(|| (joint.to_owned(), angle))
+    };
+    let angles = text.split_once(',').and_then(|(across, up)| Some([angle(across)?, angle(up)?]));
+    angles.ok_or("expected two angles as JOINT.AXIS,JOINT.AXIS, with flexion, sideways or twist for AXIS")
 }
 
 /// One frame of a take in place of drawn scenes.
@@ -75,8 +65,8 @@ pub(crate) struct FrameArguments {
     compare: Vec<ComparedFit>,
     /// A map instead of random starts: two angles of the body, across and up, are turned away on a grid. By limb and
     /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
-    #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", requires = "take")]
-    map: Option<MapAngles>,
+    #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", value_parser = two_angles, requires = "take")]
+    map: Option<[(String, Angle); 2]>,
     /// How far a map turns the angles to either side, degrees
     #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
     farthest: f64,
@@ -138,7 +128,7 @@ impl FrameArguments {
 
     /// The starts that are asked for: a map, or random ones.
     fn starts(&self, model: &Model, angles: &[u32], starts: usize, seed: u64) -> anyhow::Result<Starts> {
-        if let Some(MapAngles([across, up])) = &self.map {
+        if let Some([across, up]) = &self.map {
             let direction = |(joint, angle): &(String, Angle)| {
                 rotation_of(model, joint, "--map").map(|rotation| Direction { rotation, angle: *angle })
             };
@@ -231,12 +221,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_angles_are_read() {
-        let angles = |text: &str| text.parse::<MapAngles>();
+    fn angles_are_read() {
         let expected = [("right forearm".to_owned(), Angle::Flexion), ("neck".to_owned(), Angle::Twist)];
-        assert_eq!(angles("right forearm.flexion, neck.twist"), Ok(MapAngles(expected)));
+        assert_eq!(two_angles("right forearm.flexion, neck.twist"), Ok(expected));
         for wrong in ["", "neck.twist", "neck.twist,neck", "neck.turn,neck.twist", ".twist,neck.twist"] {
-            assert!(angles(wrong).is_err(), "{wrong}");
+            assert!(two_angles(wrong).is_err(), "{wrong}");
         }
     }
 }
