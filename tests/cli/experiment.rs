@@ -130,10 +130,9 @@ fn first_bodies_are_compared() {
     {
         assert!(said.contains(part), "{part}: {said}");
     }
-    let file = std::fs::read_to_string(scene.path("results/acquire.json")).unwrap();
-    let numbers: Value = serde_json::from_str(&file).unwrap();
+    let numbers = scene.read_json("results/acquire.json");
     let rows = numbers["report"]["rows"].as_array().unwrap();
-    assert!(rows.len() == 6 && rows.iter().all(|row| row["iou"].as_f64().unwrap() > 0.3), "{file}");
+    assert!(rows.len() == 6 && rows.iter().all(|row| row["iou"].as_f64().unwrap() > 0.3), "{numbers}");
     scene.fails("experiment acquire --people 7", 2, &["--people", "6"]);
     scene.fails("experiment acquire --take nowhere", 1, &["nowhere"]);
 }

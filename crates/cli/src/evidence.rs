@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 use backlit_formats::images;
 use backlit_tracking::camera::{Camera, Rectification, Rig};
 use backlit_tracking::fit::{Evidence, FitView};
@@ -22,19 +22,14 @@ fn view(folder: &Path, camera: &Camera, reading: Reading) -> anyhow::Result<FitV
     super::output::check_file_stem(camera.name())?;
     let path = folder.join(format!("{}.png", camera.name()));
     let picture = images::read_grey(&path)?;
-    let (found, expected) =
-        ([picture.width() as usize, picture.height() as usize], [camera.width(), camera.height()]);
-    if found != expected {
-        bail!(
-            "{}: has {}×{} pixels; expected {}×{}, the size of camera \"{}\"",
-            path.display(),
-            found[0],
-            found[1],
-            expected[0],
-            expected[1],
-            camera.name()
-        );
-    }
+    let ([found_width, found_height], [width, height]) =
+        ([picture.width(), picture.height()], [camera.width(), camera.height()]);
+    ensure!(
+        [found_width as usize, found_height as usize] == [width, height],
+        "{}: has {found_width}×{found_height} pixels; expected {width}×{height}, the size of camera \"{}\"",
+        path.display(),
+        camera.name()
+    );
     let evidence = reading(picture, &Rectification::new(camera));
     let evidence = evidence.with_context(|| path.display().to_string())?;
     Ok(FitView { camera: Arc::new(camera.without_distortion()), evidence, weight: 1.0 })

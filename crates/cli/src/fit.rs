@@ -75,13 +75,6 @@ pub struct FitArguments {
     solver: SolverArguments,
 }
 
-/// What is fitted to what.
-struct Problem {
-    model: Arc<Model>,
-    views: Vec<FitView>,
-    start: Pose,
-}
-
 pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let mut options = arguments.solver.options()?;
     let takes_default_ramp = arguments.solver.ramp.is_none() && arguments.solver.preset == Preset::Robust;
@@ -92,9 +85,8 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.out {
         output::check_folder_of(path)?;
     }
-    let problem = read(arguments)?;
-    let model = Arc::clone(&problem.model);
-    let mut fit = Fit::new(problem.model, problem.views, problem.start, options)?;
+    let (model, views, start) = read(arguments)?;
+    let mut fit = Fit::new(Arc::clone(&model), views, start, options)?;
     let (start_cost, start_rms) = (fit.initial_cost, fit.initial_rms);
     let times_us = run_timed(&mut fit);
     let summary = fit.summary();
@@ -110,7 +102,8 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     output::print_result(arguments.json, &answer, || text(&summary, start_cost, start_rms, times))
 }
 
-fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
+/// The body, what cameras see of it, and where the fit begins.
+fn read(arguments: &FitArguments) -> anyhow::Result<(Arc<Model>, Vec<FitView>, Pose)> {
     if let (Some(take), Some(frame)) = (&arguments.take, arguments.frame) {
         let footage = take_options::open(take)?;
         let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
@@ -118,7 +111,7 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
         let reader = TakeReader::of_silhouettes(footage.clone(), cameras.clone());
         person::check_silhouettes(&reader, &[frame])?;
         let start = arguments.start.pose(&footage, &cameras, frame, &arguments.solver.options()?)?;
-        return Ok(Problem { model: Arc::clone(footage.take().model()), views, start });
+        return Ok((Arc::clone(footage.take().model()), views, start));
     }
     let (Some(model), Some(cameras)) = (&arguments.model, &arguments.cameras) else {
         bail!("expected a take, or --model and --cameras");
@@ -131,7 +124,7 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
         (None, Some(folder)) => evidence::read(folder, &rig, evidence::measurement)?,
         (None, None) => bail!("expected --masks or --measurement"),
     };
-    Ok(Problem { model: Arc::new(model), views, start })
+    Ok((Arc::new(model), views, start))
 }
 
 /// Runs to the end. Microseconds of every iteration but those that first set a new stage up.

@@ -93,26 +93,21 @@ fn millimetres(text: &str) -> Result<f64, &'static str> {
 /// # Errors
 /// A file that cannot be read or written, or joints that are no motion.
 pub(crate) fn run(arguments: &RecogniseArguments) -> anyhow::Result<()> {
-    let source = Source { body: arguments.body.as_deref(), up: arguments.up };
     match (&arguments.train, &arguments.out, &arguments.test) {
-        (Some(folder), Some(out), _) => train(folder, out, arguments.statistics_only, &source),
-        (_, _, Some(folder)) => test(folder, arguments, &source),
-        _ => name(arguments, &source),
+        (Some(folder), Some(out), _) => train(folder, out, arguments),
+        (_, _, Some(folder)) => test(folder, arguments),
+        _ => name(arguments),
     }
 }
 
-/// How tracks are read.
-struct Source<'a> {
-    body: Option<&'a str>,
-    up: DVec3,
-}
-
-impl Source<'_> {
+impl RecogniseArguments {
     fn read(&self, path: &Path) -> anyhow::Result<JointMotion> {
         let is_bvh = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bvh"));
         let track = match is_bvh {
             true => motion::read_joints(path, None)?,
-            false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
+            false => {
+                JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body.as_deref())?))
+            }
         };
         joint_motion(&track, &track.frames, self.up).with_context(|| path.display().to_string())
     }
@@ -132,12 +127,12 @@ impl Source<'_> {
     }
 }
 
-fn train(folder: &Path, out: &Path, is_without_windows: bool, source: &Source<'_>) -> anyhow::Result<()> {
+fn train(folder: &Path, out: &Path, arguments: &RecogniseArguments) -> anyhow::Result<()> {
     output::check_folder_of(out)?;
-    let motions = source.folder(folder)?;
+    let motions = arguments.folder(folder)?;
     let mut recognizer = Recognizer::learn(&motions, &LearnOptions::default())
         .with_context(|| folder.display().to_string())?;
-    if is_without_windows {
+    if arguments.statistics_only {
         recognizer.exemplars = None;
     }
     atomic::write(out, recognizer.to_text().as_bytes())?;
@@ -145,11 +140,11 @@ fn train(folder: &Path, out: &Path, is_without_windows: bool, source: &Source<'_
     output::print(&format!("learnt {classes} from {} motions; wrote {}\n", motions.len(), out.display()))
 }
 
-fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
+fn test(folder: &Path, arguments: &RecogniseArguments) -> anyhow::Result<()> {
     if let Some(picture) = &arguments.confusion {
         output::check_folder_of(picture)?;
     }
-    let motions = source.folder(folder)?;
+    let motions = arguments.folder(folder)?;
     // Along each of three axes; half of the variance is smooth in time.
     let noise = arguments.noise.map(|mm| TrackerNoise {
         deviation: mm / 1000.0 / 3.0_f64.sqrt(),
@@ -248,11 +243,11 @@ fn unknown_text(evaluation: &Evaluation) -> String {
     table.to_text() + &unknown_line(evaluation)
 }
 
-fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
+fn name(arguments: &RecogniseArguments) -> anyhow::Result<()> {
     let recognizer = read_recognizer(arguments.model.as_deref())?;
     let mut all = Vec::new();
     for path in &arguments.tracks {
-        let motion = source.read(path)?;
+        let motion = arguments.read(path)?;
         let found = recognizer.recognise(&motion).with_context(|| path.display().to_string())?;
         all.push((path, found));
     }

@@ -90,12 +90,8 @@ impl Experiment for OneFrame {
                     record.map_or((&from, 0, rms), |record| (&record.point, record.stage, record.rms));
                 let stage = &fit.options.stages[stage];
                 let pictures = ViewPictures::of_stage(model, pose, &views, stage, method.fit.renderer);
-                ShownIteration {
-                    iteration,
-                    rms,
-                    joint_error_mm: moment.joint_error_mm(model, pose),
-                    pictures,
-                }
+                let joint_error_mm = moment.joint_error_mm(model, pose);
+                ShownIteration { iteration, rms, joint_error_mm, pictures }
             };
             ways.push(Fig54Method {
                 name: method.name.clone(),
@@ -106,19 +102,13 @@ impl Experiment for OneFrame {
     }
 
     fn table(&self, report: &Report) -> String {
-        let shown = |method: &'_ Fig54Method| {
-            let row = |shown: &ShownIteration| {
-                (method.name.clone(), shown.iteration, shown.rms, shown.joint_error_mm)
-            };
-            method.shown.iter().map(row).collect::<Vec<_>>()
-        };
         Table::of(
-            report.ways.iter().flat_map(shown),
+            report.ways.iter().flat_map(|method| method.shown.iter().map(move |shown| (method, shown))),
             &[
-                ("fit", &|row| row.0.clone()),
-                ("iteration", &|row| row.1.to_string()),
-                ("RMS, grey levels", &|row| number(row.2, 1)),
-                ("joint error, mm", &|row| number(row.3, 1)),
+                ("fit", &|(method, _)| method.name.clone()),
+                ("iteration", &|(_, shown)| shown.iteration.to_string()),
+                ("RMS, grey levels", &|(_, shown)| number(shown.rms, 1)),
+                ("joint error, mm", &|(_, shown)| number(shown.joint_error_mm, 1)),
             ],
         )
     }

@@ -136,7 +136,7 @@ impl Experiment for OwnSizes {
             for &share in &self.widened {
                 for person in people {
                     run.progress(cases.len(), total)?;
-                    cases.push(FilmedPerson::new(self, setting, share, person)?.case(self, run)?);
+                    cases.push(FilmedPerson::new(self, setting, share, person)?.case(run)?);
                 }
             }
         }
@@ -185,9 +185,9 @@ fn of_person<T>(person: &Person, fit: Result<T, BodyFitError>) -> Result<T> {
 }
 
 /// What is seen of one person.
-struct FilmedPerson {
+struct FilmedPerson<'a> {
+    options: &'a OwnSizes,
     setting: Setting,
-    every: u32,
     share: f64,
     widened_px: f64,
     person: &'static Person,
@@ -196,8 +196,8 @@ struct FilmedPerson {
     views: Vec<Vec<FitView>>,
 }
 
-impl FilmedPerson {
-    fn new(options: &OwnSizes, setting: Setting, share: f64, person: &'static Person) -> Result<Self> {
+impl<'a> FilmedPerson<'a> {
+    fn new(options: &'a OwnSizes, setting: Setting, share: f64, person: &'static Person) -> Result<Self> {
         let body = person.of(&builtin::full_body())?;
         let truth = |index: usize| {
             let frame = index * options.every as usize;
@@ -229,19 +229,15 @@ impl FilmedPerson {
         let views = truths.iter().map(see).collect::<Result<_>>()?;
         let widened_px =
             cameras.iter().map(|camera| widening(camera, &truths[0])).sum::<f64>() / cameras.len() as f64;
-        Ok(Self { setting, every: options.every, share, widened_px, person, body, truths, views })
+        Ok(Self { options, setting, share, widened_px, person, body, truths, views })
     }
 
-    fn case(&self, options: &OwnSizes, run: &Run) -> Result<Case> {
+    fn case(&self, run: &Run) -> Result<Case> {
+        let options = self.options;
         let adult = Arc::new(builtin::full_body());
         let cancel = &run.cancel;
-        let start = start::perturb(
-            &adult,
-            &self.truths[0],
-            options.start_angle_rad,
-            options.start_distance_m,
-            options.seed,
-        );
+        let (angle_rad, distance_m) = (options.start_angle_rad, options.start_distance_m);
+        let start = start::perturb(&adult, &self.truths[0], angle_rad, distance_m, options.seed);
         let generic = Proportions { surveyed: false, ..Proportions::default() };
         let old = BodyFitOptions { proportions: generic, widening: 0.0, ..BodyFitOptions::default() };
         let old = old.with_proportions(options.proportions[0]);
@@ -292,11 +288,9 @@ impl FilmedPerson {
             average: average_report,
             found,
             now: if own.is_taken() { found } else { follow(own.model(), own.as_seen(), 0.0)? },
-            now_narrowed: if narrow == 0.0 {
-                None
-            } else {
-                Some(follow(own.model(), own.model().clone(), narrow)?)
-            },
+            now_narrowed: (narrow != 0.0)
+                .then(|| follow(own.model(), own.model().clone(), narrow))
+                .transpose()?,
             widening: own.fit.widening.map(|one| (one.px, one.deviation_px, one.is_believed)),
             doubts: own.doubts.iter().map(|doubt| format!("{doubt:?}")).collect(),
         })
@@ -313,7 +307,7 @@ impl FilmedPerson {
         let rate = match self.setting {
             Setting::Around => 25.0,
             Setting::Phones => squats::FRAME_RATE,
-        } / f64::from(self.every);
+        } / f64::from(self.options.every);
         let mut tracker = Tracker::new(Arc::clone(model), FitOptions::default(), start.clone())?
             .with_motion(Motion::Velocity, rate)?
             .with_search(WhenToSearch::WhenPoor);
