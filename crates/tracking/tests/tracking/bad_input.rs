@@ -8,7 +8,7 @@ use backlit_tracking::camera::{
     Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, Rectification, Rig,
 };
 use backlit_tracking::render::wrench::WrenchBlock;
-use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
+use backlit_tracking::render::{Ramp, View, dense_jacobian, prediction};
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData};
 use backlit_tracking::segment::{Background, SegmentOptions, segment};
 use backlit_tracking::silhouette::{
