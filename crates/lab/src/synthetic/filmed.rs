@@ -74,7 +74,7 @@ pub fn film(
     size_px: [u64; 2],
     every: usize,
 ) -> Result<Vec<FilmedFrame>, ExperimentError> {
-    let build = Build { cloth: 1.12, folds: 0.006, pattern: PATTERN, ..Build::default() };
+    let build = Build { cloth: 1.12, folds: 0.006, pattern: PATTERN };
     let cameras = squats::cameras(size_px)?;
     let room = Room::default();
     let plates: Vec<Plate> = cameras.iter().map(|camera| Plate::new(&room, camera, 1)).collect();
