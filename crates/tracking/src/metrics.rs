@@ -101,14 +101,11 @@ mod tests {
     #[test]
     fn constant_offsets_are_taken_off_and_jumps_tremble() {
         let model = crate::body::builtin::upper_body();
-        let poses: Vec<Pose> = (0..6)
-            .map(|frame| {
-                let step: Vec<f64> = (0..3 + 3 * model.rotation_count())
-                    .map(|column| 0.1 * ((frame * 3 + column) as f64).sin())
-                    .collect();
-                Pose::rest(&model).retract(crate::body::Parameters::Tangent, &step)
-            })
-            .collect();
+        let pose = |frame: usize| {
+            let step = |column: usize| 0.1 * ((frame * 3 + column) as f64).sin();
+            crate::fixtures::stepped(&model, crate::body::Parameters::Tangent, step)
+        };
+        let poses: Vec<Pose> = (0..6).map(pose).collect();
         let mut errors = JointErrors::default();
         for pose in &poses {
             let kinematics = Kinematics::new(&model, pose);

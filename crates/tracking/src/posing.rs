@@ -426,8 +426,7 @@ mod tests {
     #[test]
     fn mirroring_twice_changes_nothing() {
         let model = builtin::full_body();
-        let step: Vec<f64> = (0..48).map(|i| 0.3 * (f64::from(i) * 1.3).sin()).collect();
-        let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
+        let pose = crate::fixtures::stepped(&model, Parameters::Tangent, |i| 0.3 * (i as f64 * 1.3).sin());
         let again = mirror(&model, &mirror(&model, &pose));
         assert!(again.local(&pose).iter().all(|x| x.abs() < 1e-12));
     }
