@@ -1,8 +1,5 @@
 //! Options that choose renderer, ramp and solver, as `fit` and `track` share them.
 
-use anyhow::bail;
-use std::str::FromStr;
-
 use backlit_tracking::body::Parameters;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
@@ -124,14 +121,12 @@ impl SolverArguments {
     }
 }
 
-fn not_negative(text: &str) -> anyhow::Result<f64> {
-    match f64::from_str(text) {
-        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
-        _ => bail!("expected a finite number, 0 or more"),
-    }
+fn not_negative(text: &str) -> Result<f64, &'static str> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or("expected a finite number, 0 or more")
 }
 
-pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
+pub(crate) fn above_zero(text: &str) -> Result<f64, &'static str> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or("expected a number above 0")
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use backlit_lab::synthetic::masks::widened;
 use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
 use backlit_lab::synthetic::{capsules, motion, squats, studio};
@@ -79,11 +79,9 @@ pub(crate) struct OwnSizes {
 }
 
 /// 0 to 50 %, as a share.
-fn percent(text: &str) -> Result<f64> {
-    match text.parse::<f64>() {
-        Ok(percent) if (0.0..=50.0).contains(&percent) => Ok(percent / 100.0),
-        _ => bail!("expected per cent from 0 to 50"),
-    }
+fn percent(text: &str) -> Result<f64, &'static str> {
+    let percent = text.parse().ok().filter(|percent| (0.0..=50.0).contains(percent));
+    percent.map(|percent: f64| percent / 100.0).ok_or("expected per cent from 0 to 50")
 }
 
 #[derive(Debug, Serialize)]

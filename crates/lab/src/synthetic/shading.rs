@@ -189,16 +189,15 @@ fn poster(which: i64, x: f64, z: f64) -> DVec3 {
         }
         1 => {
             // Overlapping discs.
-            let disc = |cx: f64, cz: f64, r: f64| (x * 1.5 - cx).hypot(z - cz) < r;
             let mut colour = paper;
-            if disc(-0.45, 0.1, 0.62) {
-                colour *= DVec3::new(0.2, 0.5, 0.62);
-            }
-            if disc(0.4, 0.2, 0.52) {
-                colour *= DVec3::new(0.9, 0.45, 0.2);
-            }
-            if disc(0.05, -0.35, 0.42) {
-                colour *= DVec3::new(0.85, 0.75, 0.3);
+            for (cx, cz, radius, tint) in [
+                (-0.45, 0.1, 0.62, [0.2, 0.5, 0.62]),
+                (0.4, 0.2, 0.52, [0.9, 0.45, 0.2]),
+                (0.05, -0.35, 0.42, [0.85, 0.75, 0.3]),
+            ] {
+                if (x * 1.5 - cx).hypot(z - cz) < radius {
+                    colour *= DVec3::from(tint);
+                }
             }
             colour
         }
