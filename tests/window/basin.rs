@@ -60,7 +60,7 @@ fn angles(harness: &Window) -> &BasinResult {
     results(harness).angles.as_ref().unwrap()
 }
 
-fn begin(harness: &mut Window) {
+fn begin(harness: &Window) {
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
 }
 
@@ -129,7 +129,7 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 10 20 30 45", "0");
     choose_by(&mut harness, |settings| settings.starts = 500);
-    begin(&mut harness);
+    begin(&harness);
     let running = |harness: &Window| results(harness).running;
     wait_until(&mut harness, "ten fits", |window| running(window).is_some_and(|running| running.done >= 10));
     harness.get_by_role_and_label(Role::Button, "Step").click();
@@ -150,7 +150,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 45", "0");
     choose_by(&mut harness, |settings| settings.starts = 500);
-    begin(&mut harness);
+    begin(&harness);
     let running = |harness: &Window| results(harness).running;
     wait_until(&mut harness, "three fits", |window| running(window).is_some_and(|running| running.done >= 3));
     harness.get_by_label_contains("Running the basin: ");

@@ -31,7 +31,7 @@ fn laboratory(harness: &Window) -> &Laboratory {
     &harness.state().inspector.features.laboratory
 }
 
-fn comparison<'a>(harness: &'a Window) -> &'a Comparison {
+fn comparison(harness: &Window) -> &Comparison {
     laboratory(harness).comparison.as_ref().unwrap()
 }
 

@@ -53,7 +53,7 @@ impl Convergence {
                     let area = vec2(list_width - space::WIDGET, plot_height);
                     let down = Direction::top_down(Align::Min);
                     ui.allocate_ui_with_layout(area, down, |ui| {
-                        self.list(ui, context, requests, plot_height)
+                        self.list(ui, context, requests, plot_height);
                     });
                 }
             });

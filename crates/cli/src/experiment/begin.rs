@@ -175,7 +175,7 @@ impl Experiment for Beginnings {
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        if let Some(frames) = &self.frames { self.on_frames(frames, run) } else { self.from_starts(run) }
+        if let Some(frames) = &self.frames { self.on_frames(frames, run) } else { self.on_starts(run) }
     }
 
     fn table(&self, report: &Report) -> String {
@@ -219,7 +219,7 @@ impl Experiment for Beginnings {
 
 impl Beginnings {
     /// Tries all methods from all starts.
-    fn from_starts(&self, run: &Run) -> Result<Report> {
+    fn on_starts(&self, run: &Run) -> Result<Report> {
         let (mut done, total) = (0, self.cameras.len() * self.given.len() * self.methods.len());
         let mut trials = Trials::new();
         for &cameras in &self.cameras {
