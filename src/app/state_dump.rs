@@ -1,5 +1,19 @@
 //! What matters of the window, as a JSON file that is written again whenever it changes: for tests that drive
-//! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` describes it.
+//! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` has an example.
+//!
+//! | `state` | meaning |
+//! |---|---|
+//! | `idle`, `busy` | whether the screen is whole; work under way, of `predict`, `open`, `load`, `save`, `fit`, `survey`, `track` |
+//! | `take`, `project`, `unsaved`, `recovery` | the take, `loaded` with the frame's pictures; the project's file; unsaved work; copies that are offered |
+//! | `undo`, `redo` | what they would do, or `null` |
+//! | `frame`, `camera`, `joint`, `limb`, `held` | what is selected; whether the hand drags |
+//! | `pose`, `cost`, `rms`, `iou`, `stale` | the pose on the screen; `stale` while figures are of an earlier one |
+//! | `renderer`, `runs`, `step` | runs: `name`, `detail`, `frame`, `steps`, `rejected`, `cost`, `ending`, `shown`; `step` is `{"run", "step"}` while an earlier one is shown |
+//! | `cameras` | `name`, `used`, `weight`, view `mode`, `wipe`, `blink`, `iou` |
+//! | `layout`, `theme`, `panel`, `lanes`, `alone`, `playing` | the arrangement |
+//! | `track` | `frames`, `first`, `last`, `lost`, `keys`, and what is `running`: `done`, `total`, `backwards` |
+//! | `notices`, `messages`, `over` | cards, number of messages, what lies over the window |
+//! | `tour` | step of the tour, 0 while it is offered, else `null` |
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -10,7 +10,7 @@ use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 
 use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::window::{Window, WindowState, arm, choose, click, command, press, type_over};
+use crate::support::window::{Window, WindowState, arm, choose, click, command, point, press, type_over};
 
 fn open(settings: Settings) -> Window {
     arm().settings(settings).sized(1200.0, 800.0).open()
@@ -18,6 +18,8 @@ fn open(settings: Settings) -> Window {
 
 /// Gives the dialog a path and presses Export.
 pub(crate) fn export_to(harness: &mut Window, field: &str, path: &Path) {
+    let at = harness.get_by_role_and_label(Role::TextInput, field).rect().center();
+    point(harness, at);
     type_over(harness, field, &path.display().to_string());
     click(harness, "Export");
 }
