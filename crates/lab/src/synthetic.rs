@@ -9,6 +9,7 @@
 //! | [`render`] | rays into pictures: empty room, figure, shadows, edges |
 //! | [`noise`] | the sensor: exposure, curve, noise |
 //! | [`masks`] | exact masks of the figure, and masks with known faults |
+//! | [`occlusions`] | arms folded, legs crossed and the like before two telephones |
 //! | [`exercise`] | different motions one after the other, whose names are looked for |
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
 //! | [`squats`] | the full body's squats with raised arms, before two telephones |
@@ -28,6 +29,7 @@ mod furniture;
 pub mod masks;
 pub mod motion;
 pub mod noise;
+pub mod occlusions;
 pub mod people;
 pub mod render;
 pub mod room;

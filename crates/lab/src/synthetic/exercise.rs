@@ -86,14 +86,25 @@ pub fn pose(model: &Model, seconds: f64) -> Pose {
 
 /// One arm's angles, degrees, both sides alike.
 #[derive(Debug, Clone, Copy)]
-struct Arm {
-    raised: f64,
-    out: f64,
-    turned: f64,
-    elbow: f64,
+pub(super) struct Arm {
+    pub(super) raised: f64,
+    pub(super) out: f64,
+    pub(super) turned: f64,
+    pub(super) elbow: f64,
 }
 
 impl Arm {
+    /// This share of the way to another place.
+    pub(super) fn towards(self, other: Self, share: f64) -> Self {
+        let blend = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            raised: blend(self.raised, other.raised),
+            out: blend(self.out, other.out),
+            turned: blend(self.turned, other.turned),
+            elbow: blend(self.elbow, other.elbow),
+        }
+    }
+
     fn pose(self, model: &Model, pose: &mut Pose, side: &str) {
         let sign = if side == "right" { 1.0 } else { -1.0 };
         let angles = [self.raised, sign * self.out, -sign * self.turned];
@@ -102,7 +113,8 @@ impl Arm {
     }
 }
 
-fn standing(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
+/// Who stands, sways a little, and holds the arms so.
+pub(super) fn standing(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
     let sway = (1.3 * seconds).sin();
     let mut pose = Pose::rest(model);
     pose.root = DVec3::new(0.012 * sway, 0.0, 0.912);
