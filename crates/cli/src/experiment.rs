@@ -20,6 +20,7 @@ mod sequence;
 mod sizes;
 mod sync;
 mod track;
+mod trust;
 
 use anyhow::{Context, ensure};
 use backlit_plot::{AsPicture, Drawn, png};
@@ -192,6 +193,7 @@ enum Chosen {
     Footage(Box<footage::Arguments>),
     NoStart(WithOutput<no_start::NoStart>),
     Sync(WithOutput<sync::ShiftedTake>),
+    Trust(WithOutput<trust::Trust>),
 }
 
 const AFTER_HELP: &str = "\
@@ -226,5 +228,6 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         Chosen::Footage(chosen) => chosen.run(),
         Chosen::NoStart(chosen) => chosen.run(),
         Chosen::Sync(chosen) => chosen.run(),
+        Chosen::Trust(chosen) => chosen.run(),
     }
 }

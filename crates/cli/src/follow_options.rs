@@ -1,11 +1,12 @@
 //! Options that choose how frames are followed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
-use backlit_formats::{Take, prior_file};
-use backlit_runs::track::{Smoothing, TrackPlan};
+use backlit_formats::Take;
+use backlit_formats::prior_file::{self, PEOPLE};
+use backlit_runs::track::{RIVALS, Smoothing, TrackPlan};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
@@ -20,8 +21,8 @@ pub(crate) struct FollowArguments {
     /// The fit of a frame.
     #[command(flatten)]
     pub(crate) solver: SolverArguments,
-    /// Let a prior learnt from motion say which poses are likely: a file of backlit prior, or people, the one that comes
-    /// with the program
+    /// The prior learnt from motion that says which poses are likely: a file of backlit prior; people, the one that comes
+    /// with the program; or none [default: people, with the report preset none]
     #[arg(long, value_name = "FILE")]
     pub(crate) prior: Option<PathBuf>,
     /// How motion is carried from frame to frame [default: velocity, with the report preset still]
@@ -34,6 +35,10 @@ pub(crate) struct FollowArguments {
     /// Smooth every frame by only this many frames after it, as a live track with that delay could
     #[arg(long, value_name = "FRAMES")]
     pub(crate) lag: Option<usize>,
+    /// Carry this many hypotheses from frame to frame where silhouettes do not decide, 1 to 16 [default: 8, with the report
+    /// preset 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+    pub(crate) hypotheses: Option<u8>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one
     /// [default: poor, with the report preset never]
     #[arg(long, value_parser = one_of(SEARCHES), value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
@@ -44,7 +49,12 @@ impl FollowArguments {
     /// The fit of a frame, with its prior if it has one.
     pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
         let mut fit = self.solver.options()?;
-        if let Some(path) = &self.prior {
+        let default = match self.solver.preset {
+            Preset::Robust => PEOPLE,
+            Preset::Report => NO_PRIOR,
+        };
+        let path = self.prior.as_deref().unwrap_or(Path::new(default));
+        if path != Path::new(NO_PRIOR) {
             fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read_or_built_in(path)?)));
         }
         Ok(fit)
@@ -52,9 +62,9 @@ impl FollowArguments {
 
     /// How these frames of a take are followed from this pose.
     pub(crate) fn plan(&self, take: &Take, start: Pose, frames: &[usize]) -> anyhow::Result<TrackPlan> {
-        let default = match self.solver.preset {
-            Preset::Report => WhenToSearch::Never,
-            Preset::Robust => WhenToSearch::WhenPoor,
+        let (default, rivals) = match self.solver.preset {
+            Preset::Report => (WhenToSearch::Never, 0),
+            Preset::Robust => (WhenToSearch::WhenPoor, RIVALS),
         };
         let noise = self.noise()?;
         let motion = match self.motion {
@@ -67,6 +77,7 @@ impl FollowArguments {
             fit: Arc::new(self.fit()?),
             motion,
             search: self.search.unwrap_or(default),
+            rivals: self.hypotheses.map_or(rivals, |most| usize::from(most) - 1),
             smoothing: self.smoothing()?,
             ..TrackPlan::of_frames(take, start, frames.to_vec().into())
         })
@@ -97,6 +108,9 @@ impl FollowArguments {
         Ok(is_smoothed.then_some(Smoothing { lag: self.lag }))
     }
 }
+
+/// The word for no prior.
+const NO_PRIOR: &str = "none";
 
 /// When to look for other poses.
 const SEARCHES: Words<WhenToSearch> = &[

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use backlit_formats::Take;
+use backlit_tracking::belief::Verdict;
 use backlit_tracking::metrics::{self, JointErrors};
 use backlit_tracking::statistics::{Statistics, mean};
 use backlit_tracking::track::{FrameEstimate, SmoothingError, Track};
@@ -13,6 +14,9 @@ use crate::person::Begun;
 use crate::table::Table;
 use crate::take_options::reference_joints;
 
+/// Limbs that the first line names.
+const NAMED_DOUBTS: usize = 3;
+
 /// A track so far, and how good it is.
 #[derive(Debug)]
 pub(crate) struct TrackReport {
@@ -20,6 +24,8 @@ pub(crate) struct TrackReport {
     pub(crate) cameras: Vec<String>,
     /// Names of the body's limbs.
     limbs: Vec<String>,
+    /// Which of them have a rotation of their own.
+    is_jointed: Vec<bool>,
     /// The estimates so far.
     pub(crate) track: Track,
     /// Why the track could not be smoothed.
@@ -45,6 +51,9 @@ pub(crate) struct TrackSummary {
     /// In how many frames nothing held a limb, neither silhouettes nor cues; only where cues are used.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     unsure: BTreeMap<String, usize>,
+    /// In how many frames a limb is doubtful or wrong, as far as can be told.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    trust: BTreeMap<String, Doubts>,
     pub(crate) iou: IouSummary,
     /// Millimetres; null without reference keypoints.
     pub(crate) joint_error_mm: Option<ErrorSummary>,
@@ -57,6 +66,13 @@ pub(crate) struct TrackSummary {
     /// It was stopped before its last frame.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     partial: bool,
+}
+
+/// How many frames a limb is not believed in.
+#[derive(Debug, Default, Clone, Copy, Serialize)]
+struct Doubts {
+    doubtful: usize,
+    wrong: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -103,6 +119,7 @@ impl TrackReport {
         Self {
             cameras: names.collect(),
             limbs: take.model().limbs().iter().map(|limb| limb.name.clone()).collect(),
+            is_jointed: take.model().limbs().iter().map(|limb| limb.has_own_rotation).collect(),
             track: Track::default(),
             not_smoothed: None,
             times_ms: Vec::new(),
@@ -159,6 +176,7 @@ impl TrackReport {
             lost: frames().filter(|frame| frame.is_lost()).count(),
             left_out: counts(frames().flat_map(|frame| &frame.empty_cameras)),
             unsure: counts(unsure.map(|hold| &self.limbs[hold.limb])),
+            trust: self.doubts(),
             iou: IouSummary {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
@@ -181,11 +199,26 @@ impl TrackReport {
         }
     }
 
+    /// By limb, those that are doubtful or wrong anywhere.
+    fn doubts(&self) -> BTreeMap<String, Doubts> {
+        let mut doubts: BTreeMap<String, Doubts> = BTreeMap::new();
+        let all = self.track.frames.values().flat_map(|frame| &frame.trust);
+        for limb in all.filter(|limb| limb.verdict > Verdict::Good && self.is_jointed[limb.limb]) {
+            let counts = doubts.entry(self.limbs[limb.limb].clone()).or_default();
+            match limb.verdict {
+                Verdict::Wrong => counts.wrong += 1,
+                _ => counts.doubtful += 1,
+            }
+        }
+        doubts
+    }
+
     pub(crate) fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
         let frames = if summary.frames == 1 { "frame" } else { "frames" };
-        let mut out = format!("{} {frames} tracked, {lost} lost\n", summary.frames);
+        let mut out =
+            format!("{} {frames} tracked, {lost} lost{}\n", summary.frames, doubts_text(&summary.trust));
         for (camera, count) in &summary.left_out {
             out.push_str(&format!("{camera} was left out of {count} because it saw nobody\n"));
         }
@@ -222,6 +255,24 @@ impl TrackReport {
         let TimeSummary { median, p95 } = summary.ms_per_frame;
         out.push_str(&format!("\ntime of a frame: median {median:.0} ms, 95 % within {p95:.0} ms\n"));
         out
+    }
+}
+
+/// The limbs that are believed least, a few of them.
+fn doubts_text(doubts: &BTreeMap<String, Doubts>) -> String {
+    let mut worst: Vec<(&String, &Doubts)> = doubts.iter().collect();
+    worst.sort_by_key(|(_, counts)| std::cmp::Reverse((counts.wrong, counts.doubtful)));
+    let mut text = String::new();
+    for (limb, Doubts { doubtful, wrong }) in worst.iter().take(NAMED_DOUBTS) {
+        text.push_str(&match (doubtful, wrong) {
+            (0, wrong) => format!("; {limb} wrong in {wrong}"),
+            (doubtful, 0) => format!("; {limb} doubtful in {doubtful}"),
+            (doubtful, wrong) => format!("; {limb} doubtful in {doubtful}, wrong in {wrong}"),
+        });
+    }
+    match worst.len().saturating_sub(NAMED_DOUBTS) {
+        0 => text,
+        more => format!("{text}; {more} more limbs doubtful or wrong (frames.csv)"),
     }
 }
 

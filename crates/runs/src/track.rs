@@ -22,7 +22,7 @@ use backlit_tracking::track::{
     WaitingFrame,
 };
 
-pub use plan::{KeyUse, Leg, Smoothing, TrackPlan};
+pub use plan::{KeyUse, Leg, RIVALS, Smoothing, TrackPlan};
 pub use reading::{FrameReader, ReadAhead, TakeReader};
 
 /// What a run tells while it goes on.

@@ -59,6 +59,7 @@ mod stereo;
 mod watch;
 
 pub use crate::residual::cue::{Cue, CueError, CuePull, CueSet, CueTarget};
+pub(crate) use coverage::unheld;
 pub use coverage::{CoverageOptions, LimbHold, WatchedCamera};
 pub use flow::follow_point;
 pub use keypoints::KeypointOffsets;

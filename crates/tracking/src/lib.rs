@@ -115,6 +115,7 @@ extern crate self as backlit_tracking;
 
 #[doc(hidden)]
 pub mod acquisition;
+pub mod belief;
 pub mod body;
 pub mod body_fit;
 #[doc(hidden)]

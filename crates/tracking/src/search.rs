@@ -6,6 +6,7 @@ pub use crate::{acquisition, particles, templates, visual_hull};
 mod chains;
 mod hypotheses;
 mod reseed;
+pub(crate) mod rivals;
 mod sketch;
 pub mod start;
 mod without_start;
@@ -16,6 +17,7 @@ use crate::fit::OptionsError;
 
 pub use chains::Chains;
 pub use hypotheses::{Hypothesis, Origin, SearchResult, fit_best, search};
+pub(crate) use hypotheses::{farthest_m, reseeded};
 pub use without_start::{
     Doubt, Heights, WithoutStartError, WithoutStartOptions, WithoutStartResult, hull_scale, standing,
     without_start,

@@ -3,6 +3,7 @@
 #[doc(inline)]
 pub use crate::{cues, filter};
 
+mod beam;
 mod estimate;
 pub mod join;
 mod lost;
@@ -12,6 +13,7 @@ mod smoothing;
 mod tracker;
 mod tune;
 
+pub use beam::{Beam, Mode, Patience, Rival};
 pub use estimate::{FrameEstimate, Track};
 pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, LastResort, Lost, UsualCost};
 pub use memory::{FilterMemory, LastFrame, MemoryError, TrackerMemory, WaitingFrame};

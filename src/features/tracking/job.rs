@@ -8,7 +8,7 @@ use backlit_document::{Estimate, Origin};
 use backlit_formats::{Footage, FootageError};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
-    FrameReader, KeyUse, Leg, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
+    FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
@@ -17,7 +17,7 @@ use backlit_tracking::fit::FitView;
 use backlit_tracking::observability::believed_joints;
 use backlit_tracking::search::Hypothesis;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::FrameEstimate;
+use backlit_tracking::track::{FrameEstimate, WhenToSearch};
 
 use super::{Applied, OtherPose, Tracking, applied, refused};
 use crate::session::prediction::FitInputs;
@@ -94,6 +94,7 @@ impl TrackJob {
             frame_rate: reader.footage.take().frame_rate(),
             motion: choices.motion.motion(),
             search: choices.search,
+            rivals: if choices.search == WhenToSearch::Never { 0 } else { RIVALS },
             cues: choices.cues.cues().to_vec(),
             smoothing: match choices.motion {
                 Following::Smoothed { lag } => Some(Smoothing { lag }),

@@ -7,7 +7,8 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::CueMemory;
 use backlit_tracking::filter::Belief;
 use backlit_tracking::track::{
-    FilterMemory, KalmanOptions, LastFrame, LastResort, MemoryError, TrackerMemory, UsualCost, WaitingFrame,
+    Beam, FilterMemory, KalmanOptions, LastFrame, LastResort, MemoryError, Patience, Rival, TrackerMemory,
+    UsualCost, WaitingFrame,
 };
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,20 @@ struct ResumeSpec {
     last_resort: [usize; 2],
     filter: Option<FilterSpec>,
     cues: Option<CuesSpec>,
+    #[serde(default)]
+    rivals: Vec<RivalSpec>,
+    /// Frames to wait and frames waited: of chains that are seeded again, and of poses that look the same.
+    #[serde(default)]
+    patience: [[usize; 2]; 2],
     smoothing: Option<SmoothingSpec>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RivalSpec {
+    pose: PoseSpec,
+    velocity: Option<Vec<f64>>,
+    behind: f64,
 }
 
 /// Rotations are in the order of the state.
@@ -134,7 +148,7 @@ impl BeliefSpec {
 /// The content of the file. [`parse`] gives the same again, to the bit.
 #[must_use]
 pub fn to_text(resume: &Resume) -> String {
-    let TrackerMemory { last, usual, last_resort, has_start, filter, cues } = &resume.memory;
+    let TrackerMemory { last, usual, last_resort, has_start, filter, cues, beam } = &resume.memory;
     let filter = filter.as_ref().map(|filter| FilterSpec {
         noise: filter.noise,
         pose: PoseSpec::of(&filter.pose),
@@ -161,6 +175,16 @@ pub fn to_text(resume: &Resume) -> String {
             offsets: cues.offsets.clone(),
             before: cues.before.as_ref().map(PoseSpec::of),
         }),
+        rivals: beam
+            .rivals
+            .iter()
+            .map(|rival| RivalSpec {
+                pose: PoseSpec::of(&rival.last.pose),
+                velocity: rival.last.velocity.clone(),
+                behind: rival.behind,
+            })
+            .collect(),
+        patience: [beam.reseeds, beam.confusions].map(|patience| [patience.wait, patience.waited]),
         smoothing: resume.smoothing.as_ref().map(|smoothing| SmoothingSpec {
             lag: smoothing.lag,
             waiting: smoothing.frames.iter().map(waiting).collect(),
@@ -187,6 +211,11 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
         Ok(FilterMemory { noise, pose: pose.pose(), belief: belief.belief("filter")? })
     };
     let [wait, waited] = spec.last_resort;
+    let rival = |RivalSpec { pose, velocity, behind }| Rival {
+        last: LastFrame { frame: spec.frame, pose: pose.pose(), lost: false, velocity },
+        behind,
+    };
+    let patience = |[wait, waited]: [usize; 2]| Patience { wait, waited };
     let memory = TrackerMemory {
         last: LastFrame {
             frame: spec.frame,
@@ -201,6 +230,11 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
         cues: spec
             .cues
             .map(|cues| CueMemory { offsets: cues.offsets, before: cues.before.map(PoseSpec::pose) }),
+        beam: Beam {
+            rivals: spec.rivals.into_iter().map(rival).collect(),
+            reseeds: patience(spec.patience[0]),
+            confusions: patience(spec.patience[1]),
+        },
     };
     memory.check(model).map_err(memory_error)?;
     let waiting = |WaitingSpec { frame, pose, goes_on, belief }: WaitingSpec| {
@@ -256,6 +290,14 @@ mod tests {
                     belief: belief(1.0),
                 }),
                 cues: Some(CueMemory { offsets: vec![[0.1; 12]], before: Some(pose.clone()) }),
+                beam: Beam {
+                    rivals: vec![Rival {
+                        last: LastFrame { frame: 7, pose: pose.clone(), lost: false, velocity: None },
+                        behind: 1.0 / 7.0,
+                    }],
+                    reseeds: Patience { wait: 1, waited: 2 },
+                    confusions: Patience::default(),
+                },
             },
             smoothing: Some(WaitingFrames {
                 lag: None,
@@ -295,6 +337,7 @@ mod tests {
             "frame":5 ⇒ "frame":7 ⇒ `smoothing.waiting` is 7; expected frames in their order
             "frame":7,"pose" ⇒ "frame":9,"pose" ⇒ expected `frame` as the last one
             "memory":0.3 ⇒ "memory":0 ⇒ `filter.noise`: `kalman.memory` is 0
+            "behind":0.1 ⇒ "behind":1e99 ⇒ `rivals` is 1e99; expected a number
             "lag":null ⇒ "lagg":null ⇒ lagg
             "#,
         );

@@ -2,7 +2,9 @@
 
 use std::io::{self, Write};
 
+use backlit_tracking::belief::Verdict;
 use backlit_tracking::body::{Kinematics, Model};
+use backlit_tracking::track::FrameEstimate;
 
 use super::{ROOT, TrackExport, ending_text};
 
@@ -45,7 +47,8 @@ pub fn write_joints(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
 /// Writes `frame,seconds,cost,rms,iterations,lost,termination` and, per camera, `iou CAMERA`.
 pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     table(out, |rows| {
-        let columns = ["frame", "seconds", "cost", "rms", "iterations", "lost", "termination"];
+        let columns =
+            ["frame", "seconds", "cost", "rms", "iterations", "lost", "termination", "doubtful", "wrong"];
         let cameras = export.cameras.iter().map(|camera| format!("iou {camera}"));
         rows.write_record(columns.map(str::to_owned).into_iter().chain(cameras))?;
         for (frame, estimate) in &export.track.frames {
@@ -59,11 +62,26 @@ pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
                 estimate.iterations.to_string(),
                 estimate.is_lost().to_string(),
                 estimate.termination.map(ending_text).unwrap_or_default(),
+                told(export, estimate, Verdict::Doubtful),
+                told(export, estimate, Verdict::Wrong),
             ];
             rows.write_record(fields.into_iter().chain(overlap))?;
         }
         Ok(())
     })
+}
+
+/// The limbs of a verdict that have a rotation of their own, each with the reason.
+fn told(export: &TrackExport<'_>, estimate: &FrameEstimate, verdict: Verdict) -> String {
+    let limbs = export.model.limbs();
+    let judged = estimate.judged(export.model, verdict);
+    let words: Vec<String> = judged
+        .map(|limb| {
+            let because = limb.reason.map(|reason| format!(" ({})", reason.text())).unwrap_or_default();
+            format!("{}{because}", limbs[limb.limb].name)
+        })
+        .collect();
+    words.join("; ")
 }
 
 fn number(value: f64) -> String {

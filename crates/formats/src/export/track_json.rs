@@ -76,6 +76,18 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
     if !estimate.empty_cameras.is_empty() {
         out["left_out"] = json!(estimate.empty_cameras);
     }
+    if !estimate.trust.is_empty() {
+        let trust = estimate.trust.iter().map(|limb| {
+            let told = json!({
+                "verdict": limb.verdict.name(),
+                "wrong": rounded(limb.wrong),
+                "error": rounded(limb.error_m),
+                "because": limb.reason,
+            });
+            (limbs[limb.limb].name.clone(), told)
+        });
+        out["trust"] = trust.collect::<Map<String, Value>>().into();
+    }
     if !estimate.holds.is_empty() {
         let name = |limb: usize| limbs[limb].name.clone();
         let by_cues = estimate.holds.iter().filter(|hold| !hold.by_silhouettes && !hold.is_unsure());
@@ -86,6 +98,11 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         out["unsure"] = unsure.map(|hold| json!(name(hold.limb))).collect::<Vec<_>>().into();
     }
     out
+}
+
+/// Probabilities and errors are told to four digits after the point.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }
 
 #[cfg(test)]

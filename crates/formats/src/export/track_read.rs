@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use backlit_tracking::belief::{LimbTrust, Reason};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::cues::{Cue, LimbHold};
 use backlit_tracking::silhouette::Overlap;
@@ -79,6 +80,15 @@ struct FrameSpec {
     held_by_cues: Option<Entries<Vec<String>>>,
     #[serde(default)]
     unsure: Vec<String>,
+    #[serde(default)]
+    trust: Option<Entries<TrustSpec>>,
+}
+
+#[derive(Deserialize)]
+struct TrustSpec {
+    wrong: f64,
+    error: f64,
+    because: Option<Reason>,
 }
 
 /// Reads the `track.json` that `backlit track` wrote. Such a file names its body: without a `model`, that is the
@@ -173,7 +183,18 @@ fn estimate(
             hold(limb, Vec::new())?;
         }
     }
+    let mut trust = Vec::new();
+    for (name, TrustSpec { wrong, error, because }) in frame.trust.map(|trust| trust.0).unwrap_or_default() {
+        let unknown = || FileProblem::UnknownLimb { field: format!("{at}.trust"), limb: name.clone() };
+        let limb = model.limb_index(&name).ok_or_else(unknown)?;
+        if !((0.0..=1.0).contains(&wrong) && error.is_finite() && error >= 0.0) {
+            let found = format!("{wrong}, {error}");
+            return Err(field(&format!("{at}.trust.{name}"), &found, "a probability and metres"));
+        }
+        trust.push(LimbTrust::new(limb, wrong, error, because.unwrap_or(Reason::Loose)));
+    }
     Ok(FrameEstimate {
+        trust,
         cost: frame.cost,
         rms: frame.rms,
         overlap,

@@ -17,6 +17,9 @@ use super::{FrameReader, TrackEnding, TrackError, TrackMessage, TrackRun};
 /// Most frames from which the filter's noise is estimated: a filter keeps a third of a megabyte of each.
 const TUNED_FRAMES: usize = 600;
 
+/// Hypotheses that are carried beside the leading one unless something else is asked for.
+pub const RIVALS: usize = 7;
+
 /// How frames are followed.
 #[derive(Debug, Clone)]
 pub struct TrackPlan {
@@ -30,6 +33,8 @@ pub struct TrackPlan {
     pub motion: Motion,
     /// When other poses than the one downhill are looked for.
     pub search: WhenToSearch,
+    /// Most hypotheses that are carried beside the leading one.
+    pub rivals: usize,
     /// What else pulls at limbs that the silhouettes do not hold.
     pub cues: Vec<Cue>,
     /// How later frames smooth earlier ones, if they do.
@@ -80,6 +85,7 @@ impl TrackPlan {
             frame_rate: take.frame_rate(),
             motion: Motion::default(),
             search: WhenToSearch::default(),
+            rivals: RIVALS,
             cues: Vec::new(),
             smoothing: None,
             keys: BTreeMap::new(),
@@ -92,6 +98,7 @@ impl TrackPlan {
     pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
         let tracker = Tracker::new(self.model.clone(), (*self.fit).clone(), start)?;
         let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
+        let tracker = tracker.with_rivals(self.rivals).with_trust();
         Ok(match &self.cues[..] {
             [] => tracker,
             cues => tracker.with_cues(CueOptions::default().only(cues))?,

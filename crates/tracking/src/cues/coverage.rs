@@ -147,6 +147,17 @@ fn shares_of(
     counts.into_iter().map(|[seen, all]| if all > 0.0 { seen / all } else { 0.0 }).collect()
 }
 
+/// By rotation, whether silhouettes do not hold it.
+pub(crate) fn unheld(
+    model: &Model,
+    kinematics: &Kinematics,
+    views: &[WatchedCamera],
+    renderer: RendererKind,
+) -> Vec<bool> {
+    let coverage = Coverage::new(model, kinematics, views, renderer, &CoverageOptions::default());
+    coverage.held.iter().map(|held| !held).collect()
+}
+
 struct Eye<'a> {
     model: &'a Model,
     camera: &'a Camera,

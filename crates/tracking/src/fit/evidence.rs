@@ -189,10 +189,10 @@ impl FitView {
 }
 
 /// Views that have data, their distance fields, and a start of unit quaternions.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct PreparedFit {
     pub(crate) views: Vec<FitView>,
-    pub(crate) distances: Vec<Option<SignedDistance>>,
+    pub(crate) distances: Arc<Vec<Option<SignedDistance>>>,
     pub(crate) start: Pose,
     /// Cameras that had nothing to say, by name.
     pub(crate) empty_cameras: Vec<String>,
@@ -230,8 +230,9 @@ impl PreparedFit {
         }
         let start = start.normalized();
         let least = reach_px(model, &views, &start);
-        let distances = views.iter().map(|view| view.distance_within(&options.stages, least)).collect();
-        Ok(Self { views, distances, start, empty_cameras })
+        let distances: Vec<_> =
+            views.iter().map(|view| view.distance_within(&options.stages, least)).collect();
+        Ok(Self { views, distances: Arc::new(distances), start, empty_cameras })
     }
 }
 

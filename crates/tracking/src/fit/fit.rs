@@ -9,6 +9,7 @@ use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{Iteration, NormalEquations, Solver, Termination};
 use crate::residual::cue::CueSet;
+use crate::residual::learnt_prior::PartEnergy;
 use crate::residual::motion_prior::MotionPrior;
 use crate::residual::{Loss, Residual};
 
@@ -103,6 +104,19 @@ impl Fit {
         let pose = prepared.start.clone();
         let constraints = Constraints { free, ..Constraints::default() };
         Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
+    }
+
+    /// The same frame fitted from another start, which the pull to the start is then to.
+    pub(crate) fn elsewhere(&self, start: Pose) -> Self {
+        let prepared = PreparedFit { start: start.clone(), ..self.prepared.clone() };
+        let constraints = self.constraints.clone();
+        Self::begin(Arc::clone(&self.model), prepared, self.options.clone(), constraints, 0, &start)
+    }
+
+    /// What a pose costs by the current stage's measure, without any pull to another pose, and how likely motion files find it
+    /// ([`Objective::free_cost`]).
+    pub(crate) fn free_cost(&mut self, pose: &Pose) -> (f64, Vec<PartEnergy>) {
+        self.objective.free_cost(pose)
     }
 
     /// A fit that goes on from a pose with the last stage alone.

@@ -13,7 +13,7 @@ use crate::render::wrench::WrenchBlock;
 use crate::render::{BACKGROUND, View};
 use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
-use crate::residual::learnt_prior::BoundPrior;
+use crate::residual::learnt_prior::{BoundPrior, PartEnergy};
 use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
 use crate::residual::{Loss, Residual, ResidualPoint, pose_prior};
@@ -141,6 +141,14 @@ impl Objective {
         equations.jtr *= pixels;
         equations.cost *= pixels;
         equations
+    }
+
+    /// Cost of a pose without any pull to another pose: silhouettes, cues and anatomy, as if every pixel were sampled; and what
+    /// motion files say of it, by part of the body.
+    pub(crate) fn free_cost(&mut self, pose: &Pose) -> (f64, Vec<PartEnergy>) {
+        let cost = self.frame_equations(pose).cost;
+        let energies = |prior: &BoundPrior| prior.energies(&self.model, &self.kinematics);
+        (cost, self.prior.as_ref().map_or_else(Vec::new, energies))
     }
 
     /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.

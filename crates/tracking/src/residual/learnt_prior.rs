@@ -48,6 +48,15 @@ struct LimbFixed<T> {
     rest: T,
 }
 
+/// How unlikely a part of the body is.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PartEnergy {
+    /// The rotations whose directions it has.
+    pub(crate) rotations: Vec<usize>,
+    /// E, −2 ln of the density over the peaks'.
+    pub(crate) energy: f64,
+}
+
 /// A prior that knows which limbs of a body its directions are of.
 #[derive(Debug, Clone)]
 pub struct BoundPrior {
@@ -109,6 +118,17 @@ impl BoundPrior {
     /// The directions of each of its parts at a pose, with the part's index in the prior.
     pub fn all_numbers(&self, model: &Model, kinematics: &Kinematics) -> Vec<(usize, DVector<f64>)> {
         self.parts.iter().map(|part| (part.index, self.numbers(kinematics, model, part))).collect()
+    }
+
+    /// How unlikely each of its parts is at a pose.
+    pub(crate) fn energies(&self, model: &Model, kinematics: &Kinematics) -> Vec<PartEnergy> {
+        let of_part = |part: &BoundPart| {
+            let x = self.numbers(kinematics, model, part);
+            let rotations = part.directions.iter().map(|(_, at)| model.limbs()[at.limb].rotation);
+            let energy = self.prior.statistics.parts[part.index].poses.pull(&x).energy;
+            PartEnergy { rotations: rotations.collect(), energy }
+        };
+        self.parts.iter().map(of_part).collect()
     }
 
     /// Where the poses' distribution would have limbs: each with the direction, of unit length in the world, that a step on its part's

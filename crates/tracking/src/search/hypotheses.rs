@@ -131,6 +131,39 @@ pub fn fit_best(
     Ok((fit, hypotheses))
 }
 
+/// Other places of some chains of a pose: each chain is taken off by itself and seeded again, the best places are refined. Best
+/// first; the pose itself is not among them.
+///
+/// # Errors
+/// As [`Fit::new`].
+pub(crate) fn reseeded(
+    model: &Arc<Model>,
+    views: &[FitView],
+    pose: &Pose,
+    options: &FitOptions,
+    effort: &SearchOptions,
+    chains: &[usize],
+    cancel: &CancelToken,
+) -> Result<Vec<Hypothesis>, FitError> {
+    // The chain is to leave its place.
+    let free = FitOptions { proximal_weight: 0.1 * options.proximal_weight, ..options.clone() };
+    let prepared = PreparedFit::new(model, views.to_vec(), pose, &free, Sketch::reach_px)?;
+    let mut search = Search::about(&prepared.start, model, &prepared, &free, effort, cancel);
+    for &chain in chains {
+        let proposals = search.reseeder.propose(&prepared.start, chain, &[]);
+        let origin = Origin::Chain { limb: search.reseeder.name(chain) };
+        for (_, pose) in proposals {
+            if cancel.is_cancelled() {
+                break;
+            }
+            let (cost, pose) = search.refine(&pose, search.refining_stage());
+            search.keep(Hypothesis { pose, cost, origin: origin.clone() });
+        }
+    }
+    search.hypotheses.retain(|hypothesis| farthest_m(model, &hypothesis.pose, pose) >= SAME_M);
+    Ok(search.hypotheses)
+}
+
 /// A search in progress.
 #[derive(Debug)]
 pub(super) struct Search<'a> {
@@ -365,7 +398,7 @@ impl<'a> Search<'a> {
 }
 
 /// Largest distance between two poses' joints.
-pub(super) fn farthest_m(model: &Model, a: &Pose, b: &Pose) -> f64 {
+pub(crate) fn farthest_m(model: &Model, a: &Pose, b: &Pose) -> f64 {
     let (a, b) = (Kinematics::new(model, a), Kinematics::new(model, b));
     a.ends().iter().zip(b.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
 }

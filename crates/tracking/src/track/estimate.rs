@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::beam::Mode;
 use super::lost::Lost;
 use super::motion::FrameBelief;
+use crate::belief::{LimbTrust, Verdict};
 use crate::body::{Kinematics, Model, Pose};
 use crate::cues::LimbHold;
 use crate::fit::{Evidence, FitView};
@@ -40,6 +42,10 @@ pub struct FrameEstimate {
     /// What held which part of the body, by rotation; empty where nobody watched cues
     /// ([`Tracker::with_cues`](super::Tracker::with_cues)) and in a frame in which nobody was found.
     pub holds: Vec<LimbHold>,
+    /// How far each limb may be believed; empty where nobody judged them ([`Tracker::with_trust`](super::Tracker::with_trust)).
+    pub trust: Vec<LimbTrust>,
+    /// Rivals that were carried beside the pose, likeliest first.
+    pub modes: Vec<Mode>,
 }
 
 impl FrameEstimate {
@@ -59,6 +65,8 @@ impl FrameEstimate {
             belief: None,
             hypotheses: Vec::new(),
             holds: Vec::new(),
+            trust: Vec::new(),
+            modes: Vec::new(),
         }
     }
 
@@ -71,6 +79,12 @@ impl FrameEstimate {
     /// The limbs that nothing held, each with those that turn with it: their poses are what motion and priors make of them.
     pub fn unsure_limbs(&self) -> impl Iterator<Item = usize> + '_ {
         self.holds.iter().filter(|hold| hold.is_unsure()).map(|hold| hold.limb)
+    }
+
+    /// The limbs of a verdict that have a rotation of their own.
+    pub fn judged<'a>(&'a self, model: &'a Model, verdict: Verdict) -> impl Iterator<Item = &'a LimbTrust> {
+        let has_own = |limb: &&LimbTrust| model.limbs()[limb.limb].has_own_rotation;
+        self.trust.iter().filter(has_own).filter(move |limb| limb.verdict == verdict)
     }
 
     /// Measures the overlap again with what the frame's cameras saw, as after smoothing has moved the pose.

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::beam::{Beam, Rival};
 use super::estimate::FrameEstimate;
 use super::lost::{LastResort, UsualCost};
 use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, Predicted};
@@ -12,6 +13,8 @@ use crate::filter::Belief;
 use crate::fit::FitView;
 use crate::numbers::Brief;
 
+/// Nobody carries more rivals.
+const MOST_RIVALS: usize = 64;
 /// Larger numbers than this are nobody's velocity or covariance.
 const LARGEST: f64 = 1e12;
 
@@ -30,6 +33,8 @@ pub struct TrackerMemory {
     pub filter: Option<FilterMemory>,
     /// What cues have learnt; `None` without them.
     pub cues: Option<CueMemory>,
+    /// What is carried beside the leading hypothesis.
+    pub beam: Beam,
 }
 
 /// The frame before, and where its motion leads.
@@ -116,6 +121,7 @@ impl Tracker {
             has_start: self.start.is_some(),
             filter: self.filter.clone(),
             cues: self.cues.as_ref().map(CueWatch::memory),
+            beam: self.beam.clone(),
         })
     }
 
@@ -127,7 +133,7 @@ impl Tracker {
     /// What does not fit the body or these options.
     pub fn with_memory(mut self, memory: TrackerMemory) -> Result<Self, MemoryError> {
         memory.check(&self.model)?;
-        let TrackerMemory { last, usual, last_resort, has_start, filter, cues } = memory;
+        let TrackerMemory { last, usual, last_resort, has_start, filter, cues, beam } = memory;
         if filter.is_some() != matches!(self.motion, Motion::Kalman(_)) {
             return Err(MemoryError::Filter { with: filter.is_some() });
         }
@@ -141,7 +147,7 @@ impl Tracker {
         }
         self.filter = filter;
         self.start = has_start.then(|| last.pose.clone());
-        (self.last, self.usual, self.last_resort) = (Some(last), usual, last_resort);
+        (self.last, self.usual, self.last_resort, self.beam) = (Some(last), usual, last_resort, beam);
         Ok(self)
     }
 
@@ -167,6 +173,15 @@ impl TrackerMemory {
         check_pose("pose", &self.last.pose, model)?;
         if let Some(velocity) = &self.last.velocity {
             check_numbers("velocity", velocity.iter(), columns)?;
+        }
+        if self.beam.rivals.len() > MOST_RIVALS {
+            let (field, found) = ("rivals".to_owned(), self.beam.rivals.len());
+            return Err(MemoryError::Count { field, found, expected: MOST_RIVALS });
+        }
+        for Rival { last, behind } in &self.beam.rivals {
+            check_pose("rivals", &last.pose, model)?;
+            last.velocity.as_ref().map_or(Ok(()), |all| check_numbers("rivals", all.iter(), columns))?;
+            check_numbers("rivals", [behind].into_iter(), 1)?;
         }
         if let Some((value, expected)) = self.usual.wrong() {
             return Err(MemoryError::Number { field: "usual_rms".to_owned(), value, expected });

@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::beam::{Beam, Mode};
 use super::estimate::{FrameEstimate, iou, overlaps};
 use super::lost::{LastResort, Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
 use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
+use crate::belief::{self, Conflicts, LimbTrust, Reason, TrustInputs};
 use crate::body::{Kinematics, Model, Pose, Sides};
+use crate::camera::up_of;
 use crate::cancel::CancelToken;
-use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
+use crate::cues::{self, CueOptions, CueWatch, FrameCues, WatchedCamera};
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
 use crate::numbers::OptionError;
 use crate::optimize::NormalEquations;
@@ -21,6 +24,13 @@ use crate::silhouette::Overlap;
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
 pub const SEARCH_BELOW_IOU: f64 = 0.9;
+
+/// A rival's limb is elsewhere if its end is farther off than this, metres.
+const ELSEWHERE_M: f64 = 0.1;
+/// A limb in a lost frame is at least this likely to be wrong.
+const LOST_WRONG: f64 = 0.1;
+/// How far a limb is off of which nothing is seen, metres.
+const UNKNOWN_ERROR_M: f64 = 0.5;
 
 /// When to look for other poses than the one downhill from the start
 /// ([`search`]): in a first frame, or in one after a lost one.
@@ -41,7 +51,7 @@ pub enum WhenToSearch {
 #[derive(Debug)]
 pub struct Tracker {
     pub(super) model: Arc<Model>,
-    options: FitOptions,
+    pub(super) options: FitOptions,
     /// Where the first frame's fit starts; `None` looks for it in the visual hull.
     pub(super) start: Option<Pose>,
     pub(super) last: Option<LastFrame>,
@@ -53,6 +63,11 @@ pub struct Tracker {
     pub(super) filter: Option<FilterMemory>,
     frame_seconds: f64,
     pub(super) cues: Option<CueWatch>,
+    /// Most rivals that are carried.
+    pub(super) most_rivals: usize,
+    pub(super) beam: Beam,
+    /// Whether every limb is judged.
+    judges: bool,
 }
 
 impl Tracker {
@@ -89,6 +104,9 @@ impl Tracker {
             filter: None,
             frame_seconds: 1.0,
             cues: None,
+            most_rivals: 0,
+            beam: Beam::default(),
+            judges: false,
         })
     }
 
@@ -111,6 +129,20 @@ impl Tracker {
     #[must_use]
     pub fn with_search(mut self, search: WhenToSearch) -> Self {
         self.search = search;
+        self
+    }
+
+    /// Carries other hypotheses beside the leading one, this many at most, where silhouettes speak against it.
+    #[must_use]
+    pub fn with_rivals(mut self, most: usize) -> Self {
+        self.most_rivals = most;
+        self
+    }
+
+    /// Says of every frame how far each limb may be believed ([`FrameEstimate::trust`]).
+    #[must_use]
+    pub fn with_trust(mut self) -> Self {
+        self.judges = true;
         self
     }
 
@@ -223,7 +255,17 @@ impl Tracker {
             attempt = found;
             predicted = Err(Begins::FoundElsewhere);
         }
-        Ok(self.keep(frame, attempt, predicted, &views, cancel))
+        let mut modes = Vec::new();
+        if self.most_rivals > 0 && !attempt.summary.is_broken() && !cancel.is_cancelled() {
+            let (winner, beside) = self.contest(frame, &mut attempt.fit, &views, cancel);
+            modes = beside;
+            if let Some(fit) = winner {
+                let hypotheses = std::mem::take(&mut attempt.hypotheses);
+                attempt = self.judged(fit, hypotheses, &views);
+                predicted = Err(Begins::FoundElsewhere);
+            }
+        }
+        Ok(self.keep(frame, attempt, modes, predicted, &views, cancel))
     }
 
     /// Runs a fit of the frame at hand with its cues, if there are any, and judges it.
@@ -238,10 +280,16 @@ impl Tracker {
             Some(watch) => fit.with_cues(Arc::clone(watch.set()))?,
             None => fit,
         };
-        let summary = fit.run(cancel, |_| {});
+        fit.run(cancel, |_| {});
+        Ok(self.judged(fit, hypotheses, views))
+    }
+
+    /// Judges a fit that has run.
+    fn judged(&self, fit: Fit, hypotheses: Vec<Hypothesis>, views: &[FitView]) -> Attempt {
+        let summary = fit.summary();
         let overlap = self.overlaps(&summary.pose, views);
         let lost = self.usual.judge(rms(&summary), iou(&overlap));
-        Ok(Attempt { fit, summary, hypotheses, overlap, lost })
+        Attempt { fit, summary, hypotheses, overlap, lost }
     }
 
     fn overlaps(&self, pose: &Pose, views: &[FitView]) -> Vec<Option<Overlap>> {
@@ -254,6 +302,7 @@ impl Tracker {
         &mut self,
         frame: usize,
         attempt: Attempt,
+        modes: Vec<Mode>,
         mut predicted: Result<Predicted, Begins>,
         views: &[FitView],
         cancel: &CancelToken,
@@ -277,6 +326,7 @@ impl Tracker {
         let equations = || lost.is_none().then(|| fit.frame_equations());
         let belief = self.believe(&summary.pose, equations, predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
+        let trust = if self.judges { self.trust(&mut fit, views, &modes, lost) } else { Vec::new() };
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
@@ -290,9 +340,49 @@ impl Tracker {
             belief,
             hypotheses,
             holds: holds.unwrap_or_default(),
+            trust,
+            modes,
         };
         self.advance(frame, fitted, lost.is_some(), goes_on);
         estimate
+    }
+
+    /// How far every limb of a fit that has ended may be believed.
+    fn trust(&self, fit: &mut Fit, views: &[FitView], modes: &[Mode], lost: Option<Lost>) -> Vec<LimbTrust> {
+        let (model, renderer) = (&*self.model, self.options.renderer);
+        let kinematics = Kinematics::new(model, fit.pose());
+        let conflicts = Conflicts::new(model, &kinematics, renderer, views);
+        let (cameras, _) = watched(views, FrameCues::default());
+        let unheld = cues::unheld(model, &kinematics, &cameras, renderer);
+        let equations = fit.frame_equations();
+        let pose = fit.pose().clone();
+        let (_, energies) = fit.free_cost(&pose);
+        let seen = views.iter().filter(|view| view.has_data());
+        let mut trust = belief::trust(&TrustInputs {
+            model,
+            kinematics: &kinematics,
+            conflicts: &conflicts,
+            energies: &energies,
+            unheld: &unheld,
+            equations: &equations,
+            up: up_of(seen.map(|view| &*view.camera)),
+        });
+        let beside: Vec<(Kinematics, f64)> =
+            modes.iter().map(|mode| (Kinematics::new(model, &mode.pose), mode.weight)).collect();
+        for limb in &mut trust {
+            let end = kinematics.ends()[limb.limb];
+            let elsewhere =
+                beside.iter().filter(|(rival, _)| rival.ends()[limb.limb].distance(end) > ELSEWHERE_M);
+            let rivals = 0.5 * elsewhere.map(|(_, weight)| weight).sum::<f64>();
+            let least = if lost.is_some() { LOST_WRONG } else { 0.0 };
+            let (wrong, reason) = match limb.reason {
+                _ if least > limb.wrong.max(rivals) => (least, Reason::Lost),
+                Some(reason) if rivals <= limb.wrong => (limb.wrong, reason),
+                _ => (limb.wrong.max(rivals), Reason::Rival),
+            };
+            *limb = LimbTrust::new(limb.limb, wrong, limb.error_m, reason);
+        }
+        trust
     }
 
     /// What a Kalman filter believes after a frame, if there is one.
@@ -329,10 +419,16 @@ impl Tracker {
             empty_cameras: empty,
             lost_because: Some(because),
             belief,
+            trust: if self.judges { self.nothing_believed() } else { Vec::new() },
             ..FrameEstimate::of_pose(frame, pose)
         };
         self.advance(frame, estimate.pose.clone(), true, false);
         estimate
+    }
+
+    fn nothing_believed(&self) -> Vec<LimbTrust> {
+        let limbs = 0..self.model.limbs().len();
+        limbs.map(|limb| LimbTrust::new(limb, 1.0, UNKNOWN_ERROR_M, Reason::Lost)).collect()
     }
 
     /// Fits a frame near the one before, without the widest stages.
@@ -393,7 +489,7 @@ impl Tracker {
     }
 
     /// Negative backwards.
-    fn seconds_between(&self, before: usize, frame: usize) -> f64 {
+    pub(super) fn seconds_between(&self, before: usize, frame: usize) -> f64 {
         (frame as f64 - before as f64) * self.frame_seconds
     }
 
