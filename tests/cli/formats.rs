@@ -11,7 +11,7 @@ use backlit_document::Origin;
 use backlit_document::project::{Project, read_project};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_formats::{MemoryFiles, Take, model_file};
+use backlit_formats::{MemoryFiles, Take, model_file, placement_file};
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, builtin};
 use backlit_tracking::fit::FitOptions;
@@ -99,6 +99,9 @@ fn body_cameras_and_pose_are_read() {
     assert_eq!((rig.cameras()[0].name(), rig.cameras()[0].width()), ("cam01", 272));
     let full = builtin::full_body();
     pose_file::parse(path, example("Pose").as_bytes(), &full, Quaternions::Normalised).unwrap();
+    let placement = examples("Keypoints")[0].to_string();
+    let placement = placement_file::parse(path, placement.as_bytes(), &full).unwrap();
+    assert!(placement.offsets["right lower calf"].spread > 0.0);
 }
 
 #[test]

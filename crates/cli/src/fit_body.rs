@@ -1,5 +1,6 @@
 //! `backlit fit-body`: a person's own lengths and radii, from several frames of a take.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -26,9 +27,9 @@ use crate::{output, progress};
 
 const AFTER_HELP: &str = "\
 Sizes and the poses of all chosen frames are found together: from the silhouettes, from the proportions and \
-girths of people, and from the take's reference keypoints in these frames if it has any. Silhouettes that \
-are surely too wide all round are not mistaken for girth. Left and right share their sizes. The body is \
-first scaled as a whole to the lowest-numbered frame, then tracked to the others.
+girths of people, and from the take's keypoints in these frames if it has any: its reference's, else its \
+cameras'. Silhouettes that are surely too wide all round are not mistaken for girth. Left and right share \
+their sizes. The body is first scaled as a whole to the lowest-numbered frame, then tracked to the others.
 
 Several frames of a movement are better than one: a T-pose shows radii and the lengths of arms; bent elbows \
 and knees show where upper and lower limbs meet. A size is marked as a guess if the silhouettes say hardly \
@@ -65,7 +66,7 @@ pub struct FitBodyArguments {
     /// Use neither a start nor keypoints: grow a first body and its pose in the lowest-numbered frame, and begin the fit with them
     #[arg(long, conflicts_with = "start")]
     acquire: bool,
-    /// Do not use the take's reference keypoints
+    /// Do not hold joints near the take's keypoints: those of its reference, else those of its cameras
     #[arg(long)]
     without_keypoints: bool,
     /// Let left and right differ
@@ -159,14 +160,19 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     };
     let cameras = take_options::camera_indices(take, arguments.cameras.as_deref()).context("--cameras")?;
     let chosen = arguments.frames(take)?;
+    // Joints are held near keypoints wherever there are some.
+    let of_cameras = match arguments.without_keypoints || take.reference().is_some() {
+        true => BTreeMap::new(),
+        false => take.keypoint_joints(&chosen)?,
+    };
     let joints = |frame: usize| match arguments.without_keypoints {
         true => ReferenceJoints::new(),
-        false => joints_of(take, &model, frame),
+        false => joints_of(take, &model, frame, &of_cameras),
     };
     let acquired = arguments.acquire.then(|| acquired(&footage, &cameras, &model, &chosen)).transpose()?;
     let plan = match &acquired {
         Some(acquired) => approach_to(take, acquired.poses[0].clone(), Some(0.0), chosen),
-        None => plan(arguments, take, &model, chosen, &joints)?,
+        None => plan(arguments, take, &model, chosen, &joints, &of_cameras)?,
     };
     let options = arguments.options(&model, plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
     let grown = acquired.map(|acquired| acquired.model);
@@ -250,6 +256,7 @@ fn plan(
     model: &Model,
     frames: Vec<usize>,
     joints: &impl Fn(usize) -> ReferenceJoints,
+    of_cameras: &BTreeMap<usize, ReferenceJoints>,
 ) -> anyhow::Result<Approach> {
     let first = frames.iter().copied().min().unwrap_or(0);
     let known: Vec<ReferenceJoints> = frames.iter().map(|&frame| joints(frame)).collect();
@@ -258,7 +265,7 @@ fn plan(
         Some(path) => pose_file::read(path, model, Quaternions::Normalised)?,
         None => {
             let scaled = model.scaled(size.unwrap_or(0.0).exp())?;
-            let from_joints = || start::from_joints(&scaled, &joints_of(take, model, first));
+            let from_joints = || start::from_joints(&scaled, &joints_of(take, model, first, of_cameras));
             from_joints().or_else(|| own_start(take, model)).with_context(|| {
                 format!(
                     "the take has neither reference keypoints in frame {first} nor a `start` for this body; give a \
@@ -289,10 +296,20 @@ fn acquired(
     acquired.with_context(|| format!("frame {first}: no first body can be grown"))
 }
 
-/// The take's reference keypoints of a frame, by the limbs of another body with the same names.
-fn joints_of(take: &Take, model: &Model, frame: usize) -> ReferenceJoints {
+/// The take's reference keypoints of a frame, without a reference those of its cameras, by the limbs of another body with the
+/// same names.
+fn joints_of(
+    take: &Take,
+    model: &Model,
+    frame: usize,
+    of_cameras: &BTreeMap<usize, ReferenceJoints>,
+) -> ReferenceJoints {
     let limbs = take.model().limbs();
-    let joints = take_options::reference_joints(take, frame).into_iter();
+    let joints = match take.reference() {
+        Some(reference) => reference.joints(frame),
+        None => of_cameras.get(&frame).cloned().unwrap_or_default(),
+    };
+    let joints = joints.into_iter();
     let named = joints.filter_map(|(limb, place)| match limb {
         Some(limb) => Some((Some(model.limb_index(&limbs[limb].name)?), place)),
         None => Some((None, place)),

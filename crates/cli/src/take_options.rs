@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::trc::Axes;
-use backlit_formats::{Footage, Take, model_file};
+use backlit_formats::{Footage, Take, model_file, placement_file};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::RigError;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::metrics::{JointErrors, ReferenceJoints};
 use backlit_tracking::search::start;
 use clap::Args;
 use clap::error::ErrorKind;
@@ -195,14 +195,51 @@ pub(crate) struct ReferenceArguments {
     /// Which frame number of the file is frame 0 of the take [default: that of the first row; for a CSV, 0]
     #[arg(long, value_name = "N", requires = "reference")]
     reference_first: Option<u64>,
+    /// Where the keypoints' tool puts its markers beside the joints, as --learn-placement has written it; the line "placed" is by it
+    /// [default: that of the take, else learnt in frames that are not judged]
+    #[arg(long, value_name = "FILE")]
+    placement: Option<PathBuf>,
+    /// Learn from all tracked frames where the keypoints' tool puts its markers, and write that to this file
+    #[arg(long, value_name = "FILE")]
+    learn_placement: Option<PathBuf>,
+    /// The tool of whose keypoints --learn-placement learns: COCO, BODY_25, OpenCap …
+    #[arg(long, value_name = "NAME", default_value = "own", requires = "learn_placement")]
+    tool: String,
 }
 
 impl ReferenceArguments {
-    /// The take with these keypoints, if any are named.
+    /// The take with these keypoints and this placement, if any are named.
     pub(crate) fn take(&self, take: &Take) -> anyhow::Result<Option<Take>> {
-        let Some(path) = &self.reference else { return Ok(None) };
-        let judge = take.with_reference(path, self.reference_axes, self.reference_first);
-        judge.map(Some).context("--reference")
+        let mut judge = None;
+        if let Some(path) = &self.reference {
+            let other = take.with_reference(path, self.reference_axes, self.reference_first);
+            judge = Some(other.context("--reference")?);
+        }
+        if let Some(out) = &self.learn_placement {
+            output::check_folder_of(out)?;
+        }
+        let placed = self.placement.as_ref().or(self.learn_placement.as_ref());
+        if placed.is_some() && judge.as_ref().unwrap_or(take).reference().is_none() {
+            bail!(
+                "there are no keypoints that could be placed: the take has no [reference], and --reference names none"
+            );
+        }
+        if let Some(path) = &self.placement {
+            let placement = placement_file::read(path, take.model()).context("--placement")?;
+            judge = Some(judge.as_ref().unwrap_or(take).with_placement(placement));
+        }
+        Ok(judge)
+    }
+
+    /// Writes where the keypoints' tool puts its markers, if that is asked for.
+    pub(crate) fn learn(&self, errors: &JointErrors) -> anyhow::Result<()> {
+        let Some(path) = &self.learn_placement else { return Ok(()) };
+        let placement = errors.placement(self.tool.trim());
+        ensure!(
+            !placement.offsets.is_empty(),
+            "--learn-placement: the tracked frames have too few keypoints"
+        );
+        Ok(placement_file::write(path, &placement)?)
     }
 }
 

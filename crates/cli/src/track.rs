@@ -42,12 +42,15 @@ Writes to the folder of --out:
 If the take has no start, one is searched for. If the take asks for sizes, as one written by import does, \
 the person's own sizes are found first. Joints are named after the limb that ends in them, or root. If the \
 take has reference keypoints, joint errors are reported: millimetres between the fitted joint and the \
-keypoint. IoU is intersection over union of silhouette and model; unknown pixels do not count. Times are \
+keypoint; then without what their markers are defined otherwise (placed), and how far the keypoints themselves \
+scatter, from distances that cannot vary. IoU is intersection over union of silhouette and model; unknown pixels do not count. Times are \
 from frame to frame, with reading and segmentation.
 
 Examples:
   backlit track TAKE --out results
   backlit track TAKE --out results --reference other_tool.trc
+  backlit track TAKE --out results --frames 0..300 --learn-placement openpose.json --tool BODY_25
+  backlit track TAKE --out results --frames 300.. --placement openpose.json
   backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
@@ -140,7 +143,9 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
         });
     }
-    smoothed.context("what was tracked is written")?;
+    smoothed
+        .and_then(|()| arguments.reference.learn(&report.errors))
+        .context("what was tracked is written")?;
     output::print_result(arguments.json, &report.summary(), || report.text())
 }
 

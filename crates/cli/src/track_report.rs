@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use backlit_formats::Take;
+use backlit_formats::take::Reference;
 use backlit_tracking::belief::Verdict;
-use backlit_tracking::metrics::{self, JointErrors};
+use backlit_tracking::metrics::{self, JointErrors, MarkerPlacement};
 use backlit_tracking::statistics::{Statistics, mean};
 use backlit_tracking::track::{FrameEstimate, SmoothingError, Track};
 use serde::Serialize;
@@ -34,6 +35,8 @@ pub(crate) struct TrackReport {
     times_ms: Vec<f64>,
     /// Distances from the reference keypoints so far.
     pub(crate) errors: JointErrors,
+    /// Where the keypoints' tool puts its markers, if that is known.
+    placement: Option<MarkerPlacement>,
     jitter_mm: Option<f64>,
     /// What was found before tracking began.
     pub(crate) begun: Option<Begun>,
@@ -85,9 +88,22 @@ pub(crate) struct IouSummary {
 pub(crate) struct ErrorSummary {
     #[serde(flatten)]
     pub(crate) overall: Distances,
-    /// After each joint's constant offset in its limb's frame was taken off.
-    pub(crate) without_offsets: Option<Distances>,
-    by_joint: BTreeMap<String, Distances>,
+    /// Without what the markers are defined otherwise: each joint's offset, learnt in other frames than those that are judged.
+    pub(crate) placed: Option<Distances>,
+    /// The tool whose placement, from a file, took them off; none where offsets were learnt in this track.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    placement: Option<String>,
+    /// How far the reference itself scatters in the mean; null where none of its distances cannot vary.
+    pub(crate) reference_noise: Option<f64>,
+    by_joint: BTreeMap<String, JointSummary>,
+}
+
+#[derive(Debug, Serialize)]
+struct JointSummary {
+    #[serde(flatten)]
+    raw: Distances,
+    /// Mean, placed.
+    placed: Option<f64>,
 }
 
 /// Statistics of joint errors, millimetres.
@@ -124,6 +140,7 @@ impl TrackReport {
             not_smoothed: None,
             times_ms: Vec::new(),
             errors: JointErrors::default(),
+            placement: take.reference().and_then(Reference::placement).cloned(),
             jitter_mm: None,
             begun: None,
             is_partial: false,
@@ -151,6 +168,7 @@ impl TrackReport {
     /// Measures all frames against a take's reference keypoints.
     pub(crate) fn judge(&mut self, take: &Take) {
         self.errors = JointErrors::default();
+        self.placement = take.reference().and_then(Reference::placement).cloned();
         for estimate in self.track.frames.values() {
             self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
         }
@@ -169,7 +187,6 @@ impl TrackReport {
         };
         let cameras = self.cameras.iter().enumerate();
         let times = Statistics::of(&self.times_ms);
-        let by_joint = self.errors.by_joint();
         let unsure = frames().flat_map(|frame| &frame.holds).filter(|hold| hold.is_unsure());
         TrackSummary {
             frames: frames().count(),
@@ -181,14 +198,7 @@ impl TrackReport {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
             },
-            joint_error_mm: self.errors.overall().map(|overall| ErrorSummary {
-                overall: overall.into(),
-                without_offsets: self.errors.overall_without_offsets().map(Into::into),
-                by_joint: by_joint
-                    .into_iter()
-                    .map(|(name, errors)| (name.to_owned(), errors.into()))
-                    .collect(),
-            }),
+            joint_error_mm: self.error_summary(),
             jitter_mm: self.jitter_mm,
             ms_per_frame: TimeSummary {
                 median: times.map_or(0.0, |times| times.median),
@@ -213,6 +223,22 @@ impl TrackReport {
         doubts
     }
 
+    fn error_summary(&self) -> Option<ErrorSummary> {
+        let placed = self.errors.placed(self.placement.as_ref());
+        let all: Vec<f64> = placed.values().flatten().copied().collect();
+        let joint = |(name, raw): (&str, Statistics)| {
+            let placed = placed.get(name).and_then(|distances| mean(distances.iter().copied()));
+            (name.to_owned(), JointSummary { raw: raw.into(), placed })
+        };
+        Some(ErrorSummary {
+            overall: self.errors.overall()?.into(),
+            placed: Statistics::of(&all).map(Into::into),
+            placement: self.placement.as_ref().map(|placement| placement.tool.clone()),
+            reference_noise: self.errors.reference_noise_mm(),
+            by_joint: self.errors.by_joint().into_iter().map(joint).collect(),
+        })
+    }
+
     pub(crate) fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
@@ -226,17 +252,21 @@ impl TrackReport {
             out.push_str(&format!("{limb}: nothing held it in {count}\n"));
         }
         if let Some(errors) = &summary.joint_error_mm {
-            let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max"]);
-            let row = |name: &str, d: &Distances| {
+            let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max", "placed"]);
+            let row = |name: &str, d: &Distances, placed: Option<f64>| {
                 let [mean, median, p95, max] = [d.mean, d.median, d.p95, d.max].map(|mm| format!("{mm:.1}"));
-                [name.to_owned(), mean, median, p95, max]
+                [name.to_owned(), mean, median, p95, max, number(placed, 1)]
             };
-            for (name, distances) in &errors.by_joint {
-                table.row(row(name, distances));
+            for (name, joint) in &errors.by_joint {
+                table.row(row(name, &joint.raw, joint.placed));
             }
-            table.row(row("all joints", &errors.overall));
-            if let Some(distances) = &errors.without_offsets {
-                table.row(row("without each joint's offset", distances));
+            table.row(row("all joints", &errors.overall, errors.placed.map(|placed| placed.mean)));
+            if let Some(placed) = &errors.placed {
+                let by = errors.placement.as_ref().map_or("learnt in other frames", String::as_str);
+                table.row(row(&format!("all joints, placed ({by})"), placed, None));
+            }
+            if let Some(noise) = errors.reference_noise {
+                table.row(["noise of the reference".to_owned(), format!("{noise:.1}")]);
             }
             out.push('\n');
             out.push_str(&table.to_text());

@@ -47,6 +47,7 @@ pub(crate) fn all() -> Vec<Target> {
         row("starts", Text, POSE, 1000, texts::starts),
         row("bvh", Text, BVH, 1000, texts::bvh_motion),
         row("prior", Text, PRIOR, 1000, texts::prior),
+        row("placement", Text, "\"offsets\"¦\"root\"", 1000, texts::placement),
         row("track", Text, POSE, 400, texts::track),
         row("resume", Text, "\"waiting\"¦null¦\"belief\"", 1000, texts::resume),
         row("keypoints", Text, "\"people\"", 1000, texts::keypoint_file),

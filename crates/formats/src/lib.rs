@@ -22,6 +22,7 @@ pub mod mesh;
 pub mod model_file;
 pub mod motion;
 pub mod npy;
+pub mod placement_file;
 mod plain_words;
 pub mod plate;
 pub mod pose_file;

@@ -8,7 +8,9 @@ use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{TrackExport, resume_file, track_json, track_read};
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file};
+use backlit_formats::{
+    MemoryFiles, bvh, keypoints, model_file, motion, placement_file, prior_file, starts_file,
+};
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::camera::Rig;
 use backlit_tracking::cues::CueOptions;
@@ -69,6 +71,18 @@ pub(super) fn prior(bytes: &[u8]) -> Outcome {
             let far = part.poses.pull(&vec![1e3; part.poses.size()].into());
             assert!(far.energy >= 0.0 && !far.energy.is_nan(), "{}", far.energy);
         }
+    }
+    found.into()
+}
+
+pub(super) fn placement(bytes: &[u8]) -> Outcome {
+    let (path, model) = (Path::new("placement.json"), builtin::upper_body());
+    let found = placement_file::parse(path, bytes, &model);
+    if let Ok(placement) = &found {
+        // Numbers are rounded once; then they stay.
+        let again =
+            placement_file::parse(path, placement_file::to_text(placement).as_bytes(), &model).unwrap();
+        assert_eq!(placement_file::to_text(&again), placement_file::to_text(placement));
     }
     found.into()
 }

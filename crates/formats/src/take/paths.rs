@@ -246,8 +246,9 @@ impl TakeReader<'_> {
             all.extend(background.as_ref().map(|value| lying(value, "camera.background", *background_first)));
             all.extend(keypoints.as_ref().map(|value| lying(value, "camera.keypoints", first_keypoints)));
         }
-        if let Some(ReferenceSpec { keypoints, first_frame: _, axes: _, markers: _ }) = reference {
+        if let Some(ReferenceSpec { keypoints, first_frame: _, axes: _, markers: _, placement }) = reference {
             all.push(lying(keypoints, "reference.keypoints", 0));
+            all.extend(placement.as_ref().map(|value| own(value, "reference.placement")));
         }
         all
     }

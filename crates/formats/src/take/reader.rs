@@ -23,7 +23,7 @@ use crate::text::line_at;
 use crate::toml_text::{self, TomlStep};
 use crate::trc::Axes;
 use crate::video::{Video, VideoProblem};
-use crate::{FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles};
+use crate::{FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, placement_file};
 
 /// Pictures are reduced by no more than this.
 const MAX_REDUCTION: u32 = 64;
@@ -333,7 +333,11 @@ impl<'a> TakeReader<'a> {
             frame_count: films.frame_count,
             metres_per_unit: take.units.metres(),
         };
-        Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, &options)
+        let reference = Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, &options)?;
+        let Some(placement) = &spec.placement else { return Ok(reference) };
+        let path = self.folder.join(self.expand(placement, "reference.placement")?);
+        let bytes = self.files.read(&path, placement_file::MAX_BYTES)?;
+        Ok(reference.with_placement(placement_file::parse(&path, &bytes, model)?))
     }
 
     pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::{Camera, Rig};
-use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::metrics::{MarkerPlacement, ReferenceJoints};
 use glam::{DVec2, DVec3};
 
 use crate::trc::{self, Axes, limb_of_marker};
@@ -47,6 +47,7 @@ impl Joint {
 pub struct Reference {
     markers: Vec<(String, Joint)>,
     frames: BTreeMap<usize, Vec<(usize, DVec3)>>,
+    placement: Option<MarkerPlacement>,
 }
 
 /// How a table of keypoints is to be understood.
@@ -70,6 +71,18 @@ impl Reference {
     #[must_use]
     pub fn markers(&self) -> &[(String, Joint)] {
         &self.markers
+    }
+
+    /// Where the tool that it is of puts its markers, if that is known.
+    #[must_use]
+    pub fn placement(&self) -> Option<&MarkerPlacement> {
+        self.placement.as_ref()
+    }
+
+    /// The same reference, of a tool that puts its markers there.
+    #[must_use]
+    pub fn with_placement(self, placement: MarkerPlacement) -> Self {
+        Self { placement: Some(placement), ..self }
     }
 
     /// What was seen in a frame: index of the marker in [`markers`](Self::markers), joint, position in world metres.
@@ -118,8 +131,8 @@ impl Reference {
         };
         let header = table.headers().map_err(|error| syntax(&error))?.clone();
         let columns = Columns::new(path, &header)?;
-        let mut reference =
-            Self { markers: options.markers.unwrap_or_default().to_vec(), frames: BTreeMap::new() };
+        let markers = options.markers.unwrap_or_default().to_vec();
+        let mut reference = Self { markers, ..Self::default() };
         let mut seen = vec![false; reference.markers.len()];
         for record in table.records() {
             let record = record.map_err(|error| syntax(&error))?;
@@ -155,7 +168,7 @@ impl Reference {
             },
             <[_]>::to_vec,
         );
-        let mut reference = Self { markers, frames: BTreeMap::new() };
+        let mut reference = Self { markers, ..Self::default() };
         let column = |marker: &str| table.markers.iter().position(|name| name == marker);
         let columns: Vec<Option<usize>> =
             reference.markers.iter().map(|(marker, _)| column(marker)).collect();

@@ -101,4 +101,5 @@ pub(super) struct ReferenceSpec {
     pub(super) first_frame: u64,
     pub(super) axes: Option<Spanned<String>>,
     pub(super) markers: Option<BTreeMap<String, Spanned<String>>>,
+    pub(super) placement: Option<Spanned<String>>,
 }

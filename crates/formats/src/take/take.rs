@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, Rig};
+use backlit_tracking::metrics::MarkerPlacement;
 use backlit_tracking::names;
 use backlit_tracking::segment::SegmentOptions;
 
@@ -264,6 +265,13 @@ impl Take {
             return Some(Self { rig: reduced, full_rig: rig, ..self.clone() });
         }
         None
+    }
+
+    /// The same take whose keypoints are of a tool that puts its markers there; as it is where it has no keypoints.
+    #[must_use]
+    pub fn with_placement(&self, placement: MarkerPlacement) -> Self {
+        let reference = self.reference.clone().map(|reference| reference.with_placement(placement));
+        Self { reference, ..self.clone() }
     }
 
     /// The same take with other keypoints to compare with: a TRC, or a table whose markers have joints' names. Where no `axes`
