@@ -120,40 +120,6 @@ fn a_take_is_tracked() {
     assert_eq!(lines(scene.path("out/poses.csv")).len(), 1 + FRAMES);
 }
 
-/// Markers a constant way off are brought back by what was learnt in other frames, by a file, and by a file that the take names.
-#[test]
-fn markers_are_placed_by_what_was_learnt() {
-    let scene = take();
-    // Every marker 50 mm above its joint.
-    let truth = lines(scene.path("wave/truth.csv"));
-    let raise = |row: &String| match row
-        .rsplit_once(',')
-        .and_then(|(rest, z)| Some((rest, z.parse::<f64>().ok()?)))
-    {
-        Some((rest, z)) => format!("{rest},{}", z + 0.05),
-        None => row.clone(),
-    };
-    scene.write("raised.csv", &truth.iter().map(raise).collect::<Vec<_>>().join("\n"));
-    let track = "track wave --out out --json --reference raised.csv";
-    let errors = |options: &str| scene.json(&format!("{track} {options}"))["joint_error_mm"].clone();
-    let learning = errors("--learn-placement own.json --tool raised");
-    let [raw, by_file] = [&learning["mean"], &errors("--placement own.json")["placed"]["mean"]];
-    assert!(by_file.as_f64().unwrap() < 0.6 * raw.as_f64().unwrap(), "{raw} {by_file}");
-    assert!(learning["reference_noise"].as_f64().unwrap() < 1e-3, "{learning}");
-    // Five frames are too few to hold some of them out.
-    assert!(learning["placed"].is_null(), "{learning}");
-    let take = fs::read_to_string(scene.path("wave/take.toml")).unwrap();
-    scene.write("wave/own.json", &fs::read_to_string(scene.path("own.json")).unwrap());
-    scene.write("wave/take.toml", &take.replace("[reference]", "[reference]\nplacement = \"own.json\""));
-    let named = scene.json("track wave --out out --json");
-    assert_eq!(named["joint_error_mm"]["placement"], "raised");
-    scene.write(
-        "own.json",
-        "{\"format\": \"backlit-placement 1\", \"tool\": \"a\", \"offsets\": {\"tail\": {}}}",
-    );
-    scene.fails(&format!("{track} --placement own.json"), 1, &["--placement", "own.json", "offset"]);
-}
-
 #[test]
 fn another_body_takes_the_place_of_the_take_s() {
     let scene = take();
