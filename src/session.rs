@@ -13,6 +13,7 @@ use std::sync::Arc;
 use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
+use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
@@ -64,18 +65,26 @@ pub(crate) struct BelievedJoints {
     pub(crate) joints: Arc<Vec<JointUncertainty>>,
 }
 
-/// What held the limbs of a pose that was tracked with cues.
+/// What held the limbs of a tracked pose, and which of them are not believed.
 #[derive(Debug, Clone)]
 pub(crate) struct HeldLimbs {
     /// The pose that it is of.
     pub(crate) pose: Pose,
+    /// Empty where it was not tracked with cues.
     pub(crate) holds: Arc<[LimbHold]>,
+    /// The limbs that are doubtful or wrong and have a rotation of their own.
+    pub(crate) doubts: Arc<[LimbTrust]>,
 }
 
 impl Session {
     /// What held the limbs of this pose in a frame, part by part; empty where it was not tracked with cues.
     pub(crate) fn held(&self, frame: usize, pose: &Pose) -> &[LimbHold] {
         self.held.get(&frame).filter(|held| held.pose == *pose).map_or(&[], |held| &held.holds)
+    }
+
+    /// The limbs of this pose that are not believed in a frame.
+    pub(crate) fn doubts(&self, frame: usize, pose: &Pose) -> &[LimbTrust] {
+        self.held.get(&frame).filter(|held| held.pose == *pose).map_or(&[], |held| &held.doubts)
     }
 
     /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.

@@ -162,6 +162,7 @@ impl Scene {
             is_used: true,
             weight: 1.0,
             held: &[],
+            doubts: &[],
             keypoints: &[],
             shows_hover_card: false,
         }

@@ -34,7 +34,7 @@ Writes to the folder of --out:
   track.json    of every frame: pose, joints (metres, world), cost, overlap, iterations
   poses.csv     the poses as a table
   joints.csv    the positions of the joints as a table: frame,joint,x,y,z
-  frames.csv    cost, overlap (IoU) by camera and iterations of every frame
+  frames.csv    of every frame: cost, overlap (IoU) by camera, iterations, limbs that are doubtful or wrong
   summary.json  what --json prints
   body.toml     the body, if it is not a built-in one
   resume.json   what --resume goes on from; not there once the take's last frame is tracked

@@ -72,6 +72,7 @@ pub(super) const ROOT: &str = "root";
 
 #[cfg(test)]
 pub(super) mod tests {
+    use backlit_tracking::belief::{LimbTrust, Reason};
     use backlit_tracking::body::{Parameters, Pose, builtin};
     use backlit_tracking::optimize::Termination;
     use backlit_tracking::silhouette::Overlap;
@@ -89,6 +90,7 @@ pub(super) mod tests {
             overlap: vec![Some(overlap), None],
             iterations: 7,
             termination: Some(Termination::NoDecrease),
+            trust: vec![LimbTrust::new(0, 0.3, 0.08, Reason::Spurious)],
             ..FrameEstimate::of_pose(4, moved)
         };
         let second = FrameEstimate {

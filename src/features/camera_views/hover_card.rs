@@ -88,6 +88,8 @@ impl HoverCard {
         let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
         rows.push((grip_name(input, grip), drag.to_owned()));
         rows.extend(held.map(|held| ("Held by".to_owned(), held)));
+        let doubt = limb.and_then(|limb| overlays::doubt_words(input.doubts, input.body, limb));
+        rows.extend(doubt.map(|doubt| ("Believed".to_owned(), doubt)));
         if let Some(known) = known {
             let [across, depth] = known.deviations_m.map(format::deviation);
             rows.push(("Across, 1σ".to_owned(), across));

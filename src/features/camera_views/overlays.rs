@@ -1,6 +1,7 @@
 //! What lies over a picture beside the posed body: a body that sways, ellipses of joints, bodies in its place, what held
 //! limbs that silhouettes did not, and 2-D keypoints of another tool.
 
+use backlit_tracking::belief::{LimbTrust, Verdict};
 use backlit_tracking::body::Model;
 use backlit_tracking::cues::{Cue, JointKeypoint, LimbHold};
 use backlit_ui::drawing::DEVIATIONS;
@@ -187,6 +188,21 @@ pub(crate) fn held_legend(held: &[LimbHold]) -> impl Iterator<Item = (&'static s
     entries.into_iter().filter(|entry| entry.2).map(|(text, colour, _)| (text, colour))
 }
 
+/// What the outlines of limbs that are not believed mean, for the legend.
+pub(crate) fn doubts_legend(doubts: &[LimbTrust]) -> Option<(&'static str, Color32)> {
+    let is_wrong = doubts.iter().any(|limb| limb.verdict == Verdict::Wrong);
+    let text = if is_wrong { "Doubtful, or (solid) wrong" } else { "Doubtful" };
+    (!doubts.is_empty()).then_some((text, UNSURE))
+}
+
+/// How far the part that a limb belongs to is believed, in words; `None` where nothing speaks against it.
+pub(crate) fn doubt_words(doubts: &[LimbTrust], body: &Model, limb: usize) -> Option<String> {
+    let owner = rotation_owner(body, limb);
+    let doubt = doubts.iter().find(|doubt| doubt.limb == owner)?;
+    let because = doubt.reason.map_or("", |reason| reason.text());
+    Some(format!("{}: {because}", doubt.verdict.name()))
+}
+
 /// What held the part that a limb belongs to, in words.
 pub(crate) fn held_words(held: &[LimbHold], body: &Model, limb: usize) -> Option<String> {
     let owner = rotation_owner(body, limb);
@@ -199,9 +215,21 @@ pub(crate) fn held_words(held: &[LimbHold], body: &Model, limb: usize) -> Option
     Some(words.join(", "))
 }
 
-/// Outlines the parts that silhouettes did not hold.
+/// Outlines the parts that are not believed, and those that silhouettes did not hold.
 pub(crate) fn paint_held(overlay: &Overlay, input: &TileInput<'_>) {
     let painter = &overlay.painter;
+    let is_unsure = |limb: usize| input.held.iter().any(|hold| hold.limb == limb && hold.is_unsure());
+    for doubt in input.doubts.iter().filter(|doubt| !is_unsure(doubt.limb)) {
+        for line in joined_outline(&input.turning_with(doubt.limb)) {
+            let line = overlay.points(&line);
+            let [_, stroke] = cased(mark::SELECTED_LIMB_WIDTH, UNSURE);
+            if doubt.verdict == Verdict::Wrong {
+                painter.add(Shape::line(line, stroke));
+            } else {
+                painter.extend(Shape::dashed_line(&line, stroke, UNSURE_DASH[0], UNSURE_DASH[1]));
+            }
+        }
+    }
     for hold in input.held.iter().filter(|hold| !hold.by_silhouettes) {
         for line in joined_outline(&input.turning_with(hold.limb)) {
             let line = overlay.points(&line);

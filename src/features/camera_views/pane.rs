@@ -138,6 +138,10 @@ impl<'a> CameraPane<'a> {
                 Some(_) => &[],
                 None => session.held(context.selection.frame, self.pose),
             },
+            doubts: match self.marks.ghosts {
+                Some(_) => &[],
+                None => session.doubts(context.selection.frame, self.pose),
+            },
             keypoints: match document.tracking.cues.cues().contains(&Cue::Keypoints) {
                 true => session
                     .shown_frame(context.selection.frame)

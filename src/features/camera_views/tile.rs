@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{JointKeypoint, LimbHold};
@@ -101,6 +102,8 @@ pub struct TileInput<'a> {
     pub weight: f64,
     /// What held the limbs, where the frame was tracked with cues.
     pub held: &'a [LimbHold],
+    /// The limbs that are not believed.
+    pub doubts: &'a [LimbTrust],
     /// Where another tool saw joints, while the tracker looks at that too.
     pub keypoints: &'a [JointKeypoint],
     /// The numbers of the pixel under the pointer are shown.

@@ -1,6 +1,8 @@
 //! Lanes that are there only where they have something to show: motions by name, and limbs that nothing holds. Clicks mean
 //! frames, as everywhere in the timeline.
 
+use std::collections::BTreeSet;
+
 use backlit_ui::style::theme::data_colours::UNSURE;
 use backlit_ui::style::theme::{self, motion_colours, size};
 use backlit_ui::widgets::paint_text;
@@ -10,6 +12,7 @@ use egui::{
 
 use super::span::TimeScale;
 use crate::context::Context;
+use crate::session::HeldLimbs;
 
 /// Space about a motion's name.
 const BESIDE: f32 = 5.0;
@@ -25,8 +28,9 @@ const MOTIONS: &str = "Motions: what the tracked motion is called, by what its j
                            Tiles) shows why it is called so.";
 
 /// What the lane of unsure limbs is, under the pointer.
-const UNSURE_LIMBS: &str = "Unsure: limbs that neither silhouettes nor a cue held in a frame. Their pose is what motion \
-                           and priors make of it. The stronger the colour, the more limbs; empty is none.";
+const UNSURE_LIMBS: &str = "Unsure: limbs that are doubtful or wrong in a frame, as far as silhouettes and likely poses \
+                           tell, or that neither silhouettes nor a cue held. The stronger the colour, the more limbs; \
+                           empty is none.";
 
 /// Height of the lane of motions: none where nothing is recognised.
 pub(super) fn motions_height(context: &Context<'_>) -> f32 {
@@ -37,7 +41,7 @@ pub(super) fn motions_height(context: &Context<'_>) -> f32 {
 pub(super) fn unsure_height(context: &Context<'_>) -> f32 {
     let document = context.document();
     let mut held = context.session.held.iter();
-    let is_known = held.any(|(frame, held)| !held.holds.is_empty() && held.pose == *document.pose_at(*frame));
+    let is_known = held.any(|(frame, held)| held.pose == *document.pose_at(*frame));
     if is_known { size::MOTION_LANE } else { 0.0 }
 }
 
@@ -90,14 +94,19 @@ pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, s
     label(ui, "motions' lane", names, lane, &format!("Motions: {now}")).on_hover_text(MOTIONS);
 }
 
-/// The limbs that nothing held in a frame, by name; `None` where the frame was not tracked with cues.
+/// The limbs that nothing held in a frame, or that are not believed.
+fn unsure_limbs(held: &HeldLimbs) -> BTreeSet<usize> {
+    let unheld = held.holds.iter().filter(|hold| hold.is_unsure()).map(|hold| hold.limb);
+    unheld.chain(held.doubts.iter().map(|doubt| doubt.limb)).collect()
+}
+
+/// The same by name; `None` where nothing is known of the frame's pose.
 fn limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
     let document = context.document();
-    let held = context.session.held(frame, document.pose_at(frame));
+    let held = context.session.held.get(&frame).filter(|held| held.pose == *document.pose_at(frame))?;
     let limbs = document.model.limbs();
-    let unsure = held.iter().filter(|hold| hold.is_unsure());
-    let names = unsure.filter_map(|hold| Some(limbs.get(hold.limb)?.name.as_str()));
-    (!held.is_empty()).then(|| names.collect())
+    let names = unsure_limbs(held).into_iter().filter_map(|limb| Some(limbs.get(limb)?.name.as_str()));
+    Some(names.collect())
 }
 
 /// The lane of limbs that neither silhouettes nor a cue hold.
@@ -107,7 +116,7 @@ pub(super) fn unsure(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, sc
     let inside = painter.with_clip_rect(lane);
     let half = 0.5 * scale.step().max(1.0);
     for (&at, held) in &context.session.held {
-        let count = held.holds.iter().filter(|hold| hold.is_unsure()).count();
+        let count = unsure_limbs(held).len();
         let x = scale.x(at as f64);
         if count == 0 || x + half < lane.left() || x - half > lane.right() {
             continue;

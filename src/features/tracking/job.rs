@@ -10,6 +10,7 @@ use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
+use backlit_tracking::belief::{LimbTrust, Verdict};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
@@ -195,8 +196,12 @@ pub(super) fn measured(inputs: &FitInputs, found: &[Hypothesis]) -> Vec<OtherPos
 /// Says what is known beside poses: what the filter believes of the joints, and what held the limbs.
 fn tell_beside(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>) {
     let held = |one: &FrameEstimate| {
-        let holds = (!one.holds.is_empty()).then(|| one.holds.clone().into())?;
-        Some((one.frame, HeldLimbs { pose: one.pose.clone(), holds }))
+        let doubted = [Verdict::Doubtful, Verdict::Wrong].into_iter();
+        let doubts: Arc<[LimbTrust]> =
+            doubted.flat_map(|verdict| one.judged(model, verdict)).copied().collect();
+        let is_known = !(one.holds.is_empty() && doubts.is_empty());
+        let holds = one.holds.clone().into();
+        is_known.then(|| (one.frame, HeldLimbs { pose: one.pose.clone(), holds, doubts }))
     };
     let believed = |one: &FrameEstimate| {
         let covariance = one.belief.as_ref()?.belief.pose_covariance();

@@ -337,7 +337,7 @@ mod tests {
             "frame":5 ⇒ "frame":7 ⇒ `smoothing.waiting` is 7; expected frames in their order
             "frame":7,"pose" ⇒ "frame":9,"pose" ⇒ expected `frame` as the last one
             "memory":0.3 ⇒ "memory":0 ⇒ `filter.noise`: `kalman.memory` is 0
-            "behind":0.1 ⇒ "behind":1e99 ⇒ `rivals` is 1e99; expected a number
+            "behind":0. ⇒ "behind":99999999999999. ⇒ `rivals` is 9
             "lag":null ⇒ "lagg":null ⇒ lagg
             "#,
         );

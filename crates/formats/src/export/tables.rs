@@ -44,7 +44,7 @@ pub fn write_joints(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
     })
 }
 
-/// Writes `frame,seconds,cost,rms,iterations,lost,termination` and, per camera, `iou CAMERA`.
+/// Writes `frame,seconds,cost,rms,iterations,lost,termination,doubtful,wrong` and, per camera, `iou CAMERA`.
 pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     table(out, |rows| {
         let columns =
@@ -143,8 +143,12 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_empty() {
-        let expected = "frame,seconds,cost,rms,iterations,lost,termination,\"iou left, low\",iou right\n\
-            4,0.5,1234.5,2.25,7,false,no step lowered the cost,0.75,\n6,0.75,,,0,true,,,\n";
+        let limb = &builtin::single_limb().limbs()[0].name.clone();
+        let expected = format!(
+            "frame,seconds,cost,rms,iterations,lost,termination,doubtful,wrong,\"iou left, low\",iou right\n\
+            4,0.5,1234.5,2.25,7,false,no step lowered the cost,,{limb} (it lies on background),0.75,\n\
+            6,0.75,,,0,true,,,,,\n"
+        );
         assert_eq!(written(write_frames), expected);
     }
 }

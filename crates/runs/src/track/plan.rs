@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use backlit_formats::Take;
+use backlit_formats::{Take, prior_file};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions};
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{
     FrameEstimate, KalmanOptions, Motion, Track, Tracker, Tuned, WhenToSearch, tune,
 };
@@ -96,7 +97,13 @@ impl TrackPlan {
 
     /// A tracker that begins with this pose.
     pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
-        let tracker = Tracker::new(self.model.clone(), (*self.fit).clone(), start)?;
+        let mut fit = (*self.fit).clone();
+        // Limbs are judged by likely poses even where these do not pull.
+        fit.prior.get_or_insert_with(|| LearntPrior {
+            pose_weight: 0.0,
+            ..LearntPrior::new(Arc::new(prior_file::people()))
+        });
+        let tracker = Tracker::new(self.model.clone(), fit, start)?;
         let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
         let tracker = tracker.with_rivals(self.rivals).with_trust();
         Ok(match &self.cues[..] {

@@ -31,6 +31,8 @@ use crate::search::Chains;
 /// A limb is told as wrong above this probability, and as doubtful above the other.
 const WRONG_ABOVE: f64 = 0.25;
 const DOUBTFUL_ABOVE: f64 = 0.05;
+/// What nothing holds is at least this likely to be wrong: an arm that is lost into the trunk contradicts no silhouette.
+const UNHELD_WRONG: f64 = 0.06;
 /// Deviation of a pixel's residual, grey levels: model and silhouette err together over whole edges.
 const PIXEL_DEVIATION: f64 = 200.0;
 /// What is known of a pose before it is seen: deviations of the root, metres, and of a rotation, radians.
@@ -193,10 +195,11 @@ pub(crate) fn trust(inputs: &TrustInputs<'_>) -> Vec<LimbTrust> {
         let spurious: f64 = members().map(|(_, conflict)| conflict.spurious).sum();
         let followed = |other: usize| model.rotation_follows(rotation, other) && chain.contains(&other);
         let energy = energy_where(&followed).unwrap_or(trunk);
+        let is_unheld = inputs.unheld.get(rotation).copied().unwrap_or_default();
         let features = [
             (spurious / inner.max(1e-4)).clamp(0.0, 1.0).sqrt(),
             missing,
-            f64::from(u8::from(inputs.unheld.get(rotation).copied().unwrap_or_default())),
+            f64::from(u8::from(is_unheld)),
             unlikely(energy),
             unlikely(trunk),
             tilt,
@@ -208,6 +211,9 @@ pub(crate) fn trust(inputs: &TrustInputs<'_>) -> Vec<LimbTrust> {
         };
         let wrong = 1.0 / (1.0 + (-(WRONG_BIAS + sum(|feature| feature.1))).exp());
         let error_m = 1e-3 * (ERROR_BIAS + sum(|feature| feature.2)).exp();
+        if is_unheld && wrong < UNHELD_WRONG {
+            return LimbTrust::new(limb, UNHELD_WRONG, error_m, Reason::Unheld);
+        }
         let above = |index: usize| FEATURES[index].1 * (features[index] - USUAL[index]);
         let most = (0..FEATURES.len()).max_by(|&a, &b| above(a).total_cmp(&above(b)));
         LimbTrust::new(limb, wrong, error_m, FEATURES[most.unwrap_or_default()].0)
@@ -242,7 +248,7 @@ mod tests {
     use crate::fixtures;
     use crate::render::RendererKind;
 
-    fn judged(fitted: &Pose, truth: &Pose) -> Vec<LimbTrust> {
+    fn judged(fitted: &Pose, truth: &Pose, is_unheld: bool) -> Vec<LimbTrust> {
         let model = std::sync::Arc::new(builtin::full_body());
         let camera = |x: f64, y: f64| {
             let at = DVec3::new(x, y, 1.1);
@@ -254,7 +260,7 @@ mod tests {
         let conflicts = Conflicts::new(&model, &kinematics, RendererKind::Capsule, &views);
         let mut fit = Fit::new(model.clone(), views, fitted.clone(), FitOptions::default()).unwrap();
         let equations = fit.frame_equations();
-        let unheld = vec![false; model.rotation_count()];
+        let unheld = vec![is_unheld; model.rotation_count()];
         trust(&TrustInputs {
             model: &model,
             kinematics: &kinematics,
@@ -280,15 +286,18 @@ mod tests {
         };
         let truth = posed(-0.5);
         let hand = model.limb_index("right forearm").unwrap();
-        let right = judged(&truth, &truth);
+        let right = judged(&truth, &truth, false);
         assert!(right.iter().all(|limb| limb.verdict == Verdict::Good && limb.reason.is_none()), "{right:?}");
-        let arm = judged(&posed(-2.2), &truth)[hand];
+        let arm = judged(&posed(-2.2), &truth, false)[hand];
         assert!(arm.verdict > Verdict::Good && arm.wrong > 3.0 * right[hand].wrong, "{arm:?}");
         assert!(matches!(arm.reason, Some(Reason::Spurious | Reason::Uncovered)), "{arm:?}");
+        // What nothing holds may be anywhere.
+        let unheld = judged(&truth, &truth, true)[hand];
+        assert_eq!((unheld.verdict, unheld.reason), (Verdict::Doubtful, Some(Reason::Unheld)));
         let mut over = truth.clone();
         let root = model.rotation_parents().iter().position(Option::is_none).unwrap();
         over.rotations[root] = DQuat::from_rotation_y(3.1) * over.rotations[root];
-        let over = judged(&over, &truth);
+        let over = judged(&over, &truth, false);
         let wrong = over.iter().filter(|limb| limb.verdict == Verdict::Wrong).count();
         assert!(wrong * 10 > over.len() * 9, "{wrong} of {}", over.len());
     }

@@ -162,6 +162,9 @@ impl BoundPrior {
         kinematics: &Kinematics,
         unit: f64,
     ) {
+        if self.prior.pose_weight <= 0.0 && self.parts.iter().all(|part| part.reference.is_none()) {
+            return;
+        }
         let mut memory = Vec::new();
         for part in &self.parts {
             let x = self.numbers(kinematics, model, part);
