@@ -199,9 +199,8 @@ fn tell_beside(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>
         let doubted = [Verdict::Doubtful, Verdict::Wrong].into_iter();
         let doubts: Arc<[LimbTrust]> =
             doubted.flat_map(|verdict| one.judged(model, verdict)).copied().collect();
-        let is_known = !(one.holds.is_empty() && doubts.is_empty());
-        let holds = one.holds.clone().into();
-        is_known.then(|| (one.frame, HeldLimbs { pose: one.pose.clone(), holds, doubts }))
+        let holds = (!one.holds.is_empty()).then(|| one.holds.clone().into())?;
+        Some((one.frame, HeldLimbs { pose: one.pose.clone(), holds, doubts }))
     };
     let believed = |one: &FrameEstimate| {
         let covariance = one.belief.as_ref()?.belief.pose_covariance();

@@ -80,8 +80,8 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         let trust = estimate.trust.iter().map(|limb| {
             let told = json!({
                 "verdict": limb.verdict.name(),
-                "wrong": rounded(limb.wrong),
-                "error": rounded(limb.error_m),
+                "wrong": limb.wrong,
+                "error": limb.error_m,
                 "because": limb.reason,
             });
             (limbs[limb.limb].name.clone(), told)
@@ -98,11 +98,6 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         out["unsure"] = unsure.map(|hold| json!(name(hold.limb))).collect::<Vec<_>>().into();
     }
     out
-}
-
-/// Probabilities and errors are told to four digits after the point.
-fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }
 
 #[cfg(test)]

@@ -193,6 +193,7 @@ fn estimate(
         }
         trust.push(LimbTrust::new(limb, wrong, error, because.unwrap_or(Reason::Loose)));
     }
+    trust.sort_by_key(|limb| limb.limb);
     Ok(FrameEstimate {
         trust,
         cost: frame.cost,
