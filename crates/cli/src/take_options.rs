@@ -202,7 +202,7 @@ pub(crate) struct ReferenceArguments {
     /// Learn from all tracked frames where the keypoints' tool puts its markers, and write that to this file
     #[arg(long, value_name = "FILE")]
     learn_placement: Option<PathBuf>,
-    /// The tool of whose keypoints --learn-placement learns: COCO, BODY_25, OpenCap …
+    /// The tool of whose keypoints --learn-placement learns, as coco or openpose
     #[arg(long, value_name = "NAME", default_value = "own", requires = "learn_placement")]
     tool: String,
 }
