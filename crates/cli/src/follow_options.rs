@@ -55,7 +55,7 @@ impl FollowArguments {
         };
         let path = self.prior.as_deref().unwrap_or(Path::new(default));
         if path != Path::new(NO_PRIOR) {
-            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read_or_built_in(path)?)));
+            fit.prior = Some(LearntPrior::new(prior_file::read_or_built_in(path)?));
         }
         Ok(fit)
     }

@@ -153,15 +153,15 @@ impl TrackReport {
         if is_final {
             return self.keep(take, estimate);
         }
-        estimate.belief = None;
+        (estimate.belief, estimate.modes) = (None, Vec::new());
         self.track.frames.insert(estimate.frame, estimate);
     }
 
     /// Keeps and judges the final estimate of a frame.
     pub(crate) fn keep(&mut self, take: &Take, mut estimate: FrameEstimate) {
         self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
-        // Beliefs are by far the largest part of a track.
-        estimate.belief = None;
+        // Beliefs and rivals are by far the largest part of a track.
+        (estimate.belief, estimate.modes) = (None, Vec::new());
         self.track.frames.insert(estimate.frame, estimate);
     }
 

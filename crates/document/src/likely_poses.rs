@@ -1,10 +1,7 @@
 //! Likely poses: the prior that comes with the program, as a choice of the fit that a number says.
 
-use std::sync::{Arc, OnceLock};
-
 use backlit_formats::prior_file;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::prior::PosePrior;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 
 /// Its weight in a fit, if the fit has it.
@@ -14,8 +11,6 @@ pub fn weight(options: &FitOptions) -> Option<f64> {
 
 /// Gives it this weight in a fit; 0 takes it out.
 pub fn set_weight(options: &mut FitOptions, weight: f64) {
-    static PEOPLE: OnceLock<Arc<PosePrior>> = OnceLock::new();
-    let people = || PEOPLE.get_or_init(|| Arc::new(prior_file::people()));
     options.prior = (weight != 0.0)
-        .then(|| LearntPrior { pose_weight: weight, ..LearntPrior::new(Arc::clone(people())) });
+        .then(|| LearntPrior { pose_weight: weight, ..LearntPrior::new(prior_file::people()) });
 }

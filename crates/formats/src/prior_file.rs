@@ -1,6 +1,7 @@
 //! Priors learnt from motion: `backlit-prior 1` JSON (see `docs/formats.md`).
 
 use std::path::Path;
+use std::sync::{Arc, LazyLock};
 
 use backlit_tracking::prior::{
     BodyDirection, Clip, PosePrior, PriorError, PriorPart, StepStatistics, StudentComponent,
@@ -38,16 +39,21 @@ struct PartSpec {
 pub const PEOPLE: &str = "people";
 const PEOPLE_TEXT: &str = include_str!("../../../assets/people_prior.json");
 
-/// The prior that comes with the program, learnt from the CMU database; its source says more.
+/// The prior that comes with the program, learnt from the CMU database; its source says more. It is read once.
 #[must_use]
-pub fn people() -> PosePrior {
-    #[expect(clippy::expect_used, reason = "the embedded file is checked by a test")]
-    parse(Path::new("people_prior.json"), PEOPLE_TEXT.as_bytes()).expect("the built-in prior is one")
+pub fn people() -> Arc<PosePrior> {
+    static READ: LazyLock<Arc<PosePrior>> = LazyLock::new(|| {
+        #[expect(clippy::expect_used, reason = "the embedded file is checked by a test")]
+        let people =
+            parse(Path::new("people_prior.json"), PEOPLE_TEXT.as_bytes()).expect("the built-in prior is one");
+        Arc::new(people)
+    });
+    Arc::clone(&READ)
 }
 
 /// Reads a prior from the disk, or the built-in one by its name, [`PEOPLE`].
-pub fn read_or_built_in(path: &Path) -> Result<PosePrior> {
-    if path == Path::new(PEOPLE) { Ok(people()) } else { read(path) }
+pub fn read_or_built_in(path: &Path) -> Result<Arc<PosePrior>> {
+    if path == Path::new(PEOPLE) { Ok(people()) } else { read(path).map(Arc::new) }
 }
 
 /// Reads a prior from the disk.

@@ -6,4 +6,5 @@ mod trust;
 pub use conflict::{Conflicts, LimbConflict};
 pub use trust::{LimbTrust, Reason, Verdict};
 
+pub(crate) use conflict::px_per_metre;
 pub(crate) use trust::{TrustInputs, trust};

@@ -73,11 +73,22 @@ impl LeastSquares for Reach<'_> {
     }
 }
 
+/// Weight of a joint's place where all are given, per m²: far above the stiffness, below that of joint limits.
+const PLACE_WEIGHT: f64 = 1.0;
+
 /// Solves for the pose nearest to `reference` that puts joints where `targets` say.
 #[must_use]
 pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
     let stiffness = vec![STIFFNESS; model.rotation_count()];
     reach_from(model, reference, reference.clone(), targets, (&stiffness, ROOT_STIFFNESS))
+}
+
+/// Solves for the pose that puts the second joint of every limb where `place` says: round after round, each from the last one's
+/// pose, whose priors hold less back.
+pub(crate) fn reach_all(model: &Model, pose: &Pose, rounds: usize, place: impl Fn(usize) -> DVec3) -> Pose {
+    let target = |limb| PointTarget { limb: Some(limb), target: place(limb), weight: PLACE_WEIGHT };
+    let targets: Vec<PointTarget> = (0..model.limbs().len()).map(target).collect();
+    (0..rounds).fold(pose.clone(), |pose, _| reach(model, &pose, &targets))
 }
 
 fn reach_from(

@@ -31,7 +31,7 @@ use crate::take_options;
 /// A joint farther off than this is wrong, one nearer than that is right, millimetres.
 const WRONG_MM: f64 = 250.0;
 const RIGHT_MM: f64 = 100.0;
-/// Half of the joints of a track that is good for most purposes are nearer than this, millimetres.
+/// The second area under the curve is for errors above this, millimetres.
 const NEAR_MM: f64 = 50.0;
 /// Pictures of the simulated telephones.
 const SIZE_PX: [u64; 2] = [180, 320];
@@ -42,7 +42,7 @@ const RATE: usize = 30;
 /// Starts that are far off, and how far.
 const FAR_STARTS: u64 = 8;
 const FAR_DEGREES: f64 = 30.0;
-/// Every so manieth frame of the take is seen.
+/// Only every 12th frame of the take is seen, and so on.
 const SPARSE: [usize; 4] = [12, 14, 16, 20];
 
 /// Tracks that are made to fail: how many limbs that are wrong are told, and how many that are right are doubted
@@ -171,7 +171,7 @@ impl Experiment for Trust {
         if let Some(take) = &self.take {
             cases.extend(of_take(&*take_options::open(take)?)?);
         }
-        let mut prior = LearntPrior::new(Arc::new(prior_file::people()));
+        let mut prior = LearntPrior::new(prior_file::people());
         if self.without_prior {
             prior.pose_weight = 0.0;
         }

@@ -7,8 +7,8 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::CueMemory;
 use backlit_tracking::filter::Belief;
 use backlit_tracking::track::{
-    Beam, FilterMemory, KalmanOptions, LastFrame, LastResort, MemoryError, Patience, Rival, TrackerMemory,
-    UsualCost, WaitingFrame,
+    Beam, FilterMemory, KalmanOptions, LastFrame, MemoryError, Patience, Rival, TrackerMemory, UsualCost,
+    WaitingFrame,
 };
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -154,6 +154,7 @@ pub fn to_text(resume: &Resume) -> String {
         pose: PoseSpec::of(&filter.pose),
         belief: BeliefSpec::of(&filter.belief),
     });
+    let patience = |patience: &Patience| [patience.wait, patience.waited];
     let waiting = |frame: &WaitingFrame| WaitingSpec {
         frame: frame.frame,
         pose: PoseSpec::of(&frame.pose),
@@ -169,7 +170,7 @@ pub fn to_text(resume: &Resume) -> String {
         has_start: *has_start,
         usual_rms: usual.last.iter().copied().collect(),
         too_high: usual.too_high,
-        last_resort: [last_resort.wait, last_resort.waited],
+        last_resort: patience(last_resort),
         filter,
         cues: cues.as_ref().map(|cues| CuesSpec {
             offsets: cues.offsets.clone(),
@@ -184,7 +185,7 @@ pub fn to_text(resume: &Resume) -> String {
                 behind: rival.behind,
             })
             .collect(),
-        patience: [beam.reseeds, beam.confusions].map(|patience| [patience.wait, patience.waited]),
+        patience: [&beam.reseeds, &beam.confusions].map(patience),
         smoothing: resume.smoothing.as_ref().map(|smoothing| SmoothingSpec {
             lag: smoothing.lag,
             waiting: smoothing.frames.iter().map(waiting).collect(),
@@ -210,7 +211,6 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
     let filter = |FilterSpec { noise, pose, belief }: FilterSpec| {
         Ok(FilterMemory { noise, pose: pose.pose(), belief: belief.belief("filter")? })
     };
-    let [wait, waited] = spec.last_resort;
     let rival = |RivalSpec { pose, velocity, behind }| Rival {
         last: LastFrame { frame: spec.frame, pose: pose.pose(), lost: false, velocity },
         behind,
@@ -224,7 +224,7 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
             velocity: spec.velocity,
         },
         usual: UsualCost { last: spec.usual_rms.into(), too_high: spec.too_high },
-        last_resort: LastResort { wait, waited },
+        last_resort: patience(spec.last_resort),
         has_start: spec.has_start,
         filter: spec.filter.map(filter).transpose().map_err(memory_error)?,
         cues: spec
@@ -282,7 +282,7 @@ mod tests {
             memory: TrackerMemory {
                 last: LastFrame { frame: 7, pose: pose.clone(), lost: true, velocity: Some(vec![0.1; 6]) },
                 usual: UsualCost { last: [20.25, 1.0 / 3.0].into(), too_high: 2 },
-                last_resort: LastResort { wait: 1, waited: 4 },
+                last_resort: Patience { wait: 1, waited: 4 },
                 has_start: true,
                 filter: Some(FilterMemory {
                     noise: KalmanOptions { measurement_deviation: 312.0 / 7.0, ..KalmanOptions::default() },
@@ -338,6 +338,7 @@ mod tests {
             "frame":7,"pose" ⇒ "frame":9,"pose" ⇒ expected `frame` as the last one
             "memory":0.3 ⇒ "memory":0 ⇒ `filter.noise`: `kalman.memory` is 0
             "behind":0. ⇒ "behind":99999999999999. ⇒ `rivals` is 9
+            "patience":[[1,2] ⇒ "patience":[[1,17] ⇒ `patience` is 17; expected 16 frames at most
             "lag":null ⇒ "lagg":null ⇒ lagg
             "#,
         );

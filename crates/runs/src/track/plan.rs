@@ -101,7 +101,7 @@ impl TrackPlan {
         // Limbs are judged by likely poses even where these do not pull.
         fit.prior.get_or_insert_with(|| LearntPrior {
             pose_weight: 0.0,
-            ..LearntPrior::new(Arc::new(prior_file::people()))
+            ..LearntPrior::new(prior_file::people())
         });
         let tracker = Tracker::new(self.model.clone(), fit, start)?;
         let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);

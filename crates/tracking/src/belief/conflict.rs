@@ -8,6 +8,8 @@
 //!
 //! Counts are areas in square metres at the body's distance, so that they mean the same in every picture.
 
+use glam::DVec3;
+
 use crate::body::{Kinematics, Model};
 use crate::camera::Camera;
 use crate::fit::{Evidence, FitView};
@@ -63,8 +65,7 @@ impl Conflicts {
     fn add(&mut self, model: &Model, kinematics: &Kinematics, renderer: RendererKind, view: &FitView) {
         let Evidence::Mask(mask) = &view.evidence else { return };
         let camera: &Camera = &view.camera;
-        let depth = camera.depth(kinematics.starts()[0]).max(NEAREST_M);
-        let px_per_m = camera.intrinsics().mean_focal_px() / depth;
+        let px_per_m = px_per_metre(camera, kinematics.starts()[0]);
         let area = 1.0 / (px_per_m * px_per_m);
         let [inner_px, outer_px] = [INSIDE_M, REACH_M].map(|metres| metres * px_per_m);
         let ramp = Ramp::Distance { inner_px, outer_px };
@@ -97,9 +98,18 @@ impl Conflicts {
         self.cameras += 1;
     }
 
-    /// The share of the subject that no limb covers.
-    pub fn missing_share(&self) -> f64 {
-        let missing: f64 = self.limbs.iter().map(|limb| limb.missing).sum();
-        if self.subject > 0.0 { (missing + self.far) / self.subject } else { 0.0 }
+    /// The subject that no limb covers, square metres.
+    pub fn missing(&self) -> f64 {
+        self.limbs.iter().map(|limb| limb.missing).sum::<f64>() + self.far
     }
+
+    /// The same as a share of the subject.
+    pub fn missing_share(&self) -> f64 {
+        if self.subject > 0.0 { self.missing() / self.subject } else { 0.0 }
+    }
+}
+
+/// How many pixels a metre across is at a point, world metres.
+pub(crate) fn px_per_metre(camera: &Camera, at: DVec3) -> f64 {
+    camera.intrinsics().mean_focal_px() / camera.depth(at).max(NEAREST_M)
 }

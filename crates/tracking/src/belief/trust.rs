@@ -15,8 +15,8 @@
 //! | loose | ln(σ/m + 0.001), σ the deviation that silhouettes leave to its end |
 //! | alone | 1 where one camera sees the subject |
 //!
-//! The numbers were fitted by logistic regression and by least squares (D. Cox, "The regression analysis of binary sequences",
-//! 1958) on half of the tracks of `backlit experiment trust`; the other half judges them.
+//! The numbers were fitted once, by logistic regression (D. Cox, "The regression analysis of binary sequences", 1958) and by least
+//! squares, outside of this repository, on half of 44 tracks like those of `backlit experiment trust`.
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -180,7 +180,7 @@ pub(crate) fn trust(inputs: &TrustInputs<'_>) -> Vec<LimbTrust> {
     let unlikely = |energy: f64| (energy / USUAL_ENERGY).ln_1p();
     let energy_where = |is_of: &dyn Fn(usize) -> bool| {
         let of_part = |part: &&PartEnergy| part.rotations.iter().any(|&rotation| is_of(rotation));
-        energies.iter().filter(of_part).map(|part| part.energy).next()
+        energies.iter().find(of_part).map(|part| part.energy)
     };
     let trunk = energy_where(&|rotation| parts.trunk.contains(&rotation)).unwrap_or_default();
     let deviations = deviations(model, kinematics, inputs.equations);

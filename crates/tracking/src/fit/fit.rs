@@ -113,10 +113,10 @@ impl Fit {
         Self::begin(Arc::clone(&self.model), prepared, self.options.clone(), constraints, 0, &start)
     }
 
-    /// What a pose costs by the current stage's measure, without any pull to another pose, and how likely motion files find it
-    /// ([`Objective::free_cost`]).
-    pub(crate) fn free_cost(&mut self, pose: &Pose) -> (f64, Vec<PartEnergy>) {
-        self.objective.free_cost(pose)
+    /// What the frame says of a pose by itself, by the current stage's measure, and what motion files say
+    /// ([`Objective::free_equations`]).
+    pub(crate) fn free_equations(&mut self, pose: &Pose) -> (NormalEquations, Vec<PartEnergy>) {
+        self.objective.free_equations(pose)
     }
 
     /// A fit that goes on from a pose with the last stage alone.

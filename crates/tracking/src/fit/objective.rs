@@ -143,12 +143,12 @@ impl Objective {
         equations
     }
 
-    /// Cost of a pose without any pull to another pose: silhouettes, cues and anatomy, as if every pixel were sampled; and what
-    /// motion files say of it, by part of the body.
-    pub(crate) fn free_cost(&mut self, pose: &Pose) -> (f64, Vec<PartEnergy>) {
-        let cost = self.frame_equations(pose).cost;
+    /// What a frame says by itself ([`frame_equations`](Self::frame_equations)), and what motion files say of the pose, by part of
+    /// the body.
+    pub(crate) fn free_equations(&mut self, pose: &Pose) -> (NormalEquations, Vec<PartEnergy>) {
+        let equations = self.frame_equations(pose);
         let energies = |prior: &BoundPrior| prior.energies(&self.model, &self.kinematics);
-        (cost, self.prior.as_ref().map_or_else(Vec::new, energies))
+        (equations, self.prior.as_ref().map_or_else(Vec::new, energies))
     }
 
     /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.

@@ -4,14 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 
-use super::{mirror, reach};
+use super::{mirror, reach_all};
 use crate::body::{Kinematics, Model, Pose, Sides};
-use crate::residual::point::PointTarget;
 
-/// Solves for the places of the joints: each begins at the last one's pose, whose priors hold less back.
+/// Solves for the places of the joints.
 const ROUNDS: usize = 4;
-/// Weight of a joint's place, per m²: far above the stiffness, below that of joint limits.
-const JOINT_WEIGHT: f64 = 1.0;
 
 /// The body facing the other way, in place: half a turn about its own long axis, and every right limb about where the
 /// left one was.
@@ -31,13 +28,7 @@ pub fn turn_round(model: &Model, pose: &Pose) -> Pose {
             turned.rotations[rotation] = (turn * turned.rotations[rotation]).normalize();
         }
     }
-    let place = |limb: usize| PointTarget {
-        limb: Some(limb),
-        target: before.ends()[model.mirrored_limb(limb)],
-        weight: JOINT_WEIGHT,
-    };
-    let targets: Vec<PointTarget> = (0..model.limbs().len()).map(place).collect();
-    (0..ROUNDS).fold(turned, |pose, _| reach(model, &pose, &targets))
+    reach_all(model, &turned, ROUNDS, |limb| before.ends()[model.mirrored_limb(limb)])
 }
 
 #[cfg(test)]

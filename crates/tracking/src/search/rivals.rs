@@ -5,10 +5,7 @@ use glam::{DQuat, DVec3};
 use super::Chains;
 use crate::body::{Kinematics, Model, Pose};
 use crate::posing;
-use crate::residual::point::PointTarget;
 
-/// Weight of a joint's place, per m²: far above the stiffness of posing by hand, below that of joint limits.
-const JOINT_WEIGHT: f64 = 1.0;
 /// Solves for the places of the joints.
 const ROUNDS: usize = 3;
 
@@ -30,12 +27,8 @@ pub(crate) fn swapped(model: &Model, parts: &Chains, pose: &Pose, pair: [usize; 
         let rotation = model.limbs()[limb].rotation;
         pair.iter().any(|&chain| parts.chains[chain].contains(&rotation))
     };
-    let place = |limb: usize| {
-        let target = before.ends()[if in_pair(limb) { model.mirrored_limb(limb) } else { limb }];
-        PointTarget { limb: Some(limb), target, weight: JOINT_WEIGHT }
-    };
-    let targets: Vec<PointTarget> = (0..model.limbs().len()).map(place).collect();
-    (0..ROUNDS).fold(pose.clone(), |pose, _| posing::reach(model, &pose, &targets))
+    let place = |limb: usize| before.ends()[if in_pair(limb) { model.mirrored_limb(limb) } else { limb }];
+    posing::reach_all(model, pose, ROUNDS, place)
 }
 
 /// The pose with some rotations of a chain mirrored in depth: their limbs point as far towards the viewer, who looks along `ahead`,

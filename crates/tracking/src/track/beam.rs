@@ -7,16 +7,17 @@
 //! Sₜ = γ Sₜ₋₁ + (e(rival) − e(leader)).
 //!
 //! A rival that gets ahead by [`AHEAD`] takes the lead; one that falls behind by [`BEHIND`] is dropped. Rivals come from chains
-//! that the silhouettes speak against ([`Conflicts`]): each is taken off and seeded again. Where nothing speaks against the
-//! pose there are no rivals, and a frame costs what it did.
+//! that the silhouettes speak against ([`Conflicts`]), taken off and seeded again, and from poses that silhouettes confuse with
+//! one that people seldom take ([`rivals`]). Where nothing speaks against the pose there are no rivals.
 
 use glam::DVec3;
 
 use super::memory::LastFrame;
 use super::motion::Motion;
+use super::patience::{CONFUSION, Patience, RESEEDING};
 use super::tracker::Tracker;
-use crate::belief::Conflicts;
-use crate::body::{Kinematics, Model, Pose};
+use crate::belief::{Conflicts, px_per_metre};
+use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitView};
 use crate::posing;
@@ -46,10 +47,6 @@ const ALIKE: f64 = 0.9;
 const TROUBLE_M2: f64 = 0.002;
 /// Chains that are seeded again in one frame at most.
 const CHAINS: usize = 2;
-/// After how many frames in a row without a better place chains are seeded again at the latest.
-const RAREST_SEEDING: usize = 16;
-/// The same for poses that silhouettes confuse with the leading one.
-const RAREST_CONFUSION: usize = 60;
 
 /// A pose that was carried beside the leading one.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,15 +68,6 @@ pub struct Beam {
     pub confusions: Patience,
 }
 
-/// When something is tried again: ever more rarely.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Patience {
-    /// Frames to wait.
-    pub wait: usize,
-    /// How many it was the last time.
-    pub waited: usize,
-}
-
 /// One of several poses that a frame allows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
@@ -90,8 +78,8 @@ pub struct Mode {
 }
 
 /// A hypothesis in the frame at hand.
-pub(super) struct Contender {
-    pub(super) fit: Fit,
+struct Contender {
+    fit: Fit,
     /// Nats behind the leading one.
     behind: f64,
     /// Where it was in the frame before; `None` for one that was just seeded.
@@ -113,7 +101,7 @@ struct Contest<'a> {
 impl Contest<'_> {
     /// Fits a hypothesis that was this far behind, and keeps it if it is no double and not too far behind. Tells how far it is
     /// behind by this frame alone.
-    fn try_from(&mut self, start: Pose, before: f64, last: Option<LastFrame>) -> Option<f64> {
+    fn enter(&mut self, start: Pose, before: f64, last: Option<LastFrame>) -> Option<f64> {
         let mut fit = self.leader.elsewhere(start);
         let summary = fit.run(self.cancel, |_| {});
         if summary.is_broken() || self.cancel.is_cancelled() {
@@ -144,21 +132,17 @@ impl Tracker {
         &mut self,
         frame: usize,
         leader: &mut Fit,
+        conflicts: &Conflicts,
         views: &[FitView],
         cancel: &CancelToken,
     ) -> (Option<Fit>, Vec<Mode>) {
         let pose = leader.pose().clone();
-        let kinematics = Kinematics::new(&self.model, &pose);
-        let conflicts = Conflicts::new(&self.model, &kinematics, self.options.renderer, views);
-        let chains = troubled_chains(&self.model, &conflicts);
-        let unit = nat(views, &kinematics);
+        let chains = troubled_chains(&self.model, conflicts);
+        let unit = nat(views, pose.root);
         let (leading, energies) = free_energy(leader, &pose, unit);
-        if chains.is_empty() {
-            self.beam.reseeds = Patience::default();
-        }
-        let seeds = !chains.is_empty() && self.beam.reseeds.is_due(RAREST_SEEDING);
+        let seeds = self.beam.reseeds.is_due(!chains.is_empty(), RESEEDING);
         let is_odd = energies.iter().any(|part| part.energy > ODD);
-        let confuses = is_odd && self.beam.confusions.is_due(RAREST_CONFUSION);
+        let confuses = is_odd && self.beam.confusions.is_due(true, CONFUSION);
         let rivals = std::mem::take(&mut self.beam.rivals);
         if rivals.is_empty() && !seeds && !confuses {
             return (None, Vec::new());
@@ -166,20 +150,20 @@ impl Tracker {
         let mut contest = Contest { tracker: self, leader, unit, leading, contenders: Vec::new(), cancel };
         for Rival { last, behind } in rivals {
             let start = last.leads_to(self.seconds_between(last.frame, frame));
-            contest.try_from(start, REMEMBERED * behind, Some(last));
+            contest.enter(start, REMEMBERED * behind, Some(last));
         }
         let mut is_better = false;
         if seeds && !cancel.is_cancelled() {
             let (effort, options) = (seeding(), &leader.options);
             let found = search::reseeded(&self.model, views, &pose, options, &effort, &chains, cancel);
             for hypothesis in found.unwrap_or_default() {
-                let behind = contest.try_from(hypothesis.pose, NEWCOMER, None);
+                let behind = contest.enter(hypothesis.pose, NEWCOMER, None);
                 is_better |= behind.is_some_and(|behind| behind < -NEWCOMER - AHEAD);
             }
         }
         if confuses {
             for start in confused(&self.model, &pose, views, &energies) {
-                contest.try_from(start, NEWCOMER, None);
+                contest.enter(start, NEWCOMER, None);
             }
         }
         let contenders = contest.contenders;
@@ -231,24 +215,11 @@ fn seeding() -> SearchOptions {
     SearchOptions { directions: 60, beam: 16, proposals: 3, ..SearchOptions::default() }
 }
 
-impl Patience {
-    /// Counts a frame in which it could be tried again.
-    fn is_due(&mut self, rarest: usize) -> bool {
-        if self.wait > 0 {
-            self.wait -= 1;
-            return false;
-        }
-        self.waited = (2 * self.waited).clamp(1, rarest);
-        self.wait = self.waited;
-        true
-    }
-}
-
 /// The free energy of a pose in a frame, nats, and what motion files say of it.
 fn free_energy(fit: &mut Fit, pose: &Pose, unit: f64) -> (f64, Vec<PartEnergy>) {
-    let (cost, energies) = fit.free_cost(pose);
+    let (equations, energies) = fit.free_equations(pose);
     let energy: f64 = energies.iter().map(|part| part.energy).sum();
-    (cost / unit + 0.5 * PRIOR * energy, energies)
+    (equations.cost / unit + 0.5 * PRIOR * energy, energies)
 }
 
 /// Poses that silhouettes confuse with this one, of the parts that are odd.
@@ -277,8 +248,8 @@ fn confused(model: &Model, pose: &Pose, views: &[FitView], energies: &[PartEnerg
         aheads.map(|view| view.camera.camera_from_world().rotation.transpose().z_axis).collect();
     let mean = aheads.iter().sum::<DVec3>().normalize_or_zero();
     if aheads.iter().all(|ahead| ahead.dot(mean) > ALIKE) {
-        let odd = parts.chains.iter().enumerate().filter(|(chain, _)| energy_of(*chain) > ODD);
-        for (_, rotations) in odd {
+        let odd = (0..parts.chains.len()).filter(|&chain| energy_of(chain) > ODD);
+        for rotations in odd.map(|chain| &parts.chains[chain]) {
             let mut long = rotations.clone();
             let length = |rotation: usize| model.limbs()[model.rotation_owners()[rotation]].length;
             long.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
@@ -292,12 +263,8 @@ fn confused(model: &Model, pose: &Pose, views: &[FitView], energies: &[PartEnerg
 }
 
 /// Squared grey levels of a nat at the body's distance.
-fn nat(views: &[FitView], kinematics: &Kinematics) -> f64 {
-    let root = kinematics.starts()[0];
-    let squared = |view: &FitView| {
-        let px_per_m = view.camera.intrinsics().mean_focal_px() / view.camera.depth(root).max(0.1);
-        px_per_m * px_per_m
-    };
+fn nat(views: &[FitView], root: DVec3) -> f64 {
+    let squared = |view: &FitView| px_per_metre(&view.camera, root).powi(2);
     let seen = views.iter().filter(|view| view.has_data());
     let (sum, count) = seen.fold((0.0, 0_usize), |(sum, count), view| (sum + squared(view), count + 1));
     AREA_M2 * BACKGROUND * BACKGROUND * sum / count.max(1) as f64
@@ -307,7 +274,7 @@ fn nat(views: &[FitView], kinematics: &Kinematics) -> f64 {
 fn troubled_chains(model: &Model, conflicts: &Conflicts) -> Vec<usize> {
     let cameras = conflicts.cameras.max(1) as f64;
     let parts = Chains::new(model);
-    let missing = (conflicts.limbs.iter().map(|limb| limb.missing).sum::<f64>() + conflicts.far) / cameras;
+    let missing = conflicts.missing() / cameras;
     let speaks = |chain: &Vec<usize>| {
         let limbs =
             model.limbs().iter().zip(&conflicts.limbs).filter(|(limb, _)| chain.contains(&limb.rotation));
@@ -379,12 +346,5 @@ mod tests {
         let hand = model.limb_index("right forearm").unwrap();
         assert!(alone[4].trust[hand].wrong > 2.0 * estimates[4].trust[hand].wrong);
         assert!(estimates[4].modes.len() <= 7 && alone.iter().all(|estimate| estimate.modes.is_empty()));
-    }
-
-    #[test]
-    fn patience_grows() {
-        let mut patience = Patience::default();
-        let due: Vec<usize> = (0..30).filter(|_| patience.is_due(8)).collect();
-        assert_eq!(due, [0, 2, 5, 10, 19, 28]);
     }
 }

@@ -111,43 +111,6 @@ impl UsualCost {
     }
 }
 
-/// After how many frames in a row that stay lost the last resort is taken at the latest.
-const RAREST: usize = 16;
-
-/// When the last resort of a lost frame is due: at once, and then ever more rarely, since it takes as long as tens of
-/// frames.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct LastResort {
-    /// Frames to wait.
-    pub wait: usize,
-    /// How many it was the last time.
-    pub waited: usize,
-}
-
-impl LastResort {
-    /// A number that cannot have come of counting, and what can.
-    pub(super) fn wrong(self) -> Option<(f64, &'static str)> {
-        if self.waited > RAREST {
-            return Some((self.waited as f64, "16 frames at most"));
-        }
-        (self.wait > self.waited).then_some((self.wait as f64, "no more frames than it waited the last time"))
-    }
-
-    /// Counts a frame.
-    pub(super) fn is_due(&mut self, is_lost: bool) -> bool {
-        if !is_lost {
-            *self = Self::default();
-        } else if self.wait == 0 {
-            self.waited = (2 * self.waited).clamp(1, RAREST);
-            self.wait = self.waited;
-            return true;
-        } else {
-            self.wait -= 1;
-        }
-        false
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -183,16 +146,6 @@ mod tests {
             usual.remember(36.0, found);
         }
         assert_eq!(lost, REMEMBERED);
-    }
-
-    #[test]
-    fn the_last_resort_grows_rare_while_a_track_stays_lost() {
-        let mut resort = LastResort::default();
-        assert!(!resort.is_due(false));
-        let due: Vec<usize> = (0..60).filter(|_| resort.is_due(true)).collect();
-        assert_eq!(due, [0, 2, 5, 10, 19, 36, 53]);
-        assert!(!resort.is_due(false));
-        assert!(resort.is_due(true));
     }
 
     #[test]

@@ -4,8 +4,9 @@ use thiserror::Error;
 
 use super::beam::{Beam, Rival};
 use super::estimate::FrameEstimate;
-use super::lost::{LastResort, UsualCost};
+use super::lost::UsualCost;
 use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, Predicted};
+use super::patience::{CONFUSION, LAST_RESORT, Patience, RESEEDING};
 use super::tracker::{Tracker, watched};
 use crate::body::{Model, Parameters, Pose, PoseError};
 use crate::cues::{CueMemory, CueWatch, FrameCues};
@@ -26,7 +27,7 @@ pub struct TrackerMemory {
     /// What cost is usual.
     pub usual: UsualCost,
     /// When a lost frame is looked for everywhere again.
-    pub last_resort: LastResort,
+    pub last_resort: Patience,
     /// Whether a pose to start from was ever known.
     pub has_start: bool,
     /// What a Kalman filter believes; `None` without one.
@@ -186,8 +187,14 @@ impl TrackerMemory {
         if let Some((value, expected)) = self.usual.wrong() {
             return Err(MemoryError::Number { field: "usual_rms".to_owned(), value, expected });
         }
-        if let Some((value, expected)) = self.last_resort.wrong() {
-            return Err(MemoryError::Number { field: "last_resort".to_owned(), value, expected });
+        for (field, patience, rarest) in [
+            ("last_resort", self.last_resort, LAST_RESORT),
+            ("patience", self.beam.reseeds, RESEEDING),
+            ("patience", self.beam.confusions, CONFUSION),
+        ] {
+            if let Some((value, expected)) = patience.wrong(rarest) {
+                return Err(MemoryError::Number { field: field.to_owned(), value, expected });
+            }
         }
         if let Some(FilterMemory { noise, pose, belief }) = &self.filter {
             noise.check().map_err(MemoryError::Noise)?;

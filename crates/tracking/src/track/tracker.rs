@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 
 use super::beam::{Beam, Mode};
 use super::estimate::{FrameEstimate, iou, overlaps};
-use super::lost::{LastResort, Lost, UsualCost};
+use super::lost::{Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
 use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
-use crate::belief::{self, Conflicts, LimbTrust, Reason, TrustInputs};
+use super::patience::{LAST_RESORT, Patience};
+use crate::belief::Conflicts;
 use crate::body::{Kinematics, Model, Pose, Sides};
-use crate::camera::up_of;
 use crate::cancel::CancelToken;
-use crate::cues::{self, CueOptions, CueWatch, FrameCues, WatchedCamera};
+use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
 use crate::numbers::OptionError;
 use crate::optimize::NormalEquations;
@@ -24,13 +24,6 @@ use crate::silhouette::Overlap;
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
 pub const SEARCH_BELOW_IOU: f64 = 0.9;
-
-/// A rival's limb is elsewhere if its end is farther off than this, metres.
-const ELSEWHERE_M: f64 = 0.1;
-/// A limb in a lost frame is at least this likely to be wrong.
-const LOST_WRONG: f64 = 0.1;
-/// How far a limb is off of which nothing is seen, metres.
-const UNKNOWN_ERROR_M: f64 = 0.5;
 
 /// When to look for other poses than the one downhill from the start
 /// ([`search`]): in a first frame, or in one after a lost one.
@@ -56,7 +49,7 @@ pub struct Tracker {
     pub(super) start: Option<Pose>,
     pub(super) last: Option<LastFrame>,
     pub(super) usual: UsualCost,
-    pub(super) last_resort: LastResort,
+    pub(super) last_resort: Patience,
     pub(super) motion: Motion,
     search: WhenToSearch,
     /// What a Kalman filter believes after the last frame.
@@ -96,7 +89,7 @@ impl Tracker {
             model,
             options,
             start,
-            last_resort: LastResort::default(),
+            last_resort: Patience::default(),
             last: None,
             usual: UsualCost::default(),
             motion: Motion::default(),
@@ -248,24 +241,25 @@ impl Tracker {
         }
         if self.search != WhenToSearch::Never
             && !cancel.is_cancelled()
-            && self.last_resort.is_due(attempt.lost.is_some())
+            && self.last_resort.is_due(attempt.lost.is_some(), LAST_RESORT)
             && let Ok(found) = self.find(&views, Some(&start), cancel)
             && found.is_better(&attempt)
         {
             attempt = found;
             predicted = Err(Begins::FoundElsewhere);
         }
-        let mut modes = Vec::new();
         if self.most_rivals > 0 && !attempt.summary.is_broken() && !cancel.is_cancelled() {
-            let (winner, beside) = self.contest(frame, &mut attempt.fit, &views, cancel);
-            modes = beside;
+            let conflicts = self.conflicts(&attempt.summary.pose, &views);
+            let (winner, modes) = self.contest(frame, &mut attempt.fit, &conflicts, &views, cancel);
             if let Some(fit) = winner {
-                let hypotheses = std::mem::take(&mut attempt.hypotheses);
-                attempt = self.judged(fit, hypotheses, &views);
+                attempt = self.judged(fit, attempt.hypotheses, &views);
                 predicted = Err(Begins::FoundElsewhere);
+            } else {
+                attempt.conflicts = Some(conflicts);
             }
+            attempt.modes = modes;
         }
-        Ok(self.keep(frame, attempt, modes, predicted, &views, cancel))
+        Ok(self.keep(frame, attempt, predicted, &views, cancel))
     }
 
     /// Runs a fit of the frame at hand with its cues, if there are any, and judges it.
@@ -289,7 +283,7 @@ impl Tracker {
         let summary = fit.summary();
         let overlap = self.overlaps(&summary.pose, views);
         let lost = self.usual.judge(rms(&summary), iou(&overlap));
-        Attempt { fit, summary, hypotheses, overlap, lost }
+        Attempt { fit, summary, hypotheses, overlap, lost, conflicts: None, modes: Vec::new() }
     }
 
     fn overlaps(&self, pose: &Pose, views: &[FitView]) -> Vec<Option<Overlap>> {
@@ -302,13 +296,12 @@ impl Tracker {
         &mut self,
         frame: usize,
         attempt: Attempt,
-        modes: Vec<Mode>,
         mut predicted: Result<Predicted, Begins>,
         views: &[FitView],
         cancel: &CancelToken,
     ) -> FrameEstimate {
         let goes_on = predicted != Err(Begins::FoundElsewhere);
-        let Attempt { mut fit, mut summary, hypotheses, mut overlap, lost } = attempt;
+        let Attempt { mut fit, mut summary, hypotheses, mut overlap, lost, mut conflicts, modes } = attempt;
         self.usual.remember(summary.final_rms, lost);
         let fitted = summary.pose.clone();
         if lost.is_none()
@@ -317,6 +310,7 @@ impl Tracker {
             match foretold.prior() {
                 Ok(prior) => {
                     fit.go_on_with(prior);
+                    conflicts = None;
                     summary = fit.run(cancel, |_| {});
                     overlap = self.overlaps(&summary.pose, views);
                 }
@@ -326,7 +320,12 @@ impl Tracker {
         let equations = || lost.is_none().then(|| fit.frame_equations());
         let belief = self.believe(&summary.pose, equations, predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
-        let trust = if self.judges { self.trust(&mut fit, views, &modes, lost) } else { Vec::new() };
+        let trust = if self.judges {
+            let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
+            self.trust(&mut fit, &conflicts, views, &modes, lost)
+        } else {
+            Vec::new()
+        };
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
@@ -345,44 +344,6 @@ impl Tracker {
         };
         self.advance(frame, fitted, lost.is_some(), goes_on);
         estimate
-    }
-
-    /// How far every limb of a fit that has ended may be believed.
-    fn trust(&self, fit: &mut Fit, views: &[FitView], modes: &[Mode], lost: Option<Lost>) -> Vec<LimbTrust> {
-        let (model, renderer) = (&*self.model, self.options.renderer);
-        let kinematics = Kinematics::new(model, fit.pose());
-        let conflicts = Conflicts::new(model, &kinematics, renderer, views);
-        let (cameras, _) = watched(views, FrameCues::default());
-        let unheld = cues::unheld(model, &kinematics, &cameras, renderer);
-        let equations = fit.frame_equations();
-        let pose = fit.pose().clone();
-        let (_, energies) = fit.free_cost(&pose);
-        let seen = views.iter().filter(|view| view.has_data());
-        let mut trust = belief::trust(&TrustInputs {
-            model,
-            kinematics: &kinematics,
-            conflicts: &conflicts,
-            energies: &energies,
-            unheld: &unheld,
-            equations: &equations,
-            up: up_of(seen.map(|view| &*view.camera)),
-        });
-        let beside: Vec<(Kinematics, f64)> =
-            modes.iter().map(|mode| (Kinematics::new(model, &mode.pose), mode.weight)).collect();
-        for limb in &mut trust {
-            let end = kinematics.ends()[limb.limb];
-            let elsewhere =
-                beside.iter().filter(|(rival, _)| rival.ends()[limb.limb].distance(end) > ELSEWHERE_M);
-            let rivals = 0.5 * elsewhere.map(|(_, weight)| weight).sum::<f64>();
-            let least = if lost.is_some() { LOST_WRONG } else { 0.0 };
-            let (wrong, reason) = match limb.reason {
-                _ if least > limb.wrong.max(rivals) => (least, Reason::Lost),
-                Some(reason) if rivals <= limb.wrong => (limb.wrong, reason),
-                _ => (limb.wrong.max(rivals), Reason::Rival),
-            };
-            *limb = LimbTrust::new(limb.limb, wrong, limb.error_m, reason);
-        }
-        trust
     }
 
     /// What a Kalman filter believes after a frame, if there is one.
@@ -424,11 +385,6 @@ impl Tracker {
         };
         self.advance(frame, estimate.pose.clone(), true, false);
         estimate
-    }
-
-    fn nothing_believed(&self) -> Vec<LimbTrust> {
-        let limbs = 0..self.model.limbs().len();
-        limbs.map(|limb| LimbTrust::new(limb, 1.0, UNKNOWN_ERROR_M, Reason::Lost)).collect()
     }
 
     /// Fits a frame near the one before, without the widest stages.
@@ -511,6 +467,10 @@ struct Attempt {
     hypotheses: Vec<Hypothesis>,
     overlap: Vec<Option<Overlap>>,
     lost: Option<Lost>,
+    /// What silhouettes say against the pose, where that was looked at.
+    conflicts: Option<Conflicts>,
+    /// The rivals beside it.
+    modes: Vec<Mode>,
 }
 
 impl Attempt {
