@@ -108,7 +108,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
 fn further_entries(input: &TileInput<'_>) -> Vec<(String, Swatch)> {
     let marks = input.marks;
     let mut outlines: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
-    outlines.extend(overlays::doubts_legend(input.doubts));
+    outlines.extend(overlays::doubts_legend(input));
     if !input.keypoints.is_empty() {
         outlines.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }

@@ -189,10 +189,16 @@ pub(crate) fn held_legend(held: &[LimbHold]) -> impl Iterator<Item = (&'static s
 }
 
 /// What the outlines of limbs that are not believed mean, for the legend.
-pub(crate) fn doubts_legend(doubts: &[LimbTrust]) -> Option<(&'static str, Color32)> {
-    let is_wrong = doubts.iter().any(|limb| limb.verdict == Verdict::Wrong);
-    let text = if is_wrong { "Doubtful, or (solid) wrong" } else { "Doubtful" };
-    (!doubts.is_empty()).then_some((text, UNSURE))
+pub(crate) fn doubts_legend(input: &TileInput<'_>) -> Option<(&'static str, Color32)> {
+    let worst = outlined_doubts(input).map(|doubt| doubt.verdict).max()?;
+    Some((if worst == Verdict::Wrong { "Doubtful, or (solid) wrong" } else { "Doubtful" }, UNSURE))
+}
+
+/// The limbs that are not believed for another reason than that nothing holds them: those are outlined as unsure.
+fn outlined_doubts<'a>(input: &TileInput<'a>) -> impl Iterator<Item = &'a LimbTrust> {
+    let held = input.held;
+    let is_unsure = move |limb: usize| held.iter().any(|hold| hold.limb == limb && hold.is_unsure());
+    input.doubts.iter().filter(move |doubt| !is_unsure(doubt.limb))
 }
 
 /// How far the part that a limb belongs to is believed, in words; `None` where nothing speaks against it.
@@ -218,8 +224,7 @@ pub(crate) fn held_words(held: &[LimbHold], body: &Model, limb: usize) -> Option
 /// Outlines the parts that are not believed, and those that silhouettes did not hold.
 pub(crate) fn paint_held(overlay: &Overlay, input: &TileInput<'_>) {
     let painter = &overlay.painter;
-    let is_unsure = |limb: usize| input.held.iter().any(|hold| hold.limb == limb && hold.is_unsure());
-    for doubt in input.doubts.iter().filter(|doubt| !is_unsure(doubt.limb)) {
+    for doubt in outlined_doubts(input) {
         for line in joined_outline(&input.turning_with(doubt.limb)) {
             let line = overlay.points(&line);
             let [_, stroke] = cased(mark::SELECTED_LIMB_WIDTH, UNSURE);

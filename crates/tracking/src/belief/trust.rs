@@ -66,7 +66,7 @@ pub enum Verdict {
     Good,
     /// It may be wrong.
     Doubtful,
-    /// It is more than 250 mm off, as far as can be told.
+    /// There is at least one chance in four that it is more than 250 mm off.
     Wrong,
 }
 
@@ -101,7 +101,7 @@ pub enum Reason {
     Loose,
     /// One camera alone sees the subject: nothing tells the depth.
     OneCamera,
-    /// Another pose is as likely.
+    /// A rival pose has it elsewhere.
     Rival,
     /// The frame is lost as a whole.
     Lost,
@@ -119,7 +119,7 @@ impl Reason {
             Self::UpsideDown => "the body is far from upright",
             Self::Loose => "silhouettes leave it much room",
             Self::OneCamera => "one camera does not tell depth",
-            Self::Rival => "another pose is as likely",
+            Self::Rival => "a rival pose has it elsewhere",
             Self::Lost => "the frame is lost",
         }
     }

@@ -322,7 +322,8 @@ impl Tracker {
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
         let trust = if self.judges {
             let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
-            self.trust(&mut fit, &conflicts, views, &modes, lost)
+            let holds = holds.as_deref().unwrap_or_default();
+            self.trust(&mut fit, &conflicts, holds, views, &modes, lost)
         } else {
             Vec::new()
         };

@@ -6,7 +6,7 @@ use super::tracker::{Tracker, watched};
 use crate::belief::{self, Conflicts, LimbTrust, Reason, TrustInputs};
 use crate::body::{Kinematics, Pose};
 use crate::camera::up_of;
-use crate::cues::{self, FrameCues};
+use crate::cues::{self, FrameCues, LimbHold};
 use crate::fit::{Fit, FitView};
 
 /// A rival's limb is elsewhere if its end is farther off than this, metres.
@@ -23,19 +23,22 @@ impl Tracker {
         Conflicts::new(&self.model, &kinematics, self.options.renderer, views)
     }
 
-    /// How far every limb of a fit that has ended may be believed.
+    /// How far every limb of a fit that has ended may be believed. What a cue holds is held, where cues were watched (`holds`).
     pub(super) fn trust(
         &self,
         fit: &mut Fit,
         conflicts: &Conflicts,
+        holds: &[LimbHold],
         views: &[FitView],
         modes: &[Mode],
         lost: Option<Lost>,
     ) -> Vec<LimbTrust> {
         let (model, renderer) = (&*self.model, self.options.renderer);
         let kinematics = Kinematics::new(model, fit.pose());
-        let (cameras, _) = watched(views, FrameCues::default());
-        let unheld = cues::unheld(model, &kinematics, &cameras, renderer);
+        let unheld: Vec<bool> = match holds {
+            [] => cues::unheld(model, &kinematics, &watched(views, FrameCues::default()).0, renderer),
+            holds => holds.iter().map(LimbHold::is_unsure).collect(),
+        };
         let pose = fit.pose().clone();
         let (equations, energies) = fit.free_equations(&pose);
         let seen = views.iter().filter(|view| view.has_data());
