@@ -51,8 +51,8 @@ pub struct Session {
     pub(crate) subject: Vec<Option<Extent>>,
     /// What a Kalman filter believed of frames' joints, by frame.
     pub(crate) beliefs: BTreeMap<usize, BelievedJoints>,
-    /// What held the limbs of frames that were tracked with cues, by frame.
-    pub(crate) held: BTreeMap<usize, HeldLimbs>,
+    /// What the tracker told beside poses, by frame.
+    pub(crate) told: BTreeMap<usize, ToldOfPose>,
     /// Time of the last prediction, in seconds.
     pub(crate) predict_seconds: Option<f64>,
 }
@@ -65,9 +65,9 @@ pub(crate) struct BelievedJoints {
     pub(crate) joints: Arc<Vec<JointUncertainty>>,
 }
 
-/// What held the limbs of a tracked pose, and which of them are not believed.
+/// What the tracker told beside a pose: what held its limbs, and which of them are not believed.
 #[derive(Debug, Clone)]
-pub(crate) struct HeldLimbs {
+pub(crate) struct ToldOfPose {
     /// The pose that it is of.
     pub(crate) pose: Pose,
     /// Empty where it was not tracked with cues.
@@ -76,15 +76,27 @@ pub(crate) struct HeldLimbs {
     pub(crate) doubts: Arc<[LimbTrust]>,
 }
 
+impl ToldOfPose {
+    /// How many limbs are wrong in the mean of such frames: the sum of P(wrong) of those that are not believed.
+    pub(crate) fn expected_wrong(&self) -> f64 {
+        self.doubts.iter().map(|doubt| doubt.wrong).sum()
+    }
+}
+
 impl Session {
+    /// What the tracker told beside this pose of a frame.
+    pub(crate) fn told_of(&self, frame: usize, pose: &Pose) -> Option<&ToldOfPose> {
+        self.told.get(&frame).filter(|told| told.pose == *pose)
+    }
+
     /// What held the limbs of this pose in a frame, part by part; empty where it was not tracked with cues.
     pub(crate) fn held(&self, frame: usize, pose: &Pose) -> &[LimbHold] {
-        self.held.get(&frame).filter(|held| held.pose == *pose).map_or(&[], |held| &held.holds)
+        self.told_of(frame, pose).map_or(&[], |told| &told.holds)
     }
 
     /// The limbs of this pose that are not believed in a frame.
     pub(crate) fn doubts(&self, frame: usize, pose: &Pose) -> &[LimbTrust] {
-        self.held.get(&frame).filter(|held| held.pose == *pose).map_or(&[], |held| &held.doubts)
+        self.told_of(frame, pose).map_or(&[], |told| &told.doubts)
     }
 
     /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.

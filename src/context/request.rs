@@ -18,7 +18,7 @@ use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
 use crate::session::playback::PlaybackChange;
 use crate::session::prediction::Predicted;
-use crate::session::{BelievedJoints, FrameData, HeldLimbs};
+use crate::session::{BelievedJoints, FrameData, ToldOfPose};
 
 /// A request, by who answers it.
 #[derive(Debug)]
@@ -195,8 +195,8 @@ pub struct Requests {
     pub(crate) frames: Vec<Arc<FrameData>>,
     /// What a Kalman filter believed of frames.
     pub(crate) beliefs: Vec<(usize, BelievedJoints)>,
-    /// What held the limbs of frames.
-    pub(crate) held: Vec<(usize, HeldLimbs)>,
+    /// What the tracker told beside poses of frames.
+    pub(crate) told: Vec<(usize, ToldOfPose)>,
 }
 
 impl Requests {

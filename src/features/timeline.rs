@@ -3,6 +3,7 @@
 mod extra_lanes;
 mod lanes;
 mod marks;
+mod ranking;
 mod read_out;
 mod span;
 mod transport;
@@ -72,11 +73,11 @@ impl Timeline {
         } else {
             &[Lane::Rms, Lane::Overlap, Lane::Steps]
         };
-        let (named, unsure) = (extra_lanes::motions_height(context), extra_lanes::unsure_height(context));
+        let (named, doubts) = (extra_lanes::motions_height(context), extra_lanes::doubts_height(context));
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,
-            1 => size::TIMELINE_ONE_LANE + 6.0 + named + unsure,
-            _ => size::TIMELINE + named + unsure,
+            1 => size::TIMELINE_ONE_LANE + 6.0 + named + doubts,
+            _ => size::TIMELINE + named + doubts,
         };
         let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
         Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {
@@ -115,8 +116,8 @@ impl Timeline {
             marks::marked(ui, &scale, range);
         }
         marks::ruler(ui, &scale);
-        let (named, unsure) = (extra_lanes::motions_height(context), extra_lanes::unsure_height(context));
-        let lane_height = (rect.height() - RULER - named - unsure) / lanes.len() as f32;
+        let (named, doubts) = (extra_lanes::motions_height(context), extra_lanes::doubts_height(context));
+        let lane_height = (rect.height() - RULER - named - doubts) / lanes.len() as f32;
         let document = context.document();
         for (index, lane) in lanes.iter().enumerate() {
             let top = rect.top() + RULER + lane_height * index as f32;
@@ -124,7 +125,7 @@ impl Timeline {
             lanes::draw(ui, document, *lane, lane_area, &scale);
             lanes::labels(ui, document, *lane, context.selection.frame, names, lane_area);
             if *lane == Lane::Overlap {
-                marks::troubles(ui, document, lane_area, &scale);
+                marks::troubles(ui, context, lane_area, &scale);
             }
             let name = Rect::from_x_y_ranges(names.x_range(), lane_area.y_range());
             let name = ui.interact(name, response.id.with(index), Sense::hover());
@@ -136,8 +137,8 @@ impl Timeline {
             let top = rect.bottom() - above - height;
             Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=top + height - 1.0)
         };
-        if unsure > 0.0 {
-            extra_lanes::unsure(ui, context, names, low(named, unsure), &scale);
+        if doubts > 0.0 {
+            extra_lanes::doubts(ui, context, names, low(named, doubts), &scale);
         }
         if named > 0.0 {
             extra_lanes::motions(ui, context, names, low(0.0, named), &scale);

@@ -6,7 +6,7 @@ use backlit_take::demonstration::Demonstration;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::window::{Window, WindowState, click, demonstration, settle};
+use crate::support::window::{Window, WindowState, click, demonstration, settle, undo};
 
 fn legends(window: &Window) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
@@ -22,7 +22,7 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     assert!(window.document().estimates.contains_key(&here));
     let said = legends(&window);
     assert!(!said.is_empty() && said.iter().all(|legend| legend.contains("2-D keypoint")), "{said:?}");
-    assert!(window.query_by_label_contains("Unsure limbs: ").is_some());
+    assert!(window.query_by_label_contains("Doubtful limbs: ").is_some());
     click(&mut window, "Solver");
     window.get_by_role_and_label(Role::ComboBox, "Cues").click();
     window.run_steps(3);
@@ -31,4 +31,10 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     assert_eq!(window.document().tracking.cues, CueChoice::None);
     let said = legends(&window);
     assert!(said.iter().all(|legend| !legend.contains("2-D keypoint")), "{said:?}");
+    // Where nothing is tracked nothing is doubted.
+    undo(&mut window);
+    undo(&mut window);
+    settle(&mut window);
+    assert!(window.document().estimates.is_empty());
+    assert!(window.query_by_label_contains("Doubtful limbs: ").is_none());
 }

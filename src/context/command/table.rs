@@ -190,7 +190,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Timeline(TimelineCommand::Slower), "Play slower", "The next lower speed, down to a tenth", &[shift(Key::Comma)]),
     row(Menu::Track, Timeline(TimelineCommand::Faster), "Play faster", "The next higher speed, up to four times", &[shift(Key::Period)]),
     row(Menu::Track, Timeline(TimelineCommand::WholeTake), "Show whole take", "Show all frames in the timeline", &[]),
-    row(Menu::Track, Timeline(TimelineCommand::WorstFrame), "Worst frame", "Go to the frame that fits worst: lost frames first, then the least overlap. Again goes to the next worst", &[key(Key::N)]),
+    row(Menu::Track, Timeline(TimelineCommand::WorstFrame), "Worst frame", "Go to the worst frame: lost frames first, then those whose limbs are most likely to be wrong, then the least overlap. Again goes to the next worst", &[key(Key::N)]),
     row(Menu::Track, Timeline(TimelineCommand::NextPoor), "Next poor frame", "Go to the next poor frame: one of the tenth of the frames that fit worst", &[shift(Key::N)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousPoor), "Previous poor frame", "Go to the previous poor frame: one of the tenth of the frames that fit worst", &[]),
     row(Menu::Demonstrate, Show(Demonstration::SingleLimb), "Fig. 5.1: one limb, three renderers", "One limb seen from the side: capsule and sphere tree find it, the cylinder stays off", &[]),

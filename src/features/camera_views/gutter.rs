@@ -14,7 +14,7 @@ use egui::{
 
 use super::pointer::{Action, Pointer};
 use super::tile::TileState;
-use super::{TileEvent, TileInput};
+use super::{TileEvent, TileInput, overlays};
 use crate::context::command_button::gesture;
 
 const ROW: f32 = 20.0;
@@ -83,6 +83,11 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
     for (swatch, label, count, tooltip) in parts {
         let count = format::count(i64::try_from(count).unwrap_or(i64::MAX));
         number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, colour).on_hover_text(tooltip);
+    }
+    if let Some((label, swatch)) = overlays::doubts_legend(input) {
+        let count = input.doubts.len().to_string();
+        number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, palette.text)
+            .on_hover_text(overlays::doubts_tooltip(input));
     }
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
     // The name in the picture's corner says all of footage.
     modes.retain(|mode| !is_compared || mode.legend() != Legend::None);
     let note = (!has_gutter).then(|| note(input)).flatten();
-    let further = further_entries(input);
+    let further = further_entries(input, has_gutter);
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
@@ -105,10 +105,11 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
 }
 
 /// What ellipses, outlines of other colours, and marks of the calibration are.
-fn further_entries(input: &TileInput<'_>) -> Vec<(String, Swatch)> {
+fn further_entries(input: &TileInput<'_>, has_gutter: bool) -> Vec<(String, Swatch)> {
     let marks = input.marks;
     let mut outlines: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
-    outlines.extend(overlays::doubts_legend(input));
+    // The gutter counts them.
+    outlines.extend(overlays::doubts_legend(input).filter(|_| !has_gutter));
     if !input.keypoints.is_empty() {
         outlines.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }
@@ -154,6 +155,9 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &TileInput<'_>) {
             "A step of a way to begin, in the place of the pose. Sticks are bodies that were tried, each as faint as it weighs \
              little; the outline is the one that the step is about. White is a template that is laid on the silhouette.",
         );
+    }
+    if !input.doubts.is_empty() {
+        ui.label(overlays::doubts_tooltip(input));
     }
     if !input.marks.ellipses.joints.is_empty() {
         ui.label(

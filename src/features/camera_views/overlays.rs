@@ -6,6 +6,7 @@ use backlit_tracking::body::Model;
 use backlit_tracking::cues::{Cue, JointKeypoint, LimbHold};
 use backlit_ui::drawing::DEVIATIONS;
 use backlit_ui::drawing::{GhostMarks, JointEllipse, JointId, JointMark, SwayMarks, joined_outline};
+use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{
     CASING, GHOST, HELD_BY_CUE, JOINT, LIKELIER, SELECTED, UNSURE, mark,
 };
@@ -15,6 +16,7 @@ use glam::DVec2;
 
 use super::TileInput;
 use super::pointer::rotation_owner;
+use crate::context::marks::whole_percent;
 
 /// Points of an ellipse.
 const POINTS: usize = 48;
@@ -190,8 +192,20 @@ pub(crate) fn held_legend(held: &[LimbHold]) -> impl Iterator<Item = (&'static s
 
 /// What the outlines of limbs that are not believed mean, for the legend.
 pub(crate) fn doubts_legend(input: &TileInput<'_>) -> Option<(&'static str, Color32)> {
-    let worst = outlined_doubts(input).map(|doubt| doubt.verdict).max()?;
-    Some((if worst == Verdict::Wrong { "Doubtful, or (solid) wrong" } else { "Doubtful" }, UNSURE))
+    outlined_doubts(input).next().map(|_| ("Doubtful limbs", UNSURE))
+}
+
+/// The same in sentences, limb by limb.
+pub(crate) fn doubts_tooltip(input: &TileInput<'_>) -> String {
+    let of_limb = |doubt: &LimbTrust| {
+        let (limb, chance) = (format::capitalised(input.limb_name(doubt.limb)), whole_percent(doubt.wrong));
+        let because = doubt.reason.map_or_else(String::new, |reason| format!(", because {}", reason.text()));
+        format!("\n{limb}: {chance} likely to be wrong{because}")
+    };
+    let limbs: String = input.doubts.iter().map(of_limb).collect();
+    format!(
+        "Limbs that may be elsewhere. Dashed is doubtful; solid is wrong with at least one chance in four.{limbs}"
+    )
 }
 
 /// The limbs that are not believed for another reason than that nothing holds them: those are outlined as unsure.

@@ -1,8 +1,7 @@
-//! Lanes that are there only where they have something to show: motions by name, and limbs that nothing holds. Clicks mean
+//! Lanes that are there only where they have something to show: motions by name, and limbs that are not believed. Clicks mean
 //! frames, as everywhere in the timeline.
 
-use std::collections::BTreeSet;
-
+use backlit_tracking::belief::Verdict;
 use backlit_ui::style::theme::data_colours::UNSURE;
 use backlit_ui::style::theme::{self, motion_colours, size};
 use backlit_ui::widgets::paint_text;
@@ -12,37 +11,45 @@ use egui::{
 
 use super::span::TimeScale;
 use crate::context::Context;
-use crate::session::HeldLimbs;
+use crate::session::ToldOfPose;
 
 /// Space about a motion's name.
 const BESIDE: f32 = 5.0;
 /// How much of its colour a stretch of an older track keeps.
 const STALE: f32 = 0.45;
-/// From this many unsure limbs on the colour has its full strength, and how much it has of one.
-const MANY: usize = 4;
-const OF_ONE: f32 = 0.45;
+/// From this many limbs on that are wrong in the mean the colour has its full strength, and the least that it has.
+const MANY: f64 = 1.0;
+const FAINTEST: f64 = 0.4;
+/// How much of the lane a frame fills in which no limb is wrong.
+const DOUBTFUL: f32 = 0.5;
 
 /// What the lane of motions is, under the pointer.
 const MOTIONS: &str = "Motions: what the tracked motion is called, by what its joints do over time. Grey is like no \
                            motion that was learnt. The stretch of this frame has an edge; the Motions tile (View › \
                            Tiles) shows why it is called so.";
 
-/// What the lane of unsure limbs is, under the pointer.
-const UNSURE_LIMBS: &str = "Unsure: limbs that are doubtful or wrong in a frame, as far as silhouettes and likely poses \
-                           tell, or that neither silhouettes nor a cue held. The stronger the colour, the more limbs; \
-                           empty is none.";
+/// What the lane of doubtful limbs is, under the pointer.
+const DOUBTFUL_LIMBS: &str = "Doubtful limbs: those that silhouettes, likely poses or rival poses speak against, and those \
+                             that nothing holds. A tall bar: one of them has at least one chance in four to be wrong. The \
+                             stronger the colour, the more limbs are likely to be; empty is none.";
 
 /// Height of the lane of motions: none where nothing is recognised.
 pub(super) fn motions_height(context: &Context<'_>) -> f32 {
     if context.motions.stretches.is_empty() { 0.0 } else { size::MOTION_LANE }
 }
 
-/// Height of the lane of unsure limbs: none where no frame on the screen was tracked with cues.
-pub(super) fn unsure_height(context: &Context<'_>) -> f32 {
-    let document = context.document();
-    let mut held = context.session.held.iter();
-    let is_known = held.any(|(frame, held)| held.pose == *document.pose_at(*frame));
-    if is_known { size::MOTION_LANE } else { 0.0 }
+/// Height of the lane of doubtful limbs: none where all limbs of all frames are believed.
+pub(super) fn doubts_height(context: &Context<'_>) -> f32 {
+    if doubted(context).next().is_some() { size::MOTION_LANE } else { 0.0 }
+}
+
+/// What was told of the frames in which a limb is not believed.
+fn doubted<'a>(context: &Context<'a>) -> impl Iterator<Item = (usize, &'a ToldOfPose)> {
+    let (document, told) = (context.document(), context.session.told.iter());
+    let told = told.filter(|(frame, told)| {
+        !told.doubts.is_empty() && document.estimates.get(frame).is_some_and(|found| found.pose == told.pose)
+    });
+    told.map(|(frame, told)| (*frame, told))
 }
 
 /// The name and the ground of a lane.
@@ -94,50 +101,43 @@ pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, s
     label(ui, "motions' lane", names, lane, &format!("Motions: {now}")).on_hover_text(MOTIONS);
 }
 
-/// The limbs that nothing held in a frame, or that are not believed.
-fn unsure_limbs(held: &HeldLimbs) -> BTreeSet<usize> {
-    let unheld = held.holds.iter().filter(|hold| hold.is_unsure()).map(|hold| hold.limb);
-    unheld.chain(held.doubts.iter().map(|doubt| doubt.limb)).collect()
-}
-
-/// The same by name; `None` where nothing is known of the frame's pose.
-fn limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
+/// The limbs that are not believed in a frame, by name; `None` where nothing is known of its pose.
+pub(super) fn doubtful_limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
     let document = context.document();
-    let held = context.session.held.get(&frame).filter(|held| held.pose == *document.pose_at(frame))?;
+    let told = context.session.told_of(frame, document.pose_at(frame))?;
     let limbs = document.model.limbs();
-    let names = unsure_limbs(held).into_iter().filter_map(|limb| Some(limbs.get(limb)?.name.as_str()));
+    let names = told.doubts.iter().filter_map(|doubt| Some(limbs.get(doubt.limb)?.name.as_str()));
     Some(names.collect())
 }
 
-/// The lane of limbs that neither silhouettes nor a cue hold.
-pub(super) fn unsure(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale: &TimeScale) {
-    let frame = context.selection.frame;
-    let painter = ground(ui, "Unsure", names, lane);
+/// The lane of limbs that are not believed.
+pub(super) fn doubts(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale: &TimeScale) {
+    let painter = ground(ui, "Doubtful limbs", names, lane);
     let inside = painter.with_clip_rect(lane);
     let half = 0.5 * scale.step().max(1.0);
-    for (&at, held) in &context.session.held {
-        let count = unsure_limbs(held).len();
+    for (at, told) in doubted(context) {
         let x = scale.x(at as f64);
-        if count == 0 || x + half < lane.left() || x - half > lane.right() {
+        if x + half < lane.left() || x - half > lane.right() {
             continue;
         }
-        if held.pose == *context.document().pose_at(at) {
-            let more = (count.min(MANY) - 1) as f32 / (MANY - 1) as f32;
-            let colour = UNSURE.gamma_multiply(OF_ONE + (1.0 - OF_ONE) * more);
-            inside.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, lane.y_range()), 0.0, colour);
-        }
+        let strength = FAINTEST + (1.0 - FAINTEST) * (told.expected_wrong() / MANY).min(1.0);
+        let colour = UNSURE.gamma_multiply(strength as f32);
+        let is_wrong = told.doubts.iter().any(|doubt| doubt.verdict == Verdict::Wrong);
+        let height = if is_wrong { 1.0 } else { DOUBTFUL } * lane.height();
+        let bar = Rect::from_x_y_ranges(x - half..=x + half, lane.bottom() - height..=lane.bottom());
+        inside.rect_filled(bar, 0.0, colour);
     }
-    let here = limbs(context, frame);
+    let here = doubtful_limbs(context, context.selection.frame);
     let now = match &here {
         None => "not known".to_owned(),
         Some(limbs) if limbs.is_empty() => "none".to_owned(),
         Some(limbs) => limbs.join(", "),
     };
     if let Some(limbs) = here {
-        let at = pos2(names.right() - 6.0, lane.center().y);
+        let at = pos2(names.right() - 10.0, lane.center().y);
         let colour = theme::palette(ui).text;
-        paint_text(ui, at, Align2::RIGHT_CENTER, limbs.len(), TextStyle::Small, colour);
+        paint_text(ui, at, Align2::RIGHT_CENTER, limbs.len(), TextStyle::Monospace, colour);
     }
-    let label = label(ui, "unsure limbs’ lane", names, lane, &format!("Unsure limbs: {now}"));
-    label.on_hover_text(format!("{UNSURE_LIMBS}\nIn this frame: {now}."));
+    let label = label(ui, "doubtful limbs’ lane", names, lane, &format!("Doubtful limbs: {now}"));
+    label.on_hover_text(format!("{DOUBTFUL_LIMBS}\nIn this frame: {now}."));
 }

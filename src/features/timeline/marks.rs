@@ -1,7 +1,6 @@
 //! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, key poses, lost and worst
 //! frames, the frame on the screen.
 
-use backlit_document::Document;
 use backlit_ui::style::theme::tick;
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::paint_text;
@@ -10,6 +9,7 @@ use egui::{
     vec2,
 };
 
+use super::ranking::worst;
 use super::span::{Span, TimeScale};
 use crate::context::{Context, Requests, SessionRequest};
 use crate::session::playback::FrameRange;
@@ -122,8 +122,8 @@ fn pieces(frames: impl Iterator<Item = usize>) -> Vec<(usize, usize)> {
     pieces
 }
 
-pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeScale) {
-    let palette = theme::palette(ui);
+pub(crate) fn troubles(ui: &Ui, context: &Context<'_>, lane: Rect, scale: &TimeScale) {
+    let (palette, document) = (theme::palette(ui), context.document());
     let painter = ui.painter().with_clip_rect(lane.expand2(vec2(5.0, 0.0)));
     let triangle = |at: Pos2| vec![at + vec2(-4.0, -4.0), at + vec2(4.0, -4.0), at + vec2(0.0, 3.0)];
     let mut before = f32::NEG_INFINITY;
@@ -137,7 +137,7 @@ pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &TimeSca
         painter.add(Shape::convex_polygon(triangle(at), palette.warn, Stroke::NONE));
         named(ui, lane, at, format!("Lost frame {frame}"));
     }
-    if let Some(frame) = worst(document) {
+    if let Some(frame) = worst(context) {
         let at = pos2(scale.x(frame as f64), lane.top() + 6.0);
         painter.add(Shape::closed_line(triangle(at), Stroke::new(1.2, palette.warn)));
         named(ui, lane, at, format!("Worst frame {frame}"));
@@ -151,16 +151,6 @@ fn named(ui: &Ui, lane: Rect, at: Pos2, name: String) {
         let mark = ui.interact(rect, Id::unique(("timeline's mark", &name)), Sense::hover());
         mark.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &name));
     }
-}
-
-/// The frame with the least overlap of those that are not lost; `None` where there is nothing to compare.
-pub(crate) fn worst(document: &Document) -> Option<usize> {
-    let found = document.estimates.iter().filter(|(_, estimate)| !estimate.lost);
-    let known: Vec<(f64, usize)> = found.filter_map(|(frame, found)| Some((found.iou?, *frame))).collect();
-    if known.len() < 2 {
-        return None;
-    }
-    known.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, frame)| frame)
 }
 
 /// The diamonds. Says which one is under the pointer.

@@ -5,8 +5,9 @@ use backlit_tracking::track::LOST_BELOW_IOU;
 use backlit_ui::style::{format, theme};
 use egui::{Grid, PopupAnchor, Pos2, RichText, Tooltip, Ui, pos2};
 
+use super::extra_lanes::doubtful_limbs;
 use super::lanes::Lane;
-use super::marks::worst;
+use super::ranking::worst;
 use super::transport::seconds;
 use crate::context::Context;
 
@@ -38,6 +39,10 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
         if let Some(stretch) = context.motions.at(frame) {
             ui.label(RichText::new(stretch.said()).small().color(palette.text));
         }
+        if let Some(limbs) = doubtful_limbs(context, frame).filter(|limbs| !limbs.is_empty()) {
+            let text = format!("Doubtful: {}", limbs.join(", "));
+            ui.label(RichText::new(text).small().color(palette.text));
+        }
         let mut note = |text: String, colour| ui.label(RichText::new(text).small().color(colour));
         match estimate {
             None if document.keys.contains_key(&frame) => {
@@ -65,8 +70,8 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
         if document.keys.contains_key(&frame) {
             note(KEY_POSE.to_owned(), palette.text3);
         }
-        if worst(document) == Some(frame) {
-            note("The least overlap of all frames".to_owned(), palette.warn);
+        if worst(context) == Some(frame) {
+            note("The worst frame: N goes here".to_owned(), palette.warn);
         }
     });
 }

@@ -1,9 +1,9 @@
 //! What the timeline's commands do, why they cannot be used, and which frame is read ahead.
 
-use backlit_document::Document;
 use backlit_document::edit::Edit;
 
 use super::Timeline;
+use super::ranking::{by_fit, next_in_rank, poor};
 use crate::context::command::{Command, TimelineCommand, WindowCommand};
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_take, not_tracked};
@@ -50,11 +50,11 @@ impl Feature for Timeline {
             }
             TimelineCommand::WorstFrame => {
                 requests.others.extend(
-                    next_in_rank(&by_fit(document), here).map(|frame| SessionRequest::Visit(frame).into()),
+                    next_in_rank(&by_fit(context), here).map(|frame| SessionRequest::Visit(frame).into()),
                 );
             }
             TimelineCommand::NextPoor | TimelineCommand::PreviousPoor => {
-                let poor = neighbour(&poor(document), here, command == TimelineCommand::NextPoor);
+                let poor = neighbour(&poor(context), here, command == TimelineCommand::NextPoor);
                 requests.others.extend(poor.map(|frame| SessionRequest::Visit(frame).into()));
             }
             TimelineCommand::SetKeyPose => {
@@ -138,30 +138,6 @@ impl Timeline {
     }
 }
 
-/// All fitted frames, the worst first: lost ones, then those that overlap least.
-fn by_fit(document: &Document) -> Vec<usize> {
-    let overlaps = document.estimates.iter();
-    let overlaps =
-        overlaps.map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame));
-    let mut found: Vec<(f64, usize)> = overlaps.collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.into_iter().map(|(_, frame)| frame).collect()
-}
-
-/// The tenth of them that fits worst.
-fn poor(document: &Document) -> Vec<usize> {
-    let mut frames = by_fit(document);
-    frames.truncate(frames.len().div_ceil(10));
-    frames
-}
-
-/// The first of some frames, or from one of the poor ones the next in rank; after the poor ones the first again.
-fn next_in_rank(frames: &[usize], here: usize) -> Option<usize> {
-    let poor = &frames[..frames.len().div_ceil(10)];
-    let rank = poor.iter().position(|frame| *frame == here);
-    rank.and_then(|rank| poor.get(rank + 1)).or(poor.first()).copied()
-}
-
 /// The next of some frames on a side, or the one at the other end.
 fn neighbour(frames: &[usize], here: usize, later: bool) -> Option<usize> {
     let all = || frames.iter().copied();
@@ -175,16 +151,6 @@ fn neighbour(frames: &[usize], here: usize, later: bool) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_worst_frame_comes_first_and_then_the_next_worst() {
-        let mut frames: Vec<usize> = vec![7, 2];
-        frames.extend(10..20);
-        assert_eq!(next_in_rank(&frames, 3), Some(7));
-        assert_eq!(next_in_rank(&frames, 7), Some(2));
-        assert_eq!(next_in_rank(&frames, 2), Some(7), "and round");
-        assert_eq!(next_in_rank(&[], 3), None);
-    }
 
     #[test]
     fn neighbours_go_round() {

@@ -22,7 +22,7 @@ use backlit_tracking::track::{FrameEstimate, WhenToSearch};
 
 use super::{Applied, OtherPose, Tracking, applied, refused};
 use crate::session::prediction::FitInputs;
-use crate::session::{BelievedJoints, HeldLimbs};
+use crate::session::{BelievedJoints, ToldOfPose};
 
 /// Frames whose silhouettes are looked at first: the tracker waits for them.
 const LOOKED_AT: usize = 3;
@@ -193,28 +193,25 @@ pub(super) fn measured(inputs: &FitInputs, found: &[Hypothesis]) -> Vec<OtherPos
     found.iter().map(measured).collect()
 }
 
-/// Says what is known beside poses: what the filter believes of the joints, and what held the limbs.
+/// Says what is known beside poses: what the filter believes of the joints, what held the limbs, and how far they are believed.
 fn tell_beside(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>) {
-    let held = |one: &FrameEstimate| {
-        let doubted = [Verdict::Doubtful, Verdict::Wrong].into_iter();
+    let told_of = |one: &FrameEstimate| {
+        let doubted = [Verdict::Wrong, Verdict::Doubtful].into_iter();
         let doubts: Arc<[LimbTrust]> =
             doubted.flat_map(|verdict| one.judged(model, verdict)).copied().collect();
-        let holds = (!one.holds.is_empty()).then(|| one.holds.clone().into())?;
-        Some((one.frame, HeldLimbs { pose: one.pose.clone(), holds, doubts }))
+        (one.frame, ToldOfPose { pose: one.pose.clone(), holds: one.holds.clone().into(), doubts })
     };
     let believed = |one: &FrameEstimate| {
         let covariance = one.belief.as_ref()?.belief.pose_covariance();
         let joints = Arc::new(believed_joints(model, &one.pose, &covariance));
         Some((one.frame, BelievedJoints { pose: one.pose.clone(), joints }))
     };
-    let held: Vec<_> = estimates.iter().filter_map(held).collect();
+    let told: Vec<_> = estimates.iter().map(told_of).collect();
     let beliefs: Vec<_> = estimates.iter().filter_map(believed).collect();
-    if !(held.is_empty() && beliefs.is_empty()) {
-        out.send(applied(move |_, _, requests| {
-            requests.held.extend(held);
-            requests.beliefs.extend(beliefs);
-        }));
-    }
+    out.send(applied(move |_, _, requests| {
+        requests.told.extend(told);
+        requests.beliefs.extend(beliefs);
+    }));
 }
 
 fn revise(known: &[FrameEstimate], out: &Outbox<Applied>) {

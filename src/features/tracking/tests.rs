@@ -139,6 +139,11 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
         with_keypoints < 80.0 && by_silhouettes > 2.0 * with_keypoints,
         "{with_keypoints:.0}, {by_silhouettes:.0} mm"
     );
+    let doubted = app.document().estimates.iter().filter(|(frame, found)| {
+        let told = app.state.session.told_of(**frame, &found.pose).unwrap();
+        told.holds.is_empty() && !told.doubts.is_empty()
+    });
+    assert!(doubted.count() > frames / 4, "the arms are lost, and that is told without cues too");
     let found = app.document().estimates.values().filter_map(|found| found.iou);
     assert!(found.fold(1.0, f64::min) > 0.7, "the overlap says nothing of it");
 }

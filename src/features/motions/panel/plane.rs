@@ -32,6 +32,8 @@ const MARGIN: f64 = 0.06;
 const AXIS: f32 = 18.0;
 /// Side of the square about the frame on the screen in which no name stands, points.
 const NOW: f32 = 18.0;
+/// Side of the square about a dot in which no time stands, points.
+const DOT: f32 = 7.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Place {
@@ -231,15 +233,19 @@ fn dots(
     let steps = [1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 3600.0];
     let step = steps.into_iter().find(|step| seconds / step <= MOST_DOTS as f64).unwrap_or(86_400.0);
     let mut next = 0.0;
+    let mut marked = Vec::new();
     for place in places {
         let at_s = place.frame as f64 / rate;
-        if at_s + 1e-9 < next {
-            continue;
+        if at_s + 1e-9 >= next {
+            let begun_s = (at_s / step).floor() * step;
+            next = begun_s + step;
+            marked.push((place, begun_s, sheet.place(place.at)));
         }
-        next = (at_s / step).floor() * step + step;
-        let at = sheet.place(place.at);
+    }
+    taken.extend(marked.iter().map(|(.., at)| Rect::from_center_size(*at, Vec2::splat(DOT))));
+    for (place, begun_s, at) in marked {
         ui.painter().circle(at, 2.5, palette.plot, Stroke::new(1.5, motion_colours(place.class).fill));
-        let text = format!("{} s", format::short((at_s / step).floor() * step));
+        let text = format!("{} s", format::short(begun_s));
         let galley = ui.painter().layout_no_wrap(text, tick().resolve(ui.style()), palette.text2);
         let label = Align2::LEFT_BOTTOM.anchor_size(at + vec2(5.0, -1.0), galley.size());
         if !taken.iter().any(|other| other.intersects(label)) {
