@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_document::history::History;
-use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
+use backlit_document::tracking_choices::{CueChoice, TrackPrior, TrackingChoices};
 use backlit_document::{CameraUse, Document};
 use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
@@ -113,7 +113,8 @@ fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
         let cues = if which == Demonstration::Cues { CueChoice::Keypoints } else { CueChoice::None };
-        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues, ..tracking };
+        document.tracking =
+            TrackingChoices { search: WhenToSearch::Never, prior: TrackPrior::None, cues, ..tracking };
         if which.begins_posed() {
             let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
             document.keys = Arc::new(truths.collect());

@@ -155,7 +155,7 @@ mod tests {
     use crate::edit::Edit;
     use crate::run::{RunChoices, RunEnding, RunStep};
     use crate::runs::StepRef;
-    use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody, TrackingChoices};
+    use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackedBody, TrackingChoices};
     use crate::{CameraUse, Estimate, Origin, likely_poses};
     use backlit_formats::footage::replacement::Calibration;
     use backlit_take::source::TakeSource;
@@ -190,6 +190,7 @@ mod tests {
                 at_keys: AtKeys::Stop,
                 body: TrackedBody::AsItIs,
                 cues: CueChoice::All,
+                prior: TrackPrior::People,
             }),
             Edit::SetFit { options: Box::new(likely), what: "Change solver".to_owned() },
             Edit::Pin { limb: 5, pinned: true },

@@ -90,6 +90,17 @@ impl CueChoice {
     }
 }
 
+/// The prior learnt from motion that pulls at tracked poses, where the fit has none of its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrackPrior {
+    /// Silhouettes alone.
+    #[default]
+    None,
+    /// The prior that comes with the program.
+    People,
+}
+
 /// All choices of a run of the tracker, besides those of a frame's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -107,18 +118,21 @@ pub struct TrackingChoices {
     /// What else pulls at limbs that the silhouettes do not hold.
     #[serde(default)]
     pub cues: CueChoice,
+    /// Whether likely poses pull.
+    #[serde(default)]
+    pub prior: TrackPrior,
 }
 
 impl TrackingChoices {
     /// What goes with a preset: the report begins every frame at the last pose and never looks for others; everything
-    /// else carries the motion on, and looks where a fit is poor.
+    /// else carries the motion on, looks where a fit is poor, and has the prior of likely poses.
     pub fn of_preset(preset: Option<Preset>) -> Self {
-        let (motion, search) = match preset {
-            Some(Preset::Report) => (Following::Still, WhenToSearch::Never),
-            _ => (Following::default(), WhenToSearch::WhenPoor),
+        let (motion, search, prior) = match preset {
+            Some(Preset::Report) => (Following::Still, WhenToSearch::Never, TrackPrior::None),
+            _ => (Following::default(), WhenToSearch::WhenPoor, TrackPrior::People),
         };
         let (at_keys, body, cues) = Default::default();
-        Self { motion, search, at_keys, body, cues }
+        Self { motion, search, at_keys, body, cues, prior }
     }
 }
 
@@ -142,7 +156,8 @@ mod tests {
             Following::Smoothed { lag: Some(7) },
         ] {
             let (search, at_keys, body) = (WhenToSearch::Always, AtKeys::Stop, TrackedBody::AsItIs);
-            let choices = TrackingChoices { motion, search, at_keys, body, cues: CueChoice::Pictures };
+            let (cues, prior) = (CueChoice::Pictures, TrackPrior::People);
+            let choices = TrackingChoices { motion, search, at_keys, body, cues, prior };
             let text = serde_json::to_string(&choices).unwrap();
             assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
         }

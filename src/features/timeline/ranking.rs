@@ -68,6 +68,7 @@ mod tests {
         let alone = TrackingChoices { cues: CueChoice::None, ..app.document().tracking };
         app.state.edit(Edit::SetTracking(alone), None);
         app.does(Command::Tracking(TrackingCommand::Clear));
+        app.run(Command::Timeline(TimelineCommand::FirstFrame));
         app.does(Command::Tracking(TrackingCommand::Forward));
         app.does(Command::Timeline(TimelineCommand::WorstFrame));
         let here = app.state.selection.frame;

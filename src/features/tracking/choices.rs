@@ -1,7 +1,7 @@
 //! The choices of tracking, in the Solver section: how motion is carried on, and when other poses are looked for.
 
 use backlit_document::edit::Edit;
-use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody};
+use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackedBody};
 use backlit_tracking::track::WhenToSearch;
 use backlit_ui::widgets::{choice, hint, named_row, number_field};
 use egui::Ui;
@@ -58,6 +58,15 @@ const BODIES: [(TrackedBody, &str, &str); 2] = [
     (TrackedBody::AsItIs, "As it is", "Track the body of the take with the sizes that it has"),
 ];
 
+const PRIORS: [(TrackPrior, &str, &str); 2] = [
+    (
+        TrackPrior::People,
+        "People",
+        "The prior learnt from motion that comes with the program pulls at tracked poses, where silhouettes do not decide",
+    ),
+    (TrackPrior::None, "None", "No prior says which poses are likely, but for that of the fit above"),
+];
+
 const CUES: [(CueChoice, &str, &str); 4] = [
     (CueChoice::None, "None", "Silhouettes alone: a limb before or behind another may drift"),
     (
@@ -79,6 +88,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     named_row(ui, "Motion", NAME, |ui| chosen.motion = motion(ui, choices.motion));
     choose(ui, ("Search", "for other poses"), &SEARCHES, &mut chosen.search);
     choose(ui, ("Key poses", "on the way"), &AT_KEYS, &mut chosen.at_keys);
+    choose(ui, ("Prior", "of likely poses"), &PRIORS, &mut chosen.prior);
     choose(ui, ("Cues", "of hidden limbs"), &CUES, &mut chosen.cues);
     if context.lacks_sizes() {
         choose(ui, ("Body", "of the person"), &BODIES, &mut chosen.body);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
-use backlit_document::{Estimate, Origin};
+use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackingChoices};
+use backlit_document::{Estimate, Origin, likely_poses};
 use backlit_formats::{Footage, FootageError};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
@@ -89,9 +89,13 @@ impl TrackJob {
     pub(super) fn new(reader: WindowReader, choices: &TrackingChoices, order: TrackOrder) -> Self {
         let frames = order.legs.iter().flat_map(|leg| leg.frames.iter().copied());
         let unseen = Some(frames.collect());
+        let mut fit = reader.fit.fit.clone();
+        if choices.prior == TrackPrior::People && fit.prior.is_none() {
+            Arc::make_mut(&mut fit).prior = Some(likely_poses::people());
+        }
         let plan = TrackPlan {
             model: reader.fit.model.clone(),
-            fit: reader.fit.fit.clone(),
+            fit,
             frame_rate: reader.footage.take().frame_rate(),
             motion: choices.motion.motion(),
             search: choices.search,

@@ -2,11 +2,12 @@
 
 use backlit_document::Document;
 use backlit_document::edit::Edit;
-use backlit_document::tracking_choices::{CueChoice, TrackedBody, TrackingChoices};
+use backlit_document::tracking_choices::{CueChoice, TrackPrior, TrackedBody, TrackingChoices};
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose, Sides, builtin};
 use backlit_tracking::cues::Cue;
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 
@@ -146,6 +147,25 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
     assert!(doubted.count() > frames / 4, "the arms are lost, and that is told without cues too");
     let found = app.document().estimates.values().filter_map(|found| found.iou);
     assert!(found.fold(1.0, f64::min) > 0.7, "the overlap says nothing of it");
+}
+
+/// As `backlit track` has it: Robust has the prior of likely poses, the report has none.
+#[test]
+fn the_robust_preset_tracks_with_likely_poses() {
+    let mut app = open_source(TakeSource::BuiltIn, Layout::Pose);
+    assert_eq!(app.document().tracking.prior, TrackPrior::People);
+    let last = |app: &mut TestWindow, prior: TrackPrior| {
+        let choices = TrackingChoices { prior, ..app.document().tracking };
+        app.state.edit(Edit::SetTracking(choices), None);
+        app.does(Command::Tracking(TrackingCommand::Clear));
+        let frames = app.state.session.frame_count();
+        app.state.go_to_frame(frames - 2);
+        app.does(Command::Tracking(TrackingCommand::Forward));
+        app.document().estimates.last_key_value().map(|(_, found)| found.pose.clone())
+    };
+    assert_ne!(last(&mut app, TrackPrior::People), last(&mut app, TrackPrior::None));
+    app.does(Command::Fit(FitCommand::Preset(Preset::Report)));
+    assert_eq!(app.document().tracking.prior, TrackPrior::None);
 }
 
 #[test]
