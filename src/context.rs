@@ -42,10 +42,10 @@ use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
 use crate::context::view_settings::ViewSettings;
-use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::Selection;
+use crate::session::{Session, are_same};
 use backlit_jobs::Pool;
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
@@ -139,6 +139,16 @@ impl<'a> Context<'a> {
         };
         let step = self.selection.step.and_then(|step| self.runs().step(step)).or_else(going_on);
         step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.iteration.point)
+    }
+
+    /// The poses that rival the one on the screen with their weights, likeliest first, where they are to be seen.
+    pub(crate) fn rivals(&self) -> Vec<(&'a Pose, f64)> {
+        let (shown, frame) = (self.shown_pose(), self.selection.frame);
+        if !self.views.rivals || self.drag.is_dragging() || !self.session.told.contains_key(&frame) {
+            return Vec::new();
+        }
+        let modes = self.session.modes(frame, shown).into_iter();
+        modes.filter(|(pose, _)| !are_same(pose, shown)).collect()
     }
 
     /// Mean distance of a pose's joints from the take's reference at the frame on the screen, millimetres.

@@ -17,6 +17,7 @@ use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
+use backlit_tracking::track::Mode;
 
 pub(crate) use backlit_formats::footage::FrameData;
 pub(crate) use frames::SegmentedFrames;
@@ -65,6 +66,14 @@ pub(crate) struct BelievedJoints {
     pub(crate) joints: Arc<Vec<JointUncertainty>>,
 }
 
+/// Two poses whose rotations differ by less are the same, radians and metres.
+const SAME: f64 = 1e-6;
+
+/// Whether two poses are the same but for rounding: a pose that is set is normalised.
+pub(crate) fn are_same(a: &Pose, b: &Pose) -> bool {
+    a.root.distance(b.root) < SAME && a.local(b).iter().all(|value| value.abs() < SAME)
+}
+
 /// What the tracker told beside a pose: what held its limbs, and which of them are not believed.
 #[derive(Debug, Clone)]
 pub(crate) struct ToldOfPose {
@@ -74,6 +83,8 @@ pub(crate) struct ToldOfPose {
     pub(crate) holds: Arc<[LimbHold]>,
     /// The limbs that are doubtful or wrong and have a rotation of their own.
     pub(crate) doubts: Arc<[LimbTrust]>,
+    /// Poses that were carried beside it, likeliest first; those that are hardly likely are left out.
+    pub(crate) rivals: Arc<[Mode]>,
 }
 
 impl ToldOfPose {
@@ -81,9 +92,22 @@ impl ToldOfPose {
     pub(crate) fn expected_wrong(&self) -> f64 {
         self.doubts.iter().map(|doubt| doubt.wrong).sum()
     }
+
+    /// The tracked pose and its rivals with their weights; empty where there are none.
+    pub(crate) fn modes(&self) -> impl Iterator<Item = (&Pose, f64)> {
+        let rivals: f64 = self.rivals.iter().map(|rival| rival.weight).sum();
+        let tracked = (!self.rivals.is_empty()).then_some((&self.pose, 1.0 - rivals));
+        tracked.into_iter().chain(self.rivals.iter().map(|rival| (&rival.pose, rival.weight)))
+    }
 }
 
 impl Session {
+    /// The poses that a frame allowed as it was tracked, if this one is one of them.
+    pub(crate) fn modes(&self, frame: usize, pose: &Pose) -> Vec<(&Pose, f64)> {
+        let modes: Vec<_> = self.told.get(&frame).into_iter().flat_map(ToldOfPose::modes).collect();
+        if modes.iter().any(|(mode, _)| are_same(mode, pose)) { modes } else { Vec::new() }
+    }
+
     /// What the tracker told beside this pose of a frame.
     pub(crate) fn told_of(&self, frame: usize, pose: &Pose) -> Option<&ToldOfPose> {
         self.told.get(&frame).filter(|told| told.pose == *pose)

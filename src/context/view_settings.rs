@@ -16,6 +16,8 @@ pub struct ViewSettings {
     pub calibration_marks: bool,
     /// Whether hands and feet say left or right, and a nose where the body faces.
     pub side_marks: bool,
+    /// Whether poses that rival a tracked one are drawn.
+    pub rivals: bool,
     /// Whether lines lie between pixels that are shown large.
     pub pixel_grid: bool,
     /// The coefficient of the pose whose Jacobian column is shown.
@@ -54,6 +56,7 @@ impl Default for ViewSettings {
             blink_hz: 2.0,
             calibration_marks: false,
             side_marks: true,
+            rivals: true,
             pixel_grid: true,
             axis: StateAxis::default(),
             size_handles: false,

@@ -221,6 +221,8 @@ pub enum TileEvent {
     SetUsed(bool),
     /// Set the camera's weight in the fit, with the gesture of the slider.
     SetWeight(f64, Option<Gesture>),
+    /// Took a pose that rivals the one on the screen, counted from the likeliest.
+    TakeRival(usize),
     /// Linked or unlinked zoom and pan. Linked tiles share one [`Framing`].
     SetLinked(bool),
     /// Zoomed, panned or fitted.

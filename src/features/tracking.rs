@@ -5,6 +5,7 @@ mod background_job;
 mod body;
 pub(crate) mod choices;
 mod job;
+mod offer;
 mod other_poses;
 #[cfg(test)]
 mod tests;

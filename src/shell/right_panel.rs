@@ -48,6 +48,7 @@ fn sections(
     features.observability.look_at_angle(Posing::limbs(ui, context, requests, posing));
     features.fit.refit_section(ui, context, requests, posing, |ui, requests| {
         features.tracking.other_poses(ui, context, requests);
+        features.tracking.offer(ui, context, requests);
     });
     Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);

@@ -4,13 +4,20 @@ use backlit::context::preferences::Layout;
 use backlit_document::tracking_choices::CueChoice;
 use backlit_take::demonstration::Demonstration;
 use egui::accesskit::Role;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::window::{Window, WindowState, click, demonstration, settle, undo};
+use crate::support::window::{Window, WindowState, click, command, demonstration, press, settle, undo};
 
 fn legends(window: &Window) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
     nodes.map(|node| node.accesskit_node().value().unwrap_or_default()).collect()
+}
+
+const RIVAL: &str = "Rival pose 1, ";
+
+fn has_rival(window: &Window) -> bool {
+    window.query_all_by_label_contains(RIVAL).next().is_some()
 }
 
 #[test]
@@ -37,4 +44,46 @@ fn keypoints_are_drawn_and_unsure_limbs_have_a_lane_where_cues_are_used() {
     settle(&mut window);
     assert!(window.document().estimates.is_empty());
     assert!(window.query_by_label_contains("Doubtful limbs: ").is_none());
+}
+
+/// Where a track is not believed something else is offered, with what it costs; a click tracks again with it.
+#[test]
+fn what_could_help_is_offered_where_limbs_are_doubtful() {
+    let mut window = demonstration(Demonstration::Cues).layout(Layout::Pose).sized(1600.0, 1600.0).open();
+    click(&mut window, "Silhouettes alone");
+    assert_eq!(window.document().tracking.cues, CueChoice::None);
+    window.get_by_label_contains(" doubtful in ");
+    click(&mut window, "Keypoints, up to 1.7× time");
+    assert_eq!(window.document().tracking.cues, CueChoice::Keypoints);
+    assert!(window.query_by_label_contains("Keypoints, up to").is_none(), "they are on already");
+}
+
+/// A click on how likely a rival pose is gives the frame that pose; one key takes it back.
+#[test]
+fn a_rival_pose_is_taken_by_a_click() {
+    let mut window = demonstration(Demonstration::Cues).layout(Layout::Pose).sized(1600.0, 1600.0).open();
+    command(&mut window, "Robust");
+    command(&mut window, "Clear track");
+    press(&mut window, Modifiers::NONE, Key::Home);
+    command(&mut window, "Track forward");
+    let mut rival = None;
+    press(&mut window, Modifiers::NONE, Key::Home);
+    for frame in 0..window.document().estimates.len() {
+        let label = window.query_all_by_label_contains(RIVAL).next();
+        rival = label.map(|node| (frame, node.accesskit_node().label().unwrap_or_default()));
+        if rival.is_some() {
+            break;
+        }
+        press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    }
+    let (frame, label) = rival.expect("the tracker carries rivals where arms are hidden");
+    let tracked = window.document().pose_at(frame).clone();
+    click(&mut window, &label);
+    assert!(window.document().keys.contains_key(&frame));
+    assert_ne!(*window.document().pose_at(frame), tracked);
+    assert!(has_rival(&window), "now it is the tracked one");
+    undo(&mut window);
+    assert_eq!(*window.document().pose_at(frame), tracked);
+    command(&mut window, "Rival poses");
+    assert!(!has_rival(&window));
 }

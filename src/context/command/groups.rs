@@ -69,6 +69,7 @@ groups! {
         LinkZoom,
         CalibrationMarks,
         SideMarks,
+        Rivals,
         PixelGrid,
         SizeHandles,
         Mode(ViewMode) of ViewMode::ALL,

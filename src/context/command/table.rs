@@ -111,6 +111,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::View, View(ViewCommand::LinkZoom), "Link zoom", "Let all views zoom and pan together, about the same point of the body", &[key(Key::Z)]),
     row(Menu::View, View(ViewCommand::CalibrationMarks), "Calibration marks", "Show principal points, the axes of the world, a grid through its origin, and lens edges", &[key(Key::Q)]),
     row(Menu::View, View(ViewCommand::SideMarks), "Left, right and face", "Mark hands and feet with L and R, and the head with a nose; its tip is filled when the body faces the camera", &[]),
+    row(Menu::View, View(ViewCommand::Rivals), "Rival poses", "Show poses that the tracker carried beside the one on the screen, each with how likely it is", &[]),
     row(Menu::View, View(ViewCommand::PixelGrid), "Pixel grid", "Show lines between pixels where they are shown large", &[]),
     row(Menu::View, View(ViewCommand::SizeHandles), "Size handles", "Show handles for the length and the radius of the selected limb in the views", &[key(Key::E)]),
     row(Menu::View, View(ViewCommand::Mode(ViewMode::Footage)), "Footage", "Show the footage alone", &[key(Key::O)]),

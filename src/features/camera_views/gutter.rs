@@ -4,7 +4,7 @@ use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{SightRay, joint_name};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
+use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, MISSING, SELECTED, SPURIOUS, mark};
 use backlit_ui::style::theme::{headline, size, space};
 use backlit_ui::widgets::{Grip, ValueSlider, checkbox, paint_text, within};
 use egui::{
@@ -52,6 +52,10 @@ pub(super) fn show(ui: &mut Ui, rect: Rect, input: &TileInput<'_>, state: &mut T
 const NO_SILHOUETTE: &str =
     "Drop a mask of this frame on the window, or name a background picture in take.toml.";
 
+/// What the number is.
+pub(super) const IOU: &str = "IoU: what silhouette and body have in common, as a share of what either covers. 1 is a perfect fit. \
+                              The body has hard edges here, whatever the ramp of the fit. Unknown pixels, hatched, are left out.";
+
 /// Overlap in words and numbers, for the gutter and for the header's tooltip.
 pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
     let palette = theme::palette(ui);
@@ -69,9 +73,7 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
     let iou = overlap.iou().map_or(format::MISSING.to_owned(), format::ratio);
     let font = headline();
     let row = number_row(ui, None, "IoU", &iou, font, colour);
-    row.on_hover_text(
-        "What silhouette and body have in common, as a share of what either covers: 1 is a perfect fit",
-    );
+    row.on_hover_text(IOU);
     ui.add_space(space::ROW);
     bar(ui, &overlap);
     ui.add_space(space::ROW);
@@ -88,6 +90,14 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
         let count = input.doubts.len().to_string();
         number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, palette.text)
             .on_hover_text(overlays::doubts_tooltip(input));
+    }
+    if !input.marks.rivals.is_empty() {
+        let count = input.marks.rivals.len().to_string();
+        number_row(ui, Some(GHOST), overlays::RIVAL_LEGEND, &count, TextStyle::Monospace, palette.text)
+            .on_hover_text(
+                "Poses that the tracker carried beside this one, with how likely each is. A click on the number in the picture takes \
+                 the pose",
+            );
     }
 }
 

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use backlit_ui::drawing::{Legend, Swatch, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::data_colours::{HELD_BY_CUE, JOINT, LIKELIER, PICTURE_GROUND};
+use backlit_ui::style::theme::data_colours::{GHOST, HELD_BY_CUE, JOINT, LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::TileInput;
 use super::comparison::ShownModes;
+use super::gutter::IOU;
 use super::legend_block::{Block, Item, ROW};
 use super::overlays;
 use super::tile::TileLayout;
@@ -108,12 +109,15 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &TileInput<'_>, seen: Sh
 fn further_entries(input: &TileInput<'_>, has_gutter: bool) -> Vec<(String, Swatch)> {
     let marks = input.marks;
     let mut outlines: Vec<(&str, Color32)> = overlays::held_legend(input.held).collect();
-    // The gutter counts them.
+    // The gutter counts them, and rivals.
     outlines.extend(overlays::doubts_legend(input).filter(|_| !has_gutter));
     if !input.keypoints.is_empty() {
         outlines.push((overlays::KEYPOINT_LEGEND, HELD_BY_CUE));
     }
     outlines.extend(marks.ghosts.as_ref().map_or_else(Vec::new, overlays::ghost_legend));
+    if !has_gutter && marks.rivals.iter().any(Option::is_some) {
+        outlines.push((overlays::RIVAL_LEGEND, GHOST));
+    }
     if !marks.likelier.is_empty() {
         outlines.push(("Where likely poses pull", LIKELIER));
     }
@@ -146,9 +150,7 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &TileInput<'_>) {
         ui.label(mode.explanation());
     }
     if input.overlap.is_some() {
-        ui.label(
-            "IoU: what data and model have in common, as a share of what either covers. 1 is a perfect fit.",
-        );
+        ui.label(IOU);
     }
     if input.marks.ghosts.is_some() {
         ui.label(

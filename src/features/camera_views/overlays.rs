@@ -5,7 +5,9 @@ use backlit_tracking::belief::{LimbTrust, Verdict};
 use backlit_tracking::body::Model;
 use backlit_tracking::cues::{Cue, JointKeypoint, LimbHold};
 use backlit_ui::drawing::DEVIATIONS;
-use backlit_ui::drawing::{GhostMarks, JointEllipse, JointId, JointMark, SwayMarks, joined_outline};
+use backlit_ui::drawing::{
+    GhostMarks, JointEllipse, JointId, JointMark, RivalMarks, SwayMarks, joined_outline,
+};
 use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{
     CASING, GHOST, HELD_BY_CUE, JOINT, LIKELIER, SELECTED, UNSURE, mark,
@@ -177,6 +179,25 @@ pub(super) fn paint_ghosts(overlay: &Overlay, marks: &GhostMarks) {
         let casing = Stroke::new(width + CASING_MORE, CASING.gamma_multiply(CASING_OPACITY));
         overlay.lines(lines, [casing, Stroke::new(width, colour)], false);
     }
+}
+
+/// Opacity of the sticks of a rival that is hardly likely, and of one that is sure.
+const RIVAL: [f32; 2] = [0.45, 1.0];
+
+/// What the sticks of rivals mean, for the legend.
+pub(crate) const RIVAL_LEGEND: &str = "Rival poses";
+
+/// Paints what is elsewhere in a rival pose; where its weight stands.
+pub(super) fn paint_rival(overlay: &Overlay, rival: &RivalMarks) -> Pos2 {
+    let opacity = RIVAL[0] + (RIVAL[1] - RIVAL[0]) * rival.weight as f32;
+    for stick in &rival.sticks {
+        let points = stick.map(|px| overlay.at(px));
+        let casing = Stroke::new(STICK + CASING_MORE, CASING.gamma_multiply(CASING_OPACITY * opacity));
+        for stroke in [casing, Stroke::new(STICK, GHOST.gamma_multiply(opacity))] {
+            overlay.painter.line_segment(points, stroke);
+        }
+    }
+    overlay.at(rival.farthest)
 }
 
 /// Dash and gap of a limb that nothing holds, points.

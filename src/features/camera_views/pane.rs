@@ -7,9 +7,9 @@ use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
 use backlit_ui::drawing::{
-    BoundedAngle, GhostMarks, JointId, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks,
-    SightRay, SwayMarks, body_spheres, joined_outline, joint_position, limb_colours, project_joints,
-    project_limbs, project_spheres, sight_ray,
+    BoundedAngle, GhostMarks, JointId, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, RivalMarks,
+    SideMarks, SightRay, SwayMarks, body_spheres, joined_outline, joint_position, limb_colours,
+    project_joints, project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -216,6 +216,7 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
         likelier: likelier(context, &kinematics, pose, camera),
         spheres: spheres(context, &kinematics, camera),
         sway: seen.swaying.as_ref().map(|body| SwayMarks::new(model, body, camera, renderer)),
+        rivals: rivals(context, &kinematics, camera),
         ghosts: None,
         ellipses: Ellipses {
             joints: known.map_or_else(Vec::new, |known| known.ellipses(camera)),
@@ -225,6 +226,15 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
             are_believed: known.is_some_and(|known| known.is_believed),
         },
     }
+}
+
+/// Poses that rival the one on the screen, where they are to be seen.
+fn rivals(context: &Context<'_>, kinematics: &Kinematics, camera: &Camera) -> Vec<Option<RivalMarks>> {
+    let rivals = context.rivals().into_iter();
+    let marks = |(pose, weight): (&Pose, f64)| {
+        RivalMarks::new(&Kinematics::new(&context.document().model, pose), weight, kinematics, camera)
+    };
+    rivals.map(marks).collect()
 }
 
 /// The spheres that stand for the body, where they are to be outlined.

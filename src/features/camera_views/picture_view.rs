@@ -6,13 +6,13 @@ use backlit_ui::drawing::{
     CalibrationMarks, JointId, ViewMode, compose, compose_over_footage, shows_footage,
 };
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::data_colours::{JOINT, PICTURE_GROUND};
+use backlit_ui::style::theme::data_colours::{CASING, GHOST, JOINT, PICTURE_GROUND, WHITE};
 use backlit_ui::style::theme::{Theme, size};
 use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
 use backlit_ui::widgets::{Framing, Grip, JointLook, Overlay, SizeHandles, ViewTransform, grip_at};
 use egui::{
-    Align2, CursorIcon, Id, Key, Pos2, Rect, Response, Role, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, CursorIcon, Id, Key, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use glam::DVec2;
 
@@ -21,6 +21,7 @@ use super::hover_card::HoverCard;
 use super::pointer::{Grips, PointerInput};
 use super::tile::{TileLayout, TileState};
 use super::{TileEvent, TileInput, legend, overlays};
+use crate::context::marks::whole_percent;
 
 /// Circles of spheres: width in points, and opacity.
 const SPHERE_WIDTH: f32 = 1.0;
@@ -75,6 +76,7 @@ pub(crate) fn show(
     }
     shown.follow_pointer(&response, state);
     shown.paint_marks(state, seen.mode());
+    shown.paint_rivals(state);
     shown.paint_size_handles(state);
     if let ShownModes::Wiped(_, _, at) = seen {
         comparison::paint_wipe(painter, rect, at);
@@ -155,6 +157,45 @@ impl ShownPicture<'_> {
             ui.set_cursor_icon(CursorIcon::AllScroll);
         }
         state.hovered = inside.and_then(|at| view.pixel_at(at, self.input.picture.size));
+    }
+
+    /// Poses that rival the one on the screen; a click on the weight of one takes it.
+    fn paint_rivals(&self, state: &mut TileState) {
+        let (ui, picture) = (self.ui, self.overlay.painter.clip_rect());
+        let font = TextStyle::Small.resolve(ui.style());
+        let mut taken: Vec<Rect> = Vec::new();
+        for (index, rival) in self.input.marks.rivals.iter().enumerate() {
+            let Some(rival) = rival else { continue };
+            let at = overlays::paint_rival(&self.overlay, rival);
+            let galley = ui.painter().layout_no_wrap(whole_percent(rival.weight), font.clone(), GHOST);
+            let size = galley.size() + vec2(8.0, 2.0);
+            let mut place = Align2::LEFT_BOTTOM.anchor_size(at + vec2(4.0, -4.0), size);
+            while let Some(other) = taken.iter().find(|other| other.intersects(place)) {
+                place = place.translate(vec2(0.0, other.top() - place.bottom() - 1.0));
+            }
+            let [left, right] = [picture.left() - place.left(), picture.right() - place.right()];
+            place = place.translate(vec2(left.max(0.0) + right.min(0.0), 0.0));
+            if !picture.contains_rect(place) {
+                continue;
+            }
+            taken.push(place);
+            let name = format!("Rival pose {}, {} likely, {}", index + 1, galley.text(), self.input.name());
+            let response = ui.interact(place, self.id.with(("rival", index)), Sense::CLICK);
+            response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+            let edge = if response.hovered() { WHITE } else { GHOST };
+            self.overlay.painter.rect(
+                place,
+                3.0,
+                CASING.gamma_multiply(0.8),
+                Stroke::new(1.0, edge),
+                StrokeKind::Inside,
+            );
+            self.overlay.painter.galley(place.min + vec2(4.0, 1.0), galley, edge);
+            let tooltip = "A pose that the tracker carried beside this one, and how likely it is. Click: take it as this frame’s key pose";
+            if response.on_hover_text(tooltip).clicked() {
+                state.events.push(TileEvent::TakeRival(index));
+            }
+        }
     }
 
     /// Limbs under joints, rays between them.

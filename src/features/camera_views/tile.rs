@@ -8,8 +8,8 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{JointKeypoint, LimbHold};
 use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{
-    GhostMarks, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks,
-    SightRay, SwayMarks,
+    GhostMarks, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, RivalMarks,
+    SideMarks, SightRay, SwayMarks,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -43,6 +43,8 @@ pub struct BodyMarks {
     pub likelier: Vec<[DVec2; 2]>,
     /// The body on its way, if it sways.
     pub sway: Option<SwayMarks>,
+    /// Poses that rival the one on the screen, likeliest first.
+    pub rivals: Vec<Option<RivalMarks>>,
     /// Bodies in the place of the posed one.
     pub ghosts: Option<GhostMarks>,
     /// Ellipses of joints.

@@ -47,6 +47,7 @@ impl Feature for CameraViews {
             }
             ViewCommand::CalibrationMarks => settings.calibration_marks ^= true,
             ViewCommand::SideMarks => settings.side_marks ^= true,
+            ViewCommand::Rivals => settings.rivals ^= true,
             ViewCommand::PixelGrid => settings.pixel_grid ^= true,
             ViewCommand::SizeHandles => {
                 settings.size_handles ^= true;
@@ -76,6 +77,7 @@ impl Feature for CameraViews {
             | ViewCommand::LinkZoom
             | ViewCommand::CalibrationMarks
             | ViewCommand::SideMarks
+            | ViewCommand::Rivals
             | ViewCommand::PixelGrid
             | ViewCommand::SizeHandles
             | ViewCommand::Mode(_) => None,
@@ -163,6 +165,12 @@ impl CameraViews {
             TileEvent::SetUsed(used) => requests.edit(Edit::UseCamera { camera, used }),
             TileEvent::SetWeight(weight, drag) => {
                 requests.edits.push((Edit::WeighCamera { camera, weight }, drag));
+            }
+            TileEvent::TakeRival(rival) => {
+                if let Some((pose, _)) = context.rivals().get(rival) {
+                    let (frame, what) = (context.selection.frame, "Take rival pose".to_owned());
+                    requests.edit(Edit::SetPose { frame, pose: (*pose).clone(), what });
+                }
             }
             TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.frame(pane, framing, before),

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use backlit_document::CameraUse;
-use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
+use backlit_tracking::body::{Kinematics, Model, PlacedSphere, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
-use backlit_ui::drawing::{Ghosts, body_spheres};
+use backlit_ui::drawing::{Ghosts, body_spheres, limbs_elsewhere};
 use backlit_ui::style::theme::camera_colours;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, JOINT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
@@ -49,6 +49,8 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) sphere_level: usize,
     /// What is drawn in the place of the body.
     pub(crate) ghosts: Option<&'a Ghosts>,
+    /// Poses that rival the body's, with their weights.
+    pub(crate) rivals: &'a [(&'a Pose, f64)],
     /// The rotation whose limbs are marked.
     pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.
@@ -94,6 +96,7 @@ pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
     let limbs = input.ghosts.map_or_else(|| limbs(input), ghost_limbs);
     let mut scene = SceneShapes { limbs, ..SceneShapes::default() };
     scene.lines.extend(input.ghosts.into_iter().flat_map(|ghosts| ghost_lines(ghosts, input.scale)));
+    scene.lines.extend(input.rivals.iter().flat_map(|rival| rival_lines(input, *rival)));
     if input.preferences.floor {
         scene.floor = Some(floor(input));
     }
@@ -231,6 +234,8 @@ fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<SceneLine> {
     lines
 }
 
+/// Opacity of a rival that is hardly likely, and of one that is sure.
+const RIVAL: [f32; 2] = [0.45, 1.0];
 /// Width of a faint limb, in points.
 const GHOST_WIDTH: f64 = 1.5;
 
@@ -257,6 +262,17 @@ fn ghost_limbs(ghosts: &Ghosts) -> Vec<Limb> {
     limbs
 }
 
+/// The limbs of a rival pose that are elsewhere.
+fn rival_lines(input: &ContentsInput<'_>, (pose, weight): (&Pose, f64)) -> Vec<SceneLine> {
+    let rival = Kinematics::new(input.model, pose);
+    let line = |limb: usize| SceneLine {
+        ends: [rival.starts()[limb], rival.ends()[limb]],
+        width_px: GHOST_WIDTH * input.scale,
+        colour: GHOST.gamma_multiply(RIVAL[0] + (RIVAL[1] - RIVAL[0]) * weight as f32),
+    };
+    limbs_elsewhere(&rival, input.kinematics).into_iter().map(line).collect()
+}
+
 /// The limbs of the faint ones.
 fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = SceneLine> {
     ghosts.sticks().flat_map(move |(ghost, opacity)| {
@@ -272,7 +288,7 @@ fn ghost_lines(ghosts: &Ghosts, scale: f64) -> impl Iterator<Item = SceneLine> {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::body::{Pose, builtin};
+    use backlit_tracking::body::builtin;
 
     use super::*;
     use crate::app::testing::side_camera;
@@ -291,6 +307,7 @@ mod tests {
             model: &model,
             kinematics: &kinematics,
             ghosts: None,
+            rivals: &[],
             renderer: RendererKind::Capsule,
             sphere_level: usize::MAX,
             rotation: None,

@@ -172,6 +172,7 @@ fn order_of(
     let (session, document) = (context.session, context.document());
     let held = document.model.limbs().get(context.selection.limb(&document.model));
     let held = held.filter(|_| context.selection.joint != JointId::Root);
+    let rivals = if context.ghosts.is_some() { Vec::new() } else { context.rivals() };
     let contents = contents(&ContentsInput {
         preferences,
         model: &document.model,
@@ -179,6 +180,7 @@ fn order_of(
         renderer: document.fit.renderer,
         sphere_level: context.views.drawn_level(),
         ghosts: context.ghosts,
+        rivals: &rivals,
         rotation: held.map(|limb| limb.rotation),
         cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
         uses: &document.cameras,

@@ -26,6 +26,8 @@ use crate::session::{BelievedJoints, ToldOfPose};
 
 /// Frames whose silhouettes are looked at first: the tracker waits for them.
 const LOOKED_AT: usize = 3;
+/// Rival poses that are less likely are not kept.
+const LEAST_LIKELY: f64 = 0.02;
 /// Up to this many frames are not looked at first: each is seen at once as it is fitted.
 const FEW: usize = 8;
 
@@ -203,7 +205,9 @@ fn tell_beside(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>
         let doubted = [Verdict::Wrong, Verdict::Doubtful].into_iter();
         let doubts: Arc<[LimbTrust]> =
             doubted.flat_map(|verdict| one.judged(model, verdict)).copied().collect();
-        (one.frame, ToldOfPose { pose: one.pose.clone(), holds: one.holds.clone().into(), doubts })
+        let holds = one.holds.clone().into();
+        let rivals = one.modes.iter().filter(|mode| mode.weight >= LEAST_LIKELY).cloned().collect();
+        (one.frame, ToldOfPose { pose: one.pose.clone(), holds, doubts, rivals })
     };
     let believed = |one: &FrameEstimate| {
         let covariance = one.belief.as_ref()?.belief.pose_covariance();

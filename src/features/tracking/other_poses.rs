@@ -1,17 +1,19 @@
-//! Other poses that fit the frame, as a search has found them: a click gives the frame one of them.
+//! Other poses that fit the frame, as a search has found them or as the tracker carried them: a click gives the frame one of
+//! them.
 
 use backlit_document::edit::Edit;
+use backlit_tracking::body::Kinematics;
 use backlit_tracking::search::Origin;
+use backlit_ui::drawing::limbs_elsewhere;
 use backlit_ui::style::{format, theme};
 use egui::{RichText, TextStyle, Ui};
 
 use super::{Tracking, TrackingWork};
-use crate::context::command::{Command, FitCommand};
+use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::command_button::button;
+use crate::context::marks::whole_percent;
 use crate::context::{Context, Requests};
-
-/// Two poses whose rotations differ by less are the same, radians and metres.
-const SAME: f64 = 1e-6;
+use crate::session::are_same;
 
 impl Tracking {
     /// The button of the search, and what it found.
@@ -27,12 +29,12 @@ impl Tracking {
                 ui.label(hint("for other poses that fit"));
             }
         });
+        rivals(ui, context, requests);
         let Some(poses) = self.other_poses.get(&frame) else { return };
         ui.label(RichText::new("Poses that fit, best first").small().color(palette.text2));
         let shown = context.shown_pose();
         for (index, found) in poses.found.iter().enumerate() {
-            let is_shown = found.pose.root.distance(shown.root) < SAME
-                && found.pose.local(shown).iter().all(|value| value.abs() < SAME);
+            let is_shown = are_same(&found.pose, shown);
             let rms = found.rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1));
             let best = if index == 0 { ", best" } else { "" };
             let name = format!("Pose {}: {}, RMS {rms}{best}", index + 1, origin_text(&found.origin));
@@ -50,6 +52,40 @@ impl Tracking {
                 .text_style(TextStyle::Small);
             ui.label(text.color(palette.text3));
         }
+    }
+}
+
+/// The poses that the tracker carried in the frame, each with how likely it is; one that was taken can be tracked on from.
+fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let (frame, shown) = (context.selection.frame, context.document().pose_at(context.selection.frame));
+    let modes = context.session.modes(frame, shown);
+    let (Some((tracked, _)), model) = (modes.first(), &context.document().model) else { return };
+    let leading = Kinematics::new(model, tracked);
+    ui.label(RichText::new("Poses that the tracker carried").small().color(theme::palette(ui).text2));
+    for (index, (pose, weight)) in modes.iter().enumerate() {
+        let other = Kinematics::new(model, pose);
+        let apart = |limb: &usize| other.ends()[*limb].distance(leading.ends()[*limb]);
+        let most = limbs_elsewhere(&other, &leading).into_iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let off =
+            most.map(|limb| format!(": {} {} off", model.limbs()[limb].name, format::length(apart(&limb))));
+        let which = if index == 0 { "Tracked" } else { "Rival" };
+        let name = format!("{which}, {}{}", whole_percent(*weight), off.unwrap_or_default());
+        let is_shown = are_same(pose, shown);
+        let row = egui::Button::selectable(is_shown, (name, egui::Atom::grow())).truncate();
+        let response = ui.add_sized([ui.available_width(), theme::size::ROW], row);
+        let hover = "Give the frame this pose, as a key pose. The number is how likely the tracker held it to be among those \
+                     that it carried";
+        if response.on_hover_text(hover).clicked() && !is_shown {
+            let what = "Take rival pose".to_owned();
+            requests.edit(Edit::SetPose { frame, pose: (*pose).clone(), what });
+        }
+    }
+    if context.document().keys.contains_key(&frame) {
+        ui.horizontal(|ui| {
+            for command in [TrackingCommand::Forward, TrackingCommand::Back] {
+                button(ui, context, requests, Command::Tracking(command));
+            }
+        });
     }
 }
 

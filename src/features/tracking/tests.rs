@@ -10,12 +10,16 @@ use backlit_tracking::cues::Cue;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::track::Mode;
 
 use super::keys_around;
 use crate::app::testing::{Breaks, TestWindow, open_source, open_take, small_take};
-use crate::context::command::{Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand};
+use crate::context::command::{
+    Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand, ViewCommand,
+};
 use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
+use crate::session::ToldOfPose;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -166,6 +170,34 @@ fn the_robust_preset_tracks_with_likely_poses() {
     assert_ne!(last(&mut app, TrackPrior::People), last(&mut app, TrackPrior::None));
     app.does(Command::Fit(FitCommand::Preset(Preset::Report)));
     assert_eq!(app.document().tracking.prior, TrackPrior::None);
+}
+
+/// A pose that the tracker carried beside its own is seen, taken as a key pose, and taken back with one key; what was carried stays to
+/// be chosen from.
+#[test]
+fn a_rival_pose_is_taken_and_taken_back() {
+    let mut app = open_take(Demonstration::TinySequence, Layout::Pose);
+    app.does(Command::Tracking(TrackingCommand::Forward));
+    let frame = app.state.selection.frame;
+    let tracked = app.document().pose_at(frame).clone();
+    let (mut pose, model) = (tracked.clone(), app.document().model.clone());
+    let rotation = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
+    // A pose that is set is normalised.
+    pose.rotations[rotation] = glam::DQuat::from_rotation_x(1.0) * pose.rotations[rotation] * (1.0 + 1e-9);
+    let rivals = [Mode { pose: pose.clone(), weight: 0.3 }].into();
+    let (holds, doubts) = (Vec::new().into(), Vec::new().into());
+    app.state.session.told.insert(frame, ToldOfPose { pose: tracked.clone(), holds, doubts, rivals });
+    app.settle();
+    assert_eq!(app.context().rivals(), [(&pose, 0.3)]);
+    let edit = Edit::SetPose { frame, pose: pose.clone(), what: "Take rival pose".to_owned() };
+    app.state.edit(edit, None);
+    app.settle();
+    assert!(app.document().keys.contains_key(&frame));
+    assert_eq!(app.context().rivals(), [(&tracked, 0.7)]);
+    app.does(Command::History(HistoryCommand::Undo));
+    assert_eq!(*app.document().pose_at(frame), tracked);
+    app.does(Command::View(ViewCommand::Rivals));
+    assert!(app.context().rivals().is_empty());
 }
 
 #[test]

@@ -135,6 +135,46 @@ impl GhostMarks {
     }
 }
 
+/// Joints that are farther apart than this are elsewhere, metres.
+const ELSEWHERE_M: f64 = 0.05;
+
+/// The limbs of a body that are elsewhere than another body's.
+pub fn limbs_elsewhere(body: &Kinematics, other: &Kinematics) -> Vec<usize> {
+    let ends = body.starts().iter().zip(other.starts()).zip(body.ends().iter().zip(other.ends()));
+    let is_elsewhere = |((start, other_start), (end, other_end)): ((&DVec3, &DVec3), (&DVec3, &DVec3))| {
+        start.distance(*other_start).max(end.distance(*other_end)) > ELSEWHERE_M
+    };
+    ends.map(is_elsewhere)
+        .enumerate()
+        .filter(|(_, is_elsewhere)| *is_elsewhere)
+        .map(|(limb, _)| limb)
+        .collect()
+}
+
+/// What one camera sees of a pose that rivals the one on the screen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RivalMarks {
+    /// Its limbs that are elsewhere, as sticks.
+    pub sticks: Vec<[DVec2; 2]>,
+    /// The end that is farthest from the pose on the screen.
+    pub farthest: DVec2,
+    /// How likely it is, 0 to 1.
+    pub weight: f64,
+}
+
+impl RivalMarks {
+    /// Projects it; `None` where nothing of it is seen elsewhere.
+    pub fn new(rival: &Kinematics, weight: f64, shown: &Kinematics, camera: &Camera) -> Option<Self> {
+        let place = |end: DVec3| place_in_front(camera, end);
+        let elsewhere = limbs_elsewhere(rival, shown);
+        let stick = |limb: &usize| Some([place(rival.starts()[*limb])?, place(rival.ends()[*limb])?]);
+        let apart = |limb: &usize| rival.ends()[*limb].distance(shown.ends()[*limb]);
+        let farthest = elsewhere.iter().copied().max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        let farthest = place(rival.ends()[farthest])?;
+        Some(Self { sticks: elsewhere.iter().filter_map(stick).collect(), farthest, weight })
+    }
+}
+
 /// Seams on a limb that turns about its own length: lines along it, which show the turn.
 const SEAMS: u32 = 3;
 /// Paths shorter than this are not drawn, pixels.
