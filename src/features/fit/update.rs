@@ -399,5 +399,9 @@ fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
     {
         choices.motion = motion;
     }
+    // Demonstrations are of silhouettes alone, as the experiments of the same name.
+    if context.session.demonstration().is_some() {
+        choices.prior = document.tracking.prior;
+    }
     requests.drag(Edit::SetTracking(choices), gesture);
 }
