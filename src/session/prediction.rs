@@ -9,7 +9,7 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::optimize::Iteration;
-use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, View, draw};
+use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, View, draw, prediction};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_ui::drawing::{Derivative, body_outline};
 use glam::DVec2;
@@ -94,7 +94,7 @@ pub(crate) struct CameraPrediction {
     pub(crate) view: View,
     /// D as the last stage looks at it.
     pub(crate) data: Option<Arc<Measurement>>,
-    /// Body against silhouette.
+    /// Body with hard edges against silhouette, whatever the ramp.
     pub(crate) overlap: Option<Overlap>,
     /// How strongly each pixel pulls, if that was asked for.
     pub(crate) gradient: Option<Derivative>,
@@ -160,10 +160,12 @@ impl Predicted {
         }
     }
 
-    /// Intersection over union of the cameras that count, all together.
+    /// Intersection over union of the cameras that count and see somebody, all together: as the tracker has it.
     pub(crate) fn iou(&self) -> Option<f64> {
         let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
-        used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
+        let overlaps = used.filter_map(|(camera, _)| camera.overlap);
+        let of_somebody = overlaps.filter(|overlap| overlap.agreement + overlap.missing > 0);
+        of_somebody.reduce(Overlap::merge)?.iou()
     }
 
     /// The start of a fit, which predicts this.
@@ -207,8 +209,12 @@ impl CameraPrediction {
         let drawing = draw(&view, DrawOptions { gradient, motion: motion.as_ref() });
         let prediction = drawing.prediction;
         let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
+        let covered = || {
+            let hard = View::new(&scene.model, kinematics, camera, scene.fit.renderer, Ramp::Half);
+            prediction::covered(&hard)
+        };
         Self {
-            overlap: mask.and_then(|mask| Overlap::between(&mask, &prediction.lambda).ok()),
+            overlap: mask.and_then(|mask| Overlap::of_covered(&mask, &covered()).ok()),
             outlines: body_outline(&prediction.lambda, prediction.width, prediction.height),
             gradient: gradient.then(|| Derivative::new(drawing.gradient)),
             jacobian: motion.map(|_| Derivative::new(drawing.change)),

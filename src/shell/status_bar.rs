@@ -97,7 +97,7 @@ fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
             "IoU",
             known(session.iou(), format::ratio),
             76.0,
-            "Intersection over union of body and silhouettes, all cameras together",
+            "Intersection over union of body and silhouettes, all cameras together, without unknown pixels",
         ),
         (
             "RMS",

@@ -45,7 +45,7 @@ impl Lane {
             }
             Self::Overlap => {
                 "IoU: the area that body and silhouettes share, over the area that either covers, all cameras \
-                 together. 1 is perfect; below 0.4 a frame counts as lost. A filled triangle \
+                 together; unknown pixels are left out. 1 is perfect; below 0.4 a frame counts as lost. A filled triangle \
                  marks a lost frame, an outlined one the worst of the others."
             }
             Self::Steps => {

@@ -30,7 +30,7 @@ impl Tracking {
         }
         let palette = theme::palette(ui);
         ui.add_space(theme::space::ROW);
-        let text = RichText::new(format!("{sentence} Track again with")).small().color(palette.text2);
+        let text = RichText::new(format!("{sentence} Try with")).small().color(palette.text2);
         ui.add(egui::Label::new(text).wrap());
         ui.horizontal_wrapped(|ui| {
             for (name, tooltip, choices) in offers {

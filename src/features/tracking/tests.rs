@@ -200,6 +200,17 @@ fn a_rival_pose_is_taken_and_taken_back() {
     assert!(app.context().rivals().is_empty());
 }
 
+/// In tiny pictures a ramp is half dark elsewhere than at a limb's edge; the overlap is the limb's all the same.
+#[test]
+fn a_frame_has_one_overlap() {
+    let mut app = open_take(Demonstration::TinySequence, Layout::Pose);
+    app.does(Command::Fit(FitCommand::Preset(Preset::Robust)));
+    app.does(Command::Tracking(TrackingCommand::Forward));
+    let tracked = app.document().estimates[&app.state.selection.frame].iou.unwrap();
+    let shown = app.state.session.iou().unwrap();
+    assert!((tracked - shown).abs() < 1e-12, "{tracked} in the timeline, {shown} in the status bar");
+}
+
 #[test]
 fn keypoints_that_are_not_there_are_asked_for_in_words() {
     let mut app = open_take(Demonstration::TinySequence, Layout::Pose);
