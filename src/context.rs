@@ -45,7 +45,7 @@ use crate::context::view_settings::ViewSettings;
 use crate::session::playback::Playback;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::Selection;
-use crate::session::{Session, are_same};
+use crate::session::{Session, ToldOfPose, are_same};
 use backlit_jobs::Pool;
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
@@ -144,11 +144,21 @@ impl<'a> Context<'a> {
     /// The poses that rival the one on the screen with their weights, likeliest first, where they are to be seen.
     pub(crate) fn rivals(&self) -> Vec<(&'a Pose, f64)> {
         let (shown, frame) = (self.shown_pose(), self.selection.frame);
-        if !self.views.rivals || self.drag.is_dragging() || !self.session.told.contains_key(&frame) {
+        if !self.views.rivals || self.drag.is_dragging() {
             return Vec::new();
         }
         let modes = self.session.modes(frame, shown).into_iter();
         modes.filter(|(pose, _)| !are_same(pose, shown)).collect()
+    }
+
+    /// What was told of the tracked frames in which a limb is not believed.
+    pub(crate) fn doubted(&self) -> impl Iterator<Item = (usize, &'a ToldOfPose)> + use<'a> {
+        let (estimates, told) = (&self.document().estimates, self.session.told.iter());
+        let of_estimate = |frame: &usize, told: &ToldOfPose| {
+            estimates.get(frame).is_some_and(|found| found.pose == told.pose)
+        };
+        told.filter(move |(frame, told)| !told.doubts.is_empty() && of_estimate(frame, told))
+            .map(|(frame, told)| (*frame, told))
     }
 
     /// Mean distance of a pose's joints from the take's reference at the frame on the screen, millimetres.

@@ -113,6 +113,11 @@ impl Session {
         self.told.get(&frame).filter(|told| told.pose == *pose)
     }
 
+    /// The same, if a limb of it is not believed.
+    pub(crate) fn doubted(&self, frame: usize, pose: &Pose) -> Option<&ToldOfPose> {
+        self.told.get(&frame).filter(|told| !told.doubts.is_empty() && told.pose == *pose)
+    }
+
     /// What held the limbs of this pose in a frame, part by part; empty where it was not tracked with cues.
     pub(crate) fn held(&self, frame: usize, pose: &Pose) -> &[LimbHold] {
         self.told_of(frame, pose).map_or(&[], |told| &told.holds)
@@ -120,7 +125,7 @@ impl Session {
 
     /// The limbs of this pose that are not believed in a frame.
     pub(crate) fn doubts(&self, frame: usize, pose: &Pose) -> &[LimbTrust] {
-        self.told_of(frame, pose).map_or(&[], |told| &told.doubts)
+        self.doubted(frame, pose).map_or(&[], |told| &told.doubts)
     }
 
     /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.

@@ -8,6 +8,7 @@ use backlit_document::history::Gesture;
 use backlit_document::runs::{RunChange, StepRef};
 use backlit_jobs::{Failure, Task};
 use backlit_take::source::TakeSource;
+use backlit_tracking::body::Pose;
 use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
 
 use crate::context::arrangement::Arrangement;
@@ -207,6 +208,11 @@ impl Requests {
     /// Asks for a change that is undone by itself.
     pub(crate) fn edit(&mut self, edit: Edit) {
         self.edits.push((edit, None));
+    }
+
+    /// Gives a frame a pose that rivals its own, as a key pose.
+    pub(crate) fn take_rival(&mut self, frame: usize, pose: &Pose) {
+        self.edit(Edit::SetPose { frame, pose: pose.clone(), what: "Take rival pose".to_owned() });
     }
 
     /// Asks for a change that is part of a drag.

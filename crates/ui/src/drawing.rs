@@ -18,7 +18,7 @@ mod tinted;
 pub use backlit_words::joint::{JointId, joint_name};
 pub use bodies::{
     DEVIATIONS, FACTORS, Ghost, GhostMarks, Ghosts, JointEllipse, RivalMarks, SwayMarks, Swaying, Template,
-    automatic_factor, joint_ellipses, limbs_elsewhere,
+    automatic_factor, farthest_limb, joint_ellipses, limbs_elsewhere, rival_opacity,
 };
 pub use calibration::{CalibrationMarks, SightRay, point_at, project_segment, sight_ray};
 pub use compose::{Derivative, compose, compose_over_footage, limb_chains, limb_colours, shows_footage};

@@ -6,7 +6,7 @@ use backlit_tracking::body::Model;
 use backlit_tracking::cues::{Cue, JointKeypoint, LimbHold};
 use backlit_ui::drawing::DEVIATIONS;
 use backlit_ui::drawing::{
-    GhostMarks, JointEllipse, JointId, JointMark, RivalMarks, SwayMarks, joined_outline,
+    GhostMarks, JointEllipse, JointId, JointMark, RivalMarks, SwayMarks, joined_outline, rival_opacity,
 };
 use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{
@@ -181,15 +181,12 @@ pub(super) fn paint_ghosts(overlay: &Overlay, marks: &GhostMarks) {
     }
 }
 
-/// Opacity of the sticks of a rival that is hardly likely, and of one that is sure.
-const RIVAL: [f32; 2] = [0.45, 1.0];
-
 /// What the sticks of rivals mean, for the legend.
 pub(crate) const RIVAL_LEGEND: &str = "Rival poses";
 
 /// Paints what is elsewhere in a rival pose; where its weight stands.
 pub(super) fn paint_rival(overlay: &Overlay, rival: &RivalMarks) -> Pos2 {
-    let opacity = RIVAL[0] + (RIVAL[1] - RIVAL[0]) * rival.weight as f32;
+    let opacity = rival_opacity(rival.weight);
     for stick in &rival.sticks {
         let points = stick.map(|px| overlay.at(px));
         let casing = Stroke::new(STICK + CASING_MORE, CASING.gamma_multiply(CASING_OPACITY * opacity));

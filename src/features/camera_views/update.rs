@@ -168,8 +168,7 @@ impl CameraViews {
             }
             TileEvent::TakeRival(rival) => {
                 if let Some((pose, _)) = context.rivals().get(rival) {
-                    let (frame, what) = (context.selection.frame, "Take rival pose".to_owned());
-                    requests.edit(Edit::SetPose { frame, pose: (*pose).clone(), what });
+                    requests.take_rival(context.selection.frame, pose);
                 }
             }
             TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,

@@ -7,7 +7,7 @@ use backlit_tracking::body::{Kinematics, Model, PlacedSphere, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
-use backlit_ui::drawing::{Ghosts, body_spheres, limbs_elsewhere};
+use backlit_ui::drawing::{Ghosts, body_spheres, limbs_elsewhere, rival_opacity};
 use backlit_ui::style::theme::camera_colours;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, JOINT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
@@ -234,8 +234,6 @@ fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<SceneLine> {
     lines
 }
 
-/// Opacity of a rival that is hardly likely, and of one that is sure.
-const RIVAL: [f32; 2] = [0.45, 1.0];
 /// Width of a faint limb, in points.
 const GHOST_WIDTH: f64 = 1.5;
 
@@ -268,7 +266,7 @@ fn rival_lines(input: &ContentsInput<'_>, (pose, weight): (&Pose, f64)) -> Vec<S
     let line = |limb: usize| SceneLine {
         ends: [rival.starts()[limb], rival.ends()[limb]],
         width_px: GHOST_WIDTH * input.scale,
-        colour: GHOST.gamma_multiply(RIVAL[0] + (RIVAL[1] - RIVAL[0]) * weight as f32),
+        colour: GHOST.gamma_multiply(rival_opacity(weight)),
     };
     limbs_elsewhere(&rival, input.kinematics).into_iter().map(line).collect()
 }

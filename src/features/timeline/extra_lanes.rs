@@ -11,7 +11,6 @@ use egui::{
 
 use super::span::TimeScale;
 use crate::context::Context;
-use crate::session::ToldOfPose;
 
 /// Space about a motion's name.
 const BESIDE: f32 = 5.0;
@@ -40,16 +39,7 @@ pub(super) fn motions_height(context: &Context<'_>) -> f32 {
 
 /// Height of the lane of doubtful limbs: none where all limbs of all frames are believed.
 pub(super) fn doubts_height(context: &Context<'_>) -> f32 {
-    if doubted(context).next().is_some() { size::MOTION_LANE } else { 0.0 }
-}
-
-/// What was told of the frames in which a limb is not believed.
-fn doubted<'a>(context: &Context<'a>) -> impl Iterator<Item = (usize, &'a ToldOfPose)> {
-    let (document, told) = (context.document(), context.session.told.iter());
-    let told = told.filter(|(frame, told)| {
-        !told.doubts.is_empty() && document.estimates.get(frame).is_some_and(|found| found.pose == told.pose)
-    });
-    told.map(|(frame, told)| (*frame, told))
+    if context.doubted().next().is_some() { size::MOTION_LANE } else { 0.0 }
 }
 
 /// The name and the ground of a lane.
@@ -115,7 +105,7 @@ pub(super) fn doubts(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, sc
     let painter = ground(ui, "Doubtful limbs", names, lane);
     let inside = painter.with_clip_rect(lane);
     let half = 0.5 * scale.step().max(1.0);
-    for (at, told) in doubted(context) {
+    for (at, told) in context.doubted() {
         let x = scale.x(at as f64);
         if x + half < lane.left() || x - half > lane.right() {
             continue;

@@ -7,7 +7,7 @@ use crate::session::ToldOfPose;
 
 /// How bad a frame is: first by the one, then by the next. More is worse.
 fn badness(context: &Context<'_>, frame: usize, found: &Estimate) -> [f64; 3] {
-    let told = context.session.told_of(frame, &found.pose);
+    let told = context.session.doubted(frame, &found.pose);
     let lost = if found.lost { 1.0 } else { 0.0 };
     [lost, told.map_or(0.0, ToldOfPose::expected_wrong), -found.iou.unwrap_or(1.0)]
 }

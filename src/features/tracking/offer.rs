@@ -49,10 +49,8 @@ impl Tracking {
 fn doubtful(context: &Context<'_>) -> Option<String> {
     let document = context.document();
     let mut frames: BTreeMap<usize, usize> = BTreeMap::new();
-    for (frame, found) in document.estimates.iter() {
-        for doubt in context.session.doubts(*frame, &found.pose) {
-            *frames.entry(doubt.limb).or_default() += 1;
-        }
+    for doubt in context.doubted().flat_map(|(_, told)| told.doubts.iter()) {
+        *frames.entry(doubt.limb).or_default() += 1;
     }
     let (limb, count) = frames.into_iter().max_by_key(|(_, count)| *count)?;
     let is_many = count >= FEW && count as f64 >= MANY * document.estimates.len() as f64;

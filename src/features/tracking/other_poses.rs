@@ -4,7 +4,7 @@
 use backlit_document::edit::Edit;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::search::Origin;
-use backlit_ui::drawing::limbs_elsewhere;
+use backlit_ui::drawing::{farthest_limb, limbs_elsewhere};
 use backlit_ui::style::{format, theme};
 use egui::{RichText, TextStyle, Ui};
 
@@ -64,10 +64,9 @@ fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.label(RichText::new("Poses that the tracker carried").small().color(theme::palette(ui).text2));
     for (index, (pose, weight)) in modes.iter().enumerate() {
         let other = Kinematics::new(model, pose);
-        let apart = |limb: &usize| other.ends()[*limb].distance(leading.ends()[*limb]);
-        let most = limbs_elsewhere(&other, &leading).into_iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let most = farthest_limb(&limbs_elsewhere(&other, &leading), &other, &leading);
         let off =
-            most.map(|limb| format!(": {} {} off", model.limbs()[limb].name, format::length(apart(&limb))));
+            most.map(|(limb, apart)| format!(": {} {} off", model.limbs()[limb].name, format::length(apart)));
         let which = if index == 0 { "Tracked" } else { "Rival" };
         let name = format!("{which}, {}{}", whole_percent(*weight), off.unwrap_or_default());
         let is_shown = are_same(pose, shown);
@@ -76,8 +75,7 @@ fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let hover = "Give the frame this pose, as a key pose. The number is how likely the tracker held it to be among those \
                      that it carried";
         if response.on_hover_text(hover).clicked() && !is_shown {
-            let what = "Take rival pose".to_owned();
-            requests.edit(Edit::SetPose { frame, pose: (*pose).clone(), what });
+            requests.take_rival(frame, pose);
         }
     }
     if context.document().keys.contains_key(&frame) {

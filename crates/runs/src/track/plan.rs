@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use backlit_formats::{Take, prior_file};
+use backlit_document::likely_poses;
+use backlit_formats::Take;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions};
@@ -99,10 +100,7 @@ impl TrackPlan {
     pub fn tracker(&self, start: Pose) -> Result<Tracker, TrackError> {
         let mut fit = (*self.fit).clone();
         // Limbs are judged by likely poses even where these do not pull.
-        fit.prior.get_or_insert_with(|| LearntPrior {
-            pose_weight: 0.0,
-            ..LearntPrior::new(prior_file::people())
-        });
+        fit.prior.get_or_insert_with(|| LearntPrior { pose_weight: 0.0, ..likely_poses::people() });
         let tracker = Tracker::new(self.model.clone(), fit, start)?;
         let tracker = tracker.with_motion(self.motion, self.frame_rate)?.with_search(self.search);
         let tracker = tracker.with_rivals(self.rivals).with_trust();

@@ -151,6 +151,18 @@ pub fn limbs_elsewhere(body: &Kinematics, other: &Kinematics) -> Vec<usize> {
         .collect()
 }
 
+/// The one of some limbs whose end is farthest from the other body's, and how far, metres.
+pub fn farthest_limb(limbs: &[usize], body: &Kinematics, other: &Kinematics) -> Option<(usize, f64)> {
+    let apart = |&limb: &usize| (limb, body.ends()[limb].distance(other.ends()[limb]));
+    limbs.iter().map(apart).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Opacity of a rival pose by its weight: of one that is hardly likely, and of one that is sure.
+pub fn rival_opacity(weight: f64) -> f32 {
+    const OPACITY: [f32; 2] = [0.45, 1.0];
+    OPACITY[0] + (OPACITY[1] - OPACITY[0]) * weight as f32
+}
+
 /// What one camera sees of a pose that rivals the one on the screen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RivalMarks {
@@ -168,8 +180,7 @@ impl RivalMarks {
         let place = |end: DVec3| place_in_front(camera, end);
         let elsewhere = limbs_elsewhere(rival, shown);
         let stick = |limb: &usize| Some([place(rival.starts()[*limb])?, place(rival.ends()[*limb])?]);
-        let apart = |limb: &usize| rival.ends()[*limb].distance(shown.ends()[*limb]);
-        let farthest = elsewhere.iter().copied().max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        let (farthest, _) = farthest_limb(&elsewhere, rival, shown)?;
         let farthest = place(rival.ends()[farthest])?;
         Some(Self { sticks: elsewhere.iter().filter_map(stick).collect(), farthest, weight })
     }
