@@ -1,5 +1,6 @@
 //! `backlit prior`: what motion files say, and a track that asks them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -20,7 +21,13 @@ fn swinging(path: &Path) {
         Pose::rest(&model).retract(Parameters::Tangent, &step)
     };
     let poses = (0..120).map(|frame| (frame, pose(frame))).collect();
-    let motion = Motion { name: "swing".to_owned(), model: model.clone(), frame_rate: 30.0, poses };
+    let motion = Motion {
+        name: "swing".to_owned(),
+        model: model.clone(),
+        frame_rate: 30.0,
+        poses,
+        trust: BTreeMap::new(),
+    };
     motion::write(path, MotionFormat::Bvh, &motion, &MotionOptions::default()).unwrap();
 }
 

@@ -60,6 +60,7 @@ fn a_skinned_mesh_becomes_a_body_of_spheres() {
     let written = Motion {
         name: "person".to_owned(),
         poses: BTreeMap::from([(0, Pose::rest(&model))]),
+        trust: BTreeMap::new(),
         frame_rate: 30.0,
         model: model.clone(),
     };

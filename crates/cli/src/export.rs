@@ -1,5 +1,6 @@
 //! `backlit export`: a track, or the poses of a project, as motion files of other programs.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
@@ -115,7 +116,8 @@ fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
     let rig = document.calibration.as_ref().map_or_else(|| take.rig(), |calibration| &calibration.rig);
     let up = up_of(rig.cameras());
     let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
-    Ok((Motion { name, model: (*document.model).clone(), frame_rate, poses }, up))
+    let trust = BTreeMap::new();
+    Ok((Motion { name, model: (*document.model).clone(), frame_rate, poses, trust }, up))
 }
 
 /// Reads a direction in the world.

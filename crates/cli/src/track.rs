@@ -328,6 +328,7 @@ pub(crate) fn take_in<F>(
             report.add(take, *estimate, is_final, time_ms);
         }
         TrackMessage::Revised(known) => known.into_iter().for_each(|one| report.keep(take, one)),
+        TrackMessage::Rewound(mended) => report.mend(take, mended),
         TrackMessage::NotSmoothed(error) => {
             report.not_smoothed.get_or_insert(error);
         }

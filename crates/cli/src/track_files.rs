@@ -11,7 +11,7 @@ use backlit_formats::export::{self, TrackExport};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
 use backlit_runs::track::{EarlierFrames, Smoothing, TakeReader, TrackRun};
 use backlit_tracking::body::{Pose, builtin};
-use backlit_tracking::track::{FrameEstimate, KalmanOptions};
+use backlit_tracking::track::{FrameEstimate, KalmanOptions, REWOUND_FRAMES};
 use serde::Deserialize;
 
 use crate::output;
@@ -157,7 +157,7 @@ impl Earlier {
         report: &mut TrackReport,
     ) -> anyhow::Result<TrackRun<TakeReader>> {
         let mut track = self.written.track;
-        let Some(Resume { memory, smoothing }) = self.resume else {
+        let Some(Resume { memory, smoothing, rewind }) = self.resume else {
             track.frames.into_values().for_each(|estimate| report.keep(take, estimate));
             return Ok(run);
         };
@@ -171,8 +171,10 @@ impl Earlier {
             let newest = FrameEstimate { pose: waiting.pose.clone(), ..known.clone() };
             report.track.frames.insert(newest.frame, newest);
         }
+        let newest = track.frames.values().rev().take(REWOUND_FRAMES).rev();
+        let recent = newest.map(|one| (one.frame, one.pose.clone())).collect();
         track.frames.into_values().for_each(|estimate| report.keep(take, estimate));
-        run.resuming(EarlierFrames { memory, waiting }).context("--resume")
+        run.resuming(EarlierFrames { memory, waiting, recent, rewind }).context("--resume")
     }
 
     /// The frames that it has not tracked, of those that are wanted.

@@ -165,6 +165,15 @@ impl TrackReport {
         self.track.frames.insert(estimate.frame, estimate);
     }
 
+    /// Takes better estimates of frames that were kept before.
+    pub(crate) fn mend(&mut self, take: &Take, mended: Vec<FrameEstimate>) {
+        for mut estimate in mended {
+            (estimate.belief, estimate.modes) = (None, Vec::new());
+            self.track.frames.insert(estimate.frame, estimate);
+        }
+        self.judge(take);
+    }
+
     /// Measures all frames against a take's reference keypoints.
     pub(crate) fn judge(&mut self, take: &Take) {
         self.errors = JointErrors::default();

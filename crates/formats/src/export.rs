@@ -90,7 +90,7 @@ pub(super) mod tests {
             overlap: vec![Some(overlap), None],
             iterations: 7,
             termination: Some(Termination::NoDecrease),
-            trust: vec![LimbTrust::new(0, 0.3, 0.08, Reason::Spurious)],
+            trust: vec![LimbTrust::new(0, 0.3, [0.08, 0.4], Reason::Spurious)],
             ..FrameEstimate::of_pose(4, moved)
         };
         let second = FrameEstimate {

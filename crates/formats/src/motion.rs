@@ -11,7 +11,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::track::FrameEstimate;
 use serde::{Deserialize, Serialize};
 
 use super::export::TrackExport;
@@ -50,27 +52,33 @@ pub struct Motion {
     pub frame_rate: f64,
     /// Poses of the body, by frame.
     pub poses: BTreeMap<usize, Pose>,
+    /// How far its limbs may be believed, by frame, in the order of the limbs; empty where nobody judged them.
+    pub trust: BTreeMap<usize, Vec<LimbTrust>>,
 }
 
 impl Motion {
     /// The poses of a track.
     #[must_use]
     pub fn of_track(export: &TrackExport<'_>) -> Self {
-        let poses = export.track.frames.iter().map(|(&frame, estimate)| (frame, estimate.pose.clone()));
-        Self {
-            name: export.name.to_owned(),
-            model: export.model.clone(),
-            frame_rate: export.frame_rate,
-            poses: poses.collect(),
-        }
+        Self::of_frames(export.name.to_owned(), export.model.clone(), export.frame_rate, &export.track.frames)
     }
 
     /// The poses of a track that was read.
     #[must_use]
     pub fn of_written(written: WrittenTrack) -> Self {
-        let poses = written.track.frames.into_iter().map(|(frame, estimate)| (frame, estimate.pose));
-        let poses = poses.collect();
-        Self { name: written.name, model: written.model, frame_rate: written.frame_rate, poses }
+        Self::of_frames(written.name, written.model, written.frame_rate, &written.track.frames)
+    }
+
+    fn of_frames(
+        name: String,
+        model: Model,
+        frame_rate: f64,
+        frames: &BTreeMap<usize, FrameEstimate>,
+    ) -> Self {
+        let poses = frames.iter().map(|(&frame, estimate)| (frame, estimate.pose.clone())).collect();
+        let is_judged = |one: &&FrameEstimate| one.trust.len() == model.limbs().len();
+        let trust = frames.values().filter(is_judged).map(|one| (one.frame, one.trust.clone())).collect();
+        Self { name, model, frame_rate, poses, trust }
     }
 }
 

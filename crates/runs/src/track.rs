@@ -4,6 +4,7 @@
 mod plan;
 mod reading;
 
+use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -18,8 +19,8 @@ use backlit_tracking::numbers::OptionError;
 use backlit_tracking::posing;
 use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{
-    FrameEstimate, MemoryError, MotionError, Smoother, SmoothingError, Track, Tracker, TrackerMemory,
-    WaitingFrame,
+    FrameEstimate, MemoryError, MotionError, REWOUND_FRAMES, Rewind, Smoother, SmoothingError, Track,
+    Tracker, TrackerMemory, WaitingFrame,
 };
 
 pub use plan::{KeyUse, Leg, RIVALS, Smoothing, TrackPlan};
@@ -39,6 +40,8 @@ pub enum TrackMessage<F> {
     },
     /// Frames that were tracked before are now smoothed by later ones.
     Revised(Vec<FrameEstimate>),
+    /// A later frame has shown that the poses of these were wrong: here are better ones.
+    Rewound(Vec<FrameEstimate>),
     /// Two tracks were joined.
     Joined {
         /// All their frames.
@@ -95,6 +98,10 @@ pub struct EarlierFrames {
     pub memory: TrackerMemory,
     /// The frames that waited to be smoothed, and what is known of them.
     pub waiting: Vec<(FrameEstimate, WaitingFrame)>,
+    /// The newest frames and their poses, in the order of tracking: as many as may be mended by later ones.
+    pub recent: VecDeque<(usize, Pose)>,
+    /// How many frames a pose may still be followed back.
+    pub rewind: usize,
 }
 
 /// Looks at the silhouettes of at most `most` of some frames. Frames that cannot be read count as empty: they are reported
@@ -128,6 +135,12 @@ pub struct TrackRun<R: FrameReader> {
     memory: Option<TrackerMemory>,
     /// The frames that waited when the rest was smoothed.
     waiting: Option<Vec<WaitingFrame>>,
+    /// Frames that later ones may mend, in the order of tracking.
+    recent: VecDeque<(usize, Pose)>,
+    /// Whether the first of them is the first frame of the track.
+    is_whole: bool,
+    /// How many frames a pose may be followed back: as many as were tracked since, so that a track takes no more than twice the time.
+    rewind: usize,
 }
 
 impl<R: FrameReader> TrackRun<R> {
@@ -145,6 +158,9 @@ impl<R: FrameReader> TrackRun<R> {
             remembers: false,
             memory: None,
             waiting: None,
+            recent: VecDeque::new(),
+            is_whole: true,
+            rewind: REWOUND_FRAMES,
         }
     }
 
@@ -156,7 +172,9 @@ impl<R: FrameReader> TrackRun<R> {
     /// Goes on from the frames of an earlier run, as if nothing had stopped it.
     pub fn resuming(mut self, earlier: EarlierFrames) -> Result<Self, TrackError> {
         let Some(leg) = self.plan.legs.front() else { return Ok(self) };
-        let EarlierFrames { memory, waiting } = earlier;
+        let EarlierFrames { memory, waiting, recent, rewind } = earlier;
+        self.is_whole = recent.len() < REWOUND_FRAMES;
+        (self.recent, self.rewind) = (recent, rewind);
         let last = memory.last.frame;
         let begins_flow = memory.cues.as_ref().is_some_and(|cues| cues.before.is_some());
         let noise = memory.filter.as_ref().map(|filter| filter.noise);
@@ -179,7 +197,7 @@ impl<R: FrameReader> TrackRun<R> {
         let waiting = self.waiting.clone().or_else(|| Some(self.smoother.as_ref()?.waiting()));
         let lag = self.plan.smoothing.and_then(|smoothing| smoothing.lag);
         let smoothing = waiting.map(|frames| WaitingFrames { lag, frames });
-        Some(Resume { memory: self.memory.clone()?, smoothing })
+        Some(Resume { memory: self.memory.clone()?, smoothing, rewind: self.rewind })
     }
 
     /// Tracks the next frame, or ends. After [`TrackMessage::Done`] there is nothing left to do.
@@ -249,10 +267,80 @@ impl<R: FrameReader> TrackRun<R> {
                 if self.remembers {
                     self.memory = self.tracker.as_ref().and_then(Tracker::memory);
                 }
+                let found = self.plan.rewinds().then(|| estimate.clone());
                 self.keep(estimate, tell);
+                if let Some(found) = found
+                    && let Err(error) = self.rewind(found, cancel, tell)
+                {
+                    self.end(TrackEnding::Failed { frame, error }, tell);
+                }
             }
             Err(error) => self.end(TrackEnding::Failed { frame, error }, tell),
         }
+    }
+
+    /// Follows a pose that was found elsewhere back through the frames before, and tells of those that it mends.
+    fn rewind(
+        &mut self,
+        found: FrameEstimate,
+        cancel: &CancelToken,
+        tell: &mut impl FnMut(TrackMessage<R::Data>),
+    ) -> Result<(), TrackError> {
+        let frame = found.frame;
+        if self.plan.at_keys == KeyUse::Keep && self.plan.keys.contains_key(&frame) {
+            // What was set by hand stays, and so does what leads to it.
+            self.recent.clear();
+        } else if let Some((_, before)) = self.recent.back()
+            && let Some(mut rewind) = Rewind::begin(self.plan.tracker(found.pose.clone())?, &found, before)
+        {
+            let begins_here = |leg: &Leg| leg.continues.is_none();
+            let mut reaches_first = self.is_whole && self.plan.legs.front().is_some_and(begins_here);
+            for (frame, track) in self.recent.iter().rev() {
+                if self.rewind == 0 {
+                    reaches_first = false;
+                    break;
+                }
+                self.rewind -= 1;
+                let read = self.reader.read(*frame)?;
+                if !rewind.step(*frame, self.reader.views(&read), track, cancel)? {
+                    reaches_first = false;
+                    break;
+                }
+            }
+            if cancel.is_cancelled() {
+                return Ok(());
+            }
+            self.mend(rewind.finish(reaches_first), tell)?;
+        }
+        self.recent.push_back((frame, found.pose));
+        self.rewind = (self.rewind + 1).min(REWOUND_FRAMES);
+        if self.recent.len() > REWOUND_FRAMES {
+            self.recent.pop_front();
+            self.is_whole = false;
+        }
+        Ok(())
+    }
+
+    /// Takes better poses of earlier frames, and tells of them.
+    fn mend(
+        &mut self,
+        mut mended: Vec<FrameEstimate>,
+        tell: &mut impl FnMut(TrackMessage<R::Data>),
+    ) -> Result<(), TrackError> {
+        for one in &mut mended {
+            let read = self.reader.read(one.frame)?;
+            one.rms = self.reader.rms(&read, &one.pose, one.rms);
+            if let Some((_, pose)) = self.recent.iter_mut().rev().find(|(frame, _)| *frame == one.frame) {
+                pose.clone_from(&one.pose);
+            }
+            if self.joins {
+                self.kept.frames.insert(one.frame, one.clone());
+            }
+        }
+        if !mended.is_empty() {
+            tell(TrackMessage::Rewound(mended));
+        }
+        Ok(())
     }
 
     fn track(
@@ -332,6 +420,8 @@ impl<R: FrameReader> TrackRun<R> {
             self.smoother = self.plan.smoothing.map(|smoothing| Smoother::new(smoothing.lag));
         }
         self.tracker = None;
+        self.recent.clear();
+        (self.is_whole, self.rewind) = (true, REWOUND_FRAMES);
         self.whole.push(std::mem::take(&mut self.kept));
     }
 

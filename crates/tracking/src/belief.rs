@@ -1,10 +1,16 @@
 //! How sure a fitted pose is: what silhouettes say against it, and how far each limb is believed.
 
 mod conflict;
+mod error_distribution;
+mod learnt_errors;
+mod signs;
 mod trust;
 
 pub use conflict::{Conflicts, LimbConflict};
-pub use trust::{LimbTrust, Reason, Verdict};
+pub use error_distribution::{ErrorDistribution, ErrorNetwork, KnownError, learn};
+pub use signs::Signs;
+pub use trust::{LimbTrust, Reason, Verdict, WRONG_M};
 
 pub(crate) use conflict::px_per_metre;
-pub(crate) use trust::{TrustInputs, trust};
+pub(crate) use signs::{TrustInputs, signs};
+pub(crate) use trust::trust;

@@ -1,6 +1,7 @@
 //! What a motion's file is to be, and where it goes: a card over the window. The choices are kept from start to start. Poses
 //! are as the document has them, those set by hand included.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
@@ -214,6 +215,7 @@ fn motion_of(context: &Context<'_>) -> Motion {
         model: (*document.model).clone(),
         frame_rate: take.map_or(30.0, |take| take.take().frame_rate()),
         poses: document.own_poses(),
+        trust: BTreeMap::new(),
     }
 }
 

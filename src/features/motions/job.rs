@@ -113,6 +113,7 @@ impl Inputs {
             model: (*self.body).clone(),
             frame_rate: self.frame_rate,
             poses: seen.map(|(&frame, estimate)| (frame, estimate.pose.clone())).collect(),
+            trust: BTreeMap::new(),
         });
         // A method that was kept from another model.
         let is_there = recognizer.methods().any(|method| method == self.method);

@@ -167,7 +167,7 @@ impl Job<Applied> for TrackJob {
                     }));
                 }
             }
-            TrackMessage::Revised(known) => {
+            TrackMessage::Revised(known) | TrackMessage::Rewound(known) => {
                 tell_beside(model, &known, out);
                 revise(&known, out);
             }

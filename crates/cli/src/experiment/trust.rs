@@ -1,54 +1,47 @@
 //! Tracks that are made to fail, and what the tracker tells of each limb: how many of the wrong ones are told, how many of the
-//! right ones are doubted.
+//! right ones are doubted, and how large errors are beside those that are told.
 //!
-//! The simulated movements hide limbs from two telephones. A take with keypoints is tracked from starts that are far off, by each
-//! camera alone, and by few of its frames. A joint is wrong where it is more than 250 mm off, and right within 100 mm.
+//! Simulated movements hide limbs from two telephones, and two or three cameras see exercises. A take with keypoints is tracked
+//! from starts that are far off, by few of its cameras, and by few of its frames. A joint is wrong where it is more than 250 mm
+//! off, and right within 100 mm. Half of the tracks are held out: nothing is learnt from them, and what is told is judged on them.
 
+mod cases;
+mod counts;
+
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, ensure};
-use backlit_formats::{Footage, prior_file};
-use backlit_lab::synthetic::masks::widened;
-use backlit_lab::synthetic::occlusions::{Occlusion, PERIOD};
-use backlit_lab::synthetic::{capsules, people::BREADTH};
-use backlit_runs::track::RIVALS;
-use backlit_tracking::belief::Verdict;
-use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
-use backlit_tracking::fit::{FitOptions, FitView};
-use backlit_tracking::metrics::ReferenceJoints;
+use anyhow::{Context, Result};
+use backlit_formats::prior_file;
+use backlit_lab::synthetic::occlusions::PERIOD;
+use backlit_runs::track::{KeyUse, Leg, RIVALS, TrackEnding, TrackMessage, TrackPlan, TrackRun};
+use backlit_tracking::belief::{ErrorNetwork, KnownError, LimbTrust, Reason, Signs, learn};
+use backlit_tracking::body::Kinematics;
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
-use backlit_tracking::search::start;
-use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
+use backlit_tracking::track::{FrameEstimate, Motion};
 use clap::Args;
+use rayon::prelude::*;
 use serde::Serialize;
 
+use self::cases::{Case, CaseReader};
+use self::counts::{Counts, RANGES, Told};
 use super::{Experiment, Run};
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
 
-/// A joint farther off than this is wrong, one nearer than that is right, millimetres.
-const WRONG_MM: f64 = 250.0;
-const RIGHT_MM: f64 = 100.0;
-/// The second area under the curve is for errors above this, millimetres.
-const NEAR_MM: f64 = 50.0;
-/// Pictures of the simulated telephones.
-const SIZE_PX: [u64; 2] = [180, 320];
-/// How much too wide simulated masks are all round, as a share of the breadth of the shoulders.
-const TOO_WIDE: f64 = 0.045;
-/// Frames a second of the simulated telephones.
-const RATE: usize = 30;
-/// Starts that are far off, and how far.
-const FAR_STARTS: u64 = 8;
-const FAR_DEGREES: f64 = 30.0;
-/// Only every 12th frame of the take is seen, and so on.
-const SPARSE: [usize; 4] = [12, 14, 16, 20];
+/// How much a joint of real footage counts beside one of the many that are simulated.
+const REAL_WEIGHT: f64 = 5.0;
+/// Seed of what is learnt.
+const SEED: u64 = 29;
 
 /// Tracks that are made to fail: how many limbs that are wrong are told, and how many that are right are doubted
 #[derive(Debug, Args, Serialize)]
 pub(crate) struct Trust {
-    /// A take with reference keypoints, tracked from far starts, by single cameras and by few of its frames
+    /// A take with reference keypoints, tracked from far starts, by few cameras and by few of its frames
     #[arg(long, value_name = "TAKE")]
     #[serde(skip)]
     take: Option<PathBuf>,
@@ -61,6 +54,10 @@ pub(crate) struct Trust {
     /// Seconds of every simulated movement
     #[arg(long, value_name = "S", default_value_t = 2.0 * PERIOD, value_parser = seconds)]
     seconds: f64,
+    /// Learn what is told from the half that is not held out, and write it to this file of source
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
+    learn: Option<PathBuf>,
 }
 
 fn hypotheses(text: &str) -> Result<usize, &'static str> {
@@ -74,7 +71,10 @@ fn seconds(text: &str) -> Result<f64, &'static str> {
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     tracks: Vec<JudgedTrack>,
-    all: Counts,
+    /// Of the tracks that are held out.
+    held_out: Counts,
+    held_out_simulated: Counts,
+    held_out_real: Counts,
 }
 
 /// One track beside its truth or its keypoints.
@@ -82,84 +82,80 @@ pub(crate) struct Report {
 struct JudgedTrack {
     name: String,
     frames: usize,
+    is_held_out: bool,
     #[serde(flatten)]
     counts: Counts,
 }
 
-/// Joints of all frames.
-#[derive(Debug, Default, Clone, Serialize)]
-struct Counts {
-    joints: usize,
-    mean_mm: f64,
-    max_mm: f64,
-    /// More than 250 mm off; told as doubtful or wrong; told as wrong.
-    wrong: usize,
-    wrong_told: usize,
-    wrong_called_wrong: usize,
-    /// Less than 100 mm off; told as doubtful or wrong; told as wrong.
-    right: usize,
-    right_told: usize,
-    right_called_wrong: usize,
-    /// Area under the curve of P(wrong) for errors above 250 and above 50 mm: 1 where it ranks them perfectly, 0.5 by chance.
-    auc_250: Option<f64>,
-    auc_50: Option<f64>,
+/// The joints of a case that was tracked: by what signs, and how far off, metres.
+struct Tracked {
+    case: Case,
+    joints: Vec<(Signs, f64)>,
 }
 
-/// What is told of a joint, and how far off it is.
-#[derive(Debug, Clone, Copy)]
-struct Told {
-    error_mm: f64,
-    wrong: f64,
-    verdict: Verdict,
-}
-
-impl Counts {
-    fn of(told: &[Told]) -> Self {
-        let mut counts = Self { joints: told.len(), ..Self::default() };
-        for joint in told {
-            counts.mean_mm += joint.error_mm / told.len() as f64;
-            counts.max_mm = counts.max_mm.max(joint.error_mm);
-            let (is_told, is_wrong) = (joint.verdict > Verdict::Good, joint.verdict == Verdict::Wrong);
-            if joint.error_mm > WRONG_MM {
-                counts.wrong += 1;
-                counts.wrong_told += usize::from(is_told);
-                counts.wrong_called_wrong += usize::from(is_wrong);
-            } else if joint.error_mm < RIGHT_MM {
-                counts.right += 1;
-                counts.right_told += usize::from(is_told);
-                counts.right_called_wrong += usize::from(is_wrong);
+impl Trust {
+    fn track(&self, case: Case, run: &Run, done: &AtomicUsize) -> Result<Tracked> {
+        let mut prior = LearntPrior::new(prior_file::people());
+        if self.without_prior {
+            prior.pose_weight = 0.0;
+        }
+        let frames = case.frames.iter().map(|one| one.frame).collect();
+        let plan = TrackPlan {
+            model: case.model.clone(),
+            fit: Arc::new(FitOptions { prior: Some(prior), ..FitOptions::default() }),
+            frame_rate: case.rate,
+            motion: Motion::Velocity,
+            search: case.search,
+            rivals: if case.has_rivals { self.hypotheses - 1 } else { 0 },
+            cues: Vec::new(),
+            smoothing: None,
+            keys: Default::default(),
+            at_keys: KeyUse::Begin,
+            legs: [Leg { start: case.start.clone(), continues: None, frames }].into(),
+        };
+        let mut track = TrackRun::new(Arc::new(CaseReader(case.frames.clone())), plan);
+        let (mut estimates, mut failed) = (std::collections::BTreeMap::new(), None);
+        for frame in &case.frames {
+            track.step_with(&Arc::new(frame.views.clone()), &run.cancel, &mut |message| match message {
+                TrackMessage::Frame { estimate, .. } => drop(estimates.insert(estimate.frame, *estimate)),
+                TrackMessage::Rewound(mended) => {
+                    estimates.extend(mended.into_iter().map(|one| (one.frame, one)))
+                }
+                TrackMessage::Done(TrackEnding::Failed { error, .. }) => failed = Some(error),
+                _ => {}
+            });
+            done.fetch_add(1, Ordering::Relaxed);
+            if run.cancel.is_cancelled() {
+                break;
             }
         }
-        counts.auc_250 = auc(told, WRONG_MM);
-        counts.auc_50 = auc(told, NEAR_MM);
-        counts
+        if let Some(error) = failed {
+            return Err(error).context(case.name);
+        }
+        let joints =
+            case.frames.iter().filter_map(|frame| Some((estimates.get(&frame.frame)?, &frame.joints)));
+        let joints = joints.flat_map(|(estimate, truth)| {
+            let kinematics = Kinematics::new(&case.model, &estimate.pose);
+            truth.iter().filter_map(move |(limb, at)| {
+                Some((signs(estimate, (*limb)?)?, kinematics.ends()[(*limb)?].distance(*at)))
+            })
+        });
+        Ok(Tracked { joints: joints.collect(), case })
     }
 }
 
-/// How often a joint above the error has the larger P(wrong) than one below, ties by half (Mann and Whitney 1947). `None`
-/// where all are on one side.
-fn auc(told: &[Told], above_mm: f64) -> Option<f64> {
-    let mut sorted: Vec<&Told> = told.iter().collect();
-    sorted.sort_by(|a, b| a.wrong.total_cmp(&b.wrong));
-    let (mut below, mut above, mut sum, mut at) = (0.0, 0.0, 0.0, 0);
-    while at < sorted.len() {
-        let same = sorted[at..].iter().take_while(|joint| joint.wrong == sorted[at].wrong).count();
-        let more = sorted[at..at + same].iter().filter(|joint| joint.error_mm > above_mm).count() as f64;
-        let fewer = same as f64 - more;
-        sum += more * (below + 0.5 * fewer);
-        (below, above, at) = (below + fewer, above + more, at + same);
-    }
-    (below > 0.0 && above > 0.0).then(|| sum / (below * above))
+fn signs(estimate: &FrameEstimate, limb: usize) -> Option<Signs> {
+    estimate.signs.get(limb).copied()
 }
 
-/// A track to be made.
-struct Case {
-    name: String,
-    model: Arc<Model>,
-    rate: f64,
-    start: Pose,
-    search: WhenToSearch,
-    frames: Vec<(usize, Vec<FitView>, ReferenceJoints)>,
+/// What a network tells of joints.
+fn told(network: &ErrorNetwork, joints: &[(Signs, f64)]) -> Vec<Told> {
+    let of_joint = |(signs, error_m): &(Signs, f64)| {
+        let error = network.distribution(signs);
+        let verdict = LimbTrust::of_error(0, &error, Reason::Loose).verdict;
+        Told { error_mm: 1e3 * error_m, error, verdict }
+    };
+    joints.iter().map(of_joint).collect()
 }
 
 impl Experiment for Trust {
@@ -167,63 +163,59 @@ impl Experiment for Trust {
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        let mut cases = simulated(self.seconds)?;
+        let mut cases = cases::simulated(self.seconds)?;
         if let Some(take) = &self.take {
-            cases.extend(of_take(&*take_options::open(take)?)?);
+            cases.extend(cases::of_take(&*take_options::open(take)?)?);
         }
-        let mut prior = LearntPrior::new(prior_file::people());
-        if self.without_prior {
-            prior.pose_weight = 0.0;
-        }
-        let fit = FitOptions { prior: Some(prior), ..FitOptions::default() };
         let total: usize = cases.iter().map(|case| case.frames.len()).sum();
-        let (mut done, mut tracks, mut all) = (0, Vec::new(), Vec::new());
-        for case in cases {
-            let tracker = Tracker::new(case.model.clone(), fit.clone(), case.start.clone())?;
-            let tracker = tracker.with_motion(Motion::Velocity, case.rate)?.with_search(case.search);
-            let mut tracker = tracker.with_rivals(self.hypotheses - 1).with_trust();
-            let mut told = Vec::new();
-            for (frame, views, joints) in &case.frames {
-                run.progress(done, total)?;
-                done += 1;
-                let estimate = tracker.track_frame(*frame, views.clone(), &run.cancel)?;
-                let kinematics = Kinematics::new(&case.model, &estimate.pose);
-                for (limb, at) in joints {
-                    let Some(trust) = limb.and_then(|limb| estimate.trust.get(limb)) else { continue };
-                    let error_mm = 1e3 * kinematics.ends()[trust.limb].distance(*at);
-                    told.push(Told { error_mm, wrong: trust.wrong, verdict: trust.verdict });
-                }
+        let done = AtomicUsize::new(0);
+        let tracked = |case| {
+            run.progress(done.load(Ordering::Relaxed), total)?;
+            self.track(case, run, &done)
+        };
+        let tracked: Vec<Tracked> = cases.into_par_iter().map(tracked).collect::<Result<_>>()?;
+        run.progress(total, total)?;
+        let learnt = match &self.learn {
+            Some(path) => {
+                let known = tracked.iter().filter(|one| !one.case.is_held_out);
+                let known = known.flat_map(|one| {
+                    let weight = if one.case.is_real { REAL_WEIGHT } else { 1.0 };
+                    let of_joint =
+                        move |&(signs, error_m): &(Signs, f64)| KnownError { signs, error_m, weight };
+                    one.joints.iter().map(of_joint)
+                });
+                let known: Vec<_> = known.collect();
+                let network = learn(&known, SEED);
+                std::fs::write(path, source(&network)).with_context(|| path.display().to_string())?;
+                network
             }
-            let (name, frames) = (case.name, case.frames.len());
-            tracks.push(JudgedTrack { name, frames, counts: Counts::of(&told) });
-            all.extend(told);
-        }
-        Ok(Report { tracks, all: Counts::of(&all) })
+            None => ErrorNetwork::learnt().clone(),
+        };
+        let held_out = |is_wanted: &dyn Fn(&Case) -> bool| {
+            let joints = tracked.iter().filter(|one| one.case.is_held_out && is_wanted(&one.case));
+            let joints: Vec<_> = joints.flat_map(|one| one.joints.iter().copied()).collect();
+            Counts::of(&told(&learnt, &joints))
+        };
+        Ok(Report {
+            held_out: held_out(&|_| true),
+            held_out_simulated: held_out(&|case| !case.is_real),
+            held_out_real: held_out(&|case| case.is_real),
+            tracks: tracked
+                .iter()
+                .map(|Tracked { case, joints }| JudgedTrack {
+                    name: case.name.clone(),
+                    frames: case.frames.len(),
+                    is_held_out: case.is_held_out,
+                    counts: Counts::of(&told(&learnt, joints)),
+                })
+                .collect(),
+        })
     }
 
     fn table(&self, report: &Report) -> String {
-        let share = |count: usize, of: usize| match of {
-            0 => "–".to_owned(),
-            _ => format!("{:.1} %", 100.0 * count as f64 / of as f64),
-        };
-        let row = |name: &str, frames: usize, counts: &Counts| {
-            let Counts {
-                wrong, wrong_told, wrong_called_wrong, right, right_told, right_called_wrong, ..
-            } = *counts;
-            [
-                name.to_owned(),
-                frames.to_string(),
-                number(Some(counts.mean_mm), 1),
-                number(Some(counts.max_mm), 0),
-                wrong.to_string(),
-                share(wrong_told, wrong),
-                share(wrong_called_wrong, wrong),
-                share(right_told, right),
-                share(right_called_wrong, right),
-            ]
-        };
         let mut table = Table::new([
             "track",
+            "held out",
             "frames",
             "error, mm: mean",
             "max",
@@ -233,105 +225,92 @@ impl Experiment for Trust {
             "of those < 100 mm told",
             "called wrong",
         ]);
-        for JudgedTrack { name, frames, counts } in &report.tracks {
-            table.row(row(name, *frames, counts));
+        for JudgedTrack { name, frames, is_held_out, counts } in &report.tracks {
+            table.row(row(name, Some((*frames, *is_held_out)), counts));
         }
-        let frames = report.tracks.iter().map(|track| track.frames).sum();
-        table.row(row("all", frames, &report.all));
-        let (far, near) = (number(report.all.auc_250, 3), number(report.all.auc_50, 3));
-        format!(
-            "{}\narea under the curve: {far} for errors above 250 mm, {near} above 50 mm\n",
-            table.to_text()
-        )
+        table.row(row("held out", None, &report.held_out));
+        table.row(row("simulated", None, &report.held_out_simulated));
+        table.row(row("real", None, &report.held_out_real));
+        let mut agreement = Table::new([
+            "held out",
+            "AUC > 250 mm",
+            "> 50 mm",
+            "rank correlation",
+            "within 50 %",
+            "68 %",
+            "90 %",
+            "95 %",
+        ]);
+        let mut reliability = Table::new(["P(> 250 mm) told", "joints", "mean told", "are"]);
+        for (name, counts) in [
+            ("all", &report.held_out),
+            ("simulated", &report.held_out_simulated),
+            ("real", &report.held_out_real),
+        ] {
+            let measures = [counts.auc_250, counts.auc_50, counts.rank_correlation];
+            let [far, near, ranks] = measures.map(|measure| number(measure, 3));
+            let [half, deviation, most, nearly_all] = counts.within.map(|share| percent(Some(share)));
+            agreement.row([name.to_owned(), far, near, ranks, half, deviation, most, nearly_all]);
+        }
+        for (to, (joints, told, are)) in RANGES.iter().zip(&report.held_out.reliability) {
+            let cells =
+                [format!("up to {to}"), joints.to_string(), percent(Some(*told)), percent(Some(*are))];
+            reliability.row(cells);
+        }
+        format!("{}\n{}\n{}", table.to_text(), agreement.to_text(), reliability.to_text())
     }
 }
 
-/// The movements that hide limbs, seen by two telephones, at the full rate and every fourth frame.
-fn simulated(seconds: f64) -> Result<Vec<Case>> {
-    let model = Arc::new(builtin::full_body());
-    let count = (seconds * RATE as f64) as usize;
-    let mut cases = Vec::new();
-    for which in Occlusion::ALL {
-        let cameras = which.cameras(SIZE_PX)?;
-        for every in [1, 4] {
-            let mut frames = Vec::new();
-            let mut first = None;
-            for frame in (0..count).step_by(every) {
-                let truth = which.pose(&model, frame as f64 / RATE as f64);
-                let views = cameras.iter().map(|camera| {
-                    let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(truth.root);
-                    let mask = capsules::hard_mask(&model, &truth, camera)?;
-                    let mask = widened(mask, TOO_WIDE * BREADTH * px_per_m)?;
-                    Ok(FitView::of_mask(camera.clone(), mask))
-                });
-                let views = views.collect::<Result<Vec<_>>>()?;
-                let kinematics = Kinematics::new(&model, &truth);
-                let joints =
-                    kinematics.ends().iter().enumerate().map(|(limb, &at)| (Some(limb), at)).collect();
-                frames.push((frame, views, joints));
-                first.get_or_insert(truth);
-            }
-            let start = first.context("no frame")?;
-            let start = start::perturb(&model, &start, 3_f64.to_radians(), 0.02, 1);
-            let name = format!("{}, {} a second", which.name(), RATE as f64 / every as f64);
-            let (model, rate, search) = (model.clone(), RATE as f64, WhenToSearch::WhenPoor);
-            cases.push(Case { name, model, rate, start, search, frames });
-        }
-    }
-    Ok(cases)
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share))
 }
 
-/// A take from far starts without a search, by each camera alone, and by few of its frames.
-fn of_take(footage: &Footage) -> Result<Vec<Case>> {
-    let take = footage.take();
-    let (model, count) = (take.model().clone(), take.frame_count());
-    let reference =
-        take.reference().context("--take: the take has no reference keypoints to compare with")?;
-    let cameras: Vec<usize> = (0..take.rig().cameras().len()).collect();
-    let frames: Vec<_> = (0..count)
-        .map(|frame| Ok((frame, footage.fit_views(&cameras, frame)?, reference.joints(frame))))
-        .collect::<Result<_>>()?;
-    ensure!(!frames.is_empty(), "--take: the take has no frames");
-    let known =
-        start::from_joints(&model, &frames[0].2).context("--take: the first frame has no keypoints")?;
-    let case = |name: String, every: usize, camera: Option<usize>, start: Pose, search| {
-        let views = |views: &Vec<FitView>| match camera {
-            Some(camera) => vec![views[camera].clone()],
-            None => views.clone(),
-        };
-        let frames =
-            frames.iter().step_by(every).map(|(frame, all, joints)| (*frame, views(all), joints.clone()));
-        Case { name, model: model.clone(), rate: take.frame_rate(), start, search, frames: frames.collect() }
-    };
-    let poor = WhenToSearch::WhenPoor;
-    let mut cases = vec![case("as it is".to_owned(), 1, None, known.clone(), poor)];
-    for seed in 1..=FAR_STARTS {
-        let start = start::perturb(&model, &known, FAR_DEGREES.to_radians(), 0.0, seed);
-        cases.push(case(
-            format!("start {FAR_DEGREES}° off, seed {seed}"),
-            1,
-            None,
-            start,
-            WhenToSearch::Never,
-        ));
+fn row(name: &str, track: Option<(usize, bool)>, counts: &Counts) -> [String; 10] {
+    let share = |count: usize, of: usize| percent((of > 0).then(|| count as f64 / of as f64));
+    [
+        name.to_owned(),
+        track.map_or(String::new(), |(_, is_held_out)| if is_held_out { "yes" } else { "" }.to_owned()),
+        track.map_or(String::new(), |(frames, _)| frames.to_string()),
+        number(Some(counts.mean_mm), 1),
+        number(Some(counts.max_mm), 0),
+        counts.wrong.to_string(),
+        share(counts.wrong_told, counts.wrong),
+        share(counts.wrong_called_wrong, counts.wrong),
+        share(counts.right_told, counts.right),
+        share(counts.right_called_wrong, counts.right),
+    ]
+}
+
+/// What was learnt, as source.
+fn source(network: &ErrorNetwork) -> String {
+    let mut out = "//! What [`ErrorNetwork`] learnt, written by `backlit experiment trust --take TAKE --learn FILE`.\n\n\
+                   use super::error_distribution::ErrorNetwork;\n\n\
+                   pub(super) static LEARNT: ErrorNetwork = ErrorNetwork {\n"
+        .to_owned();
+    let ErrorNetwork { means, scales, usual, weights } = network;
+    for (name, numbers) in
+        [("means", &means[..]), ("scales", &scales[..]), ("usual", &usual[..]), ("weights", &weights[..])]
+    {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:.4}")).collect();
+        // Writing to a string does not fail.
+        let _ = writeln!(out, "{name}: [{}],", numbers.join(", "));
     }
-    for &camera in &cameras {
-        let name = format!("{} alone", take.rig().cameras()[camera].name());
-        cases.push(case(name, 1, Some(camera), known.clone(), poor));
-    }
-    for every in SPARSE.into_iter().filter(|every| *every < count) {
-        cases.push(case(format!("every {every}th frame"), every, None, known.clone(), poor));
-    }
-    Ok(cases)
+    out + "};\n"
 }
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::belief::{ErrorDistribution, Verdict};
+
+    use super::counts::WRONG_MM;
     use super::*;
 
     #[test]
     fn what_is_told_is_counted_by_how_far_off_it_is() {
-        let told = |error_mm, wrong, verdict| Told { error_mm, wrong, verdict };
+        let told = |error_mm, wrong: f64, verdict| {
+            let error = ErrorDistribution::of_shares([0.0, 0.0, 1.0 - wrong, 0.0, 0.0, wrong, 0.0]);
+            Told { error_mm, error, verdict }
+        };
         let all = [
             told(300.0, 0.6, Verdict::Wrong),
             told(400.0, 0.1, Verdict::Doubtful),
@@ -345,6 +324,8 @@ mod tests {
         assert_eq!((counts.right, counts.right_told, counts.right_called_wrong), (2, 1, 1));
         // Of nine pairs 0.6 wins against two, 0.1 against one, 0.01 draws with one.
         assert!((counts.auc_250.unwrap() - 3.5 / 9.0).abs() < 1e-12, "{counts:?}");
-        assert_eq!(auc(&all[..2], WRONG_MM), None);
+        assert_eq!(Counts::of(&all[..2]).auc_250, None);
+        assert_eq!(counts.reliability.iter().map(|range| range.0).sum::<usize>(), all.len());
+        assert!(all.iter().all(|one| one.error.beyond(1e-3 * WRONG_MM) <= 1.0));
     }
 }

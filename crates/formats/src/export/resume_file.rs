@@ -7,8 +7,8 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::CueMemory;
 use backlit_tracking::filter::Belief;
 use backlit_tracking::track::{
-    Beam, FilterMemory, KalmanOptions, LastFrame, MemoryError, Patience, Rival, TrackerMemory, UsualCost,
-    WaitingFrame,
+    Beam, FilterMemory, KalmanOptions, LastFrame, MemoryError, Patience, REWOUND_FRAMES, Rival,
+    TrackerMemory, UsualCost, WaitingFrame,
 };
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,8 @@ pub struct Resume {
     pub memory: TrackerMemory,
     /// The frames that waited to be smoothed by later ones; `None` where nothing is smoothed.
     pub smoothing: Option<WaitingFrames>,
+    /// How many frames a pose that is found elsewhere may still be followed back.
+    pub rewind: usize,
 }
 
 /// The frames that wait to be smoothed.
@@ -59,6 +61,8 @@ struct ResumeSpec {
     #[serde(default)]
     patience: [[usize; 2]; 2],
     smoothing: Option<SmoothingSpec>,
+    #[serde(default)]
+    rewind: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -190,6 +194,7 @@ pub fn to_text(resume: &Resume) -> String {
             lag: smoothing.lag,
             waiting: smoothing.frames.iter().map(waiting).collect(),
         }),
+        rewind: resume.rewind,
     };
     // Numbers, words and lists of them: there is nothing that JSON could not hold.
     serde_json::to_string(&spec).unwrap_or_default() + "\n"
@@ -242,8 +247,9 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
         let waiting = WaitingFrame { frame, pose: pose.pose(), belief, goes_on };
         waiting.check(model).map(|()| waiting)
     };
+    let rewind = spec.rewind.min(REWOUND_FRAMES);
     let Some(SmoothingSpec { lag, waiting: frames }) = spec.smoothing else {
-        return Ok(Resume { memory, smoothing: None });
+        return Ok(Resume { memory, smoothing: None, rewind });
     };
     let frames: Vec<WaitingFrame> =
         frames.into_iter().map(waiting).collect::<Result<_, _>>().map_err(memory_error)?;
@@ -254,7 +260,7 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
         Some(last) if last.frame != spec.frame => {
             Err(field("smoothing.waiting", last.frame, "`frame` as the last one"))
         }
-        _ => Ok(Resume { memory, smoothing: Some(WaitingFrames { lag, frames }) }),
+        _ => Ok(Resume { memory, smoothing: Some(WaitingFrames { lag, frames }), rewind }),
     }
 }
 
@@ -303,6 +309,7 @@ mod tests {
                 lag: None,
                 frames: vec![waiting(5, Some(belief(2.0))), waiting(7, None)],
             }),
+            rewind: 17,
         }
     }
 

@@ -82,6 +82,7 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
                 "verdict": limb.verdict.name(),
                 "wrong": limb.wrong,
                 "error": limb.error_m,
+                "error_95": limb.error_95_m,
                 "because": limb.reason,
             });
             (limbs[limb.limb].name.clone(), told)

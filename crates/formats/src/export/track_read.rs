@@ -88,6 +88,9 @@ struct FrameSpec {
 struct TrustSpec {
     wrong: f64,
     error: f64,
+    /// Files of older versions do not say it.
+    #[serde(default = "farthest_m")]
+    error_95: f64,
     because: Option<Reason>,
 }
 
@@ -137,6 +140,11 @@ pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Written
     Ok(WrittenTrack { name: spec.name, model, frame_rate: spec.frame_rate, cameras: spec.cameras, track })
 }
 
+/// An error of which nothing is known, metres.
+fn farthest_m() -> f64 {
+    2.0
+}
+
 fn field(field: &str, found: &dyn std::fmt::Display, expected: &str) -> FileProblem {
     FileProblem::field(field, found.to_string(), expected)
 }
@@ -184,14 +192,16 @@ fn estimate(
         }
     }
     let mut trust = Vec::new();
-    for (name, TrustSpec { wrong, error, because }) in frame.trust.map(|trust| trust.0).unwrap_or_default() {
+    for (name, told) in frame.trust.map(|trust| trust.0).unwrap_or_default() {
+        let TrustSpec { wrong, error, error_95, because } = told;
         let unknown = || FileProblem::UnknownLimb { field: format!("{at}.trust"), limb: name.clone() };
         let limb = model.limb_index(&name).ok_or_else(unknown)?;
-        if !((0.0..=1.0).contains(&wrong) && error.is_finite() && error >= 0.0) {
-            let found = format!("{wrong}, {error}");
+        let is_error = |metres: f64| metres.is_finite() && metres >= 0.0;
+        if !((0.0..=1.0).contains(&wrong) && is_error(error) && is_error(error_95)) {
+            let found = format!("{wrong}, {error}, {error_95}");
             return Err(field(&format!("{at}.trust.{name}"), &found, "a probability and metres"));
         }
-        trust.push(LimbTrust::new(limb, wrong, error, because.unwrap_or(Reason::Loose)));
+        trust.push(LimbTrust::new(limb, wrong, [error, error_95], because.unwrap_or(Reason::Loose)));
     }
     trust.sort_by_key(|limb| limb.limb);
     Ok(FrameEstimate {

@@ -1,12 +1,15 @@
 //! C3D: blocks of 512 bytes, a header, parameters, then points as IEEE floats, little endian.
 //!
-//! A point is x, y, z and a residual: 0 where it is known, −1 in a gap. Frames count from 1: our frame 0 is 1.
+//! A point is x, y, z and a residual: the error of the joint that is told (95 %) in whole millimetres, 0 where nobody judged it,
+//! −1 in a gap. Frames count from 1: our frame 0 is 1.
 
 use super::frames::MotionFrames;
 use super::names;
 use crate::FileProblem;
 
 const BLOCK: usize = 512;
+/// A residual of 1, metres.
+const RESIDUAL_UNIT_M: f64 = 1e-3;
 /// The first block after the header holds parameters.
 const PARAMETERS_AT: u8 = 2;
 /// One byte counts the labels of a list.
@@ -21,18 +24,18 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
     // The data's place is among the parameters; it does not change their size.
     let blocks = parameters(scene, &labels, frames.len(), 0)?.len() / BLOCK;
     let data_at = word(usize::from(PARAMETERS_AT) + blocks);
-    let mut out = header(labels.len(), [first + 1, last + 1], data_at, scene.frame_rate);
+    let mut out = header(labels.len(), [first + 1, last + 1], data_at, scene);
     out.extend(parameters(scene, &labels, frames.len(), data_at)?);
     out.reserve(frames.len() * labels.len() * 16 + BLOCK);
     let mut joints = scene.joints();
-    for (_, pose) in frames {
+    for (frame, pose) in frames {
         match pose {
             Some(pose) => {
-                for point in joints.of(pose) {
+                for (point, told) in joints.of(pose).zip(scene.told(frame)) {
                     for value in point.to_array() {
                         out.extend((value as f32).to_le_bytes());
                     }
-                    out.extend(0_f32.to_le_bytes());
+                    out.extend(residual(told.error_95_m).to_le_bytes());
                 }
             }
             None => {
@@ -43,6 +46,17 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
     }
     fill_block(&mut out);
     Ok(out)
+}
+
+/// Negative, since points are floats; then it is the unit of residuals alone.
+fn scale(scene: &MotionFrames<'_>) -> f64 {
+    -RESIDUAL_UNIT_M * scene.unit.per_metre()
+}
+
+/// The fourth word of a point, as whole numbers: which cameras saw it in the high byte, none here, and the residual in the low one, in
+/// units of −`SCALE`.
+fn residual(error_m: f64) -> f32 {
+    if error_m.is_nan() { 0.0 } else { (error_m / RESIDUAL_UNIT_M).round().clamp(0.0, 255.0) as f32 }
 }
 
 /// The joints' names: ASCII, and so short that a list of 255 stays below 32 KiB.
@@ -61,15 +75,15 @@ fn fill_block(out: &mut Vec<u8>) {
     out.resize(out.len().next_multiple_of(BLOCK), 0);
 }
 
-fn header(points: usize, [first, last]: [usize; 2], data_at: u16, rate: f64) -> Vec<u8> {
+fn header(points: usize, [first, last]: [usize; 2], data_at: u16, scene: &MotionFrames<'_>) -> Vec<u8> {
     let mut out = vec![PARAMETERS_AT, 0x50];
     for value in [word(points), 0, word(first), word(last), 0] {
         out.extend(value.to_le_bytes());
     }
-    out.extend((-1_f32).to_le_bytes());
+    out.extend((scale(scene) as f32).to_le_bytes());
     out.extend(data_at.to_le_bytes());
     out.extend(0_u16.to_le_bytes());
-    out.extend((rate as f32).to_le_bytes());
+    out.extend((scene.frame_rate as f32).to_le_bytes());
     fill_block(&mut out);
     out
 }
@@ -89,7 +103,7 @@ fn parameters(
     if frames > usize::from(u16::MAX) {
         section.real(1, "LONG_FRAMES", frames as f64);
     }
-    section.real(1, "SCALE", -1.0);
+    section.real(1, "SCALE", scale(scene));
     section.real(1, "RATE", scene.frame_rate);
     section.integers(1, "DATA_START", &[data_at]);
     section.text(1, "UNITS", scene.unit.symbol());

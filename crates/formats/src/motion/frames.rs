@@ -1,5 +1,8 @@
 //! The frames to write, checked, in the file's axes and unit.
 
+use std::collections::BTreeMap;
+
+use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -21,6 +24,15 @@ pub(super) struct MotionFrames<'a> {
     pub(super) unit: Unit,
     pub(super) names: Names,
     pub(super) euler: EulerOrder,
+    trust: &'a BTreeMap<usize, Vec<LimbTrust>>,
+}
+
+/// What is told of a joint: the probability that it is wrong, and how far it is off at most in 95 of 100 such frames, metres. Not a
+/// number where nobody judged it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ToldError {
+    pub(super) wrong: f64,
+    pub(super) error_95_m: f64,
 }
 
 fn field(field: &str, found: impl ToString, expected: &str) -> FileProblem {
@@ -73,6 +85,7 @@ impl<'a> MotionFrames<'a> {
             unit,
             names: options.names,
             euler: options.euler,
+            trust: &motion.trust,
         })
     }
 
@@ -89,6 +102,22 @@ impl<'a> MotionFrames<'a> {
     /// Joint positions of one pose after the other.
     pub(super) fn joints(&self) -> Joints<'_> {
         Joints { scene: self, kinematics: Kinematics::new(self.model, &self.frames[0].1) }
+    }
+
+    /// Whether anything is told of how far joints may be believed.
+    pub(super) fn is_judged(&self) -> bool {
+        self.frames.iter().any(|(frame, _)| self.trust.contains_key(frame))
+    }
+
+    /// What is told of the joints of a frame, in their order. The root is judged as the first limb, which begins there.
+    pub(super) fn told(&self, frame: usize) -> Vec<ToldError> {
+        let limbs = self.trust.get(&frame).map_or(&[][..], |limbs| limbs);
+        let told = |limb: Option<&LimbTrust>| ToldError {
+            wrong: limb.map_or(f64::NAN, |limb| limb.wrong),
+            error_95_m: limb.map_or(f64::NAN, |limb| limb.error_95_m),
+        };
+        let of_limbs = (0..self.model.limbs().len()).map(|limb| told(limbs.get(limb)));
+        std::iter::once(told(limbs.first())).chain(of_limbs).collect()
     }
 
     /// Number of the first and the last frame.

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::frames::{MotionFrames, too_large};
+use super::frames::{MotionFrames, ToldError, too_large};
 use super::names;
 use crate::FileProblem;
 
@@ -32,7 +32,7 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
     let parents = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.parent.map_or(0, |l| l as i64 + 1)));
     let rotation_of = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.rotation as i64));
     let rotation_parents = model.rotation_parents().iter().map(|parent| parent.map_or(-1, |p| p as i64));
-    store(&[
+    let mut files = vec![
         ("frames.npy", integers(scene.frames.iter().map(numbers))),
         ("seconds.npy", doubles(&[n], scene.frames.iter().map(|frame| scene.seconds(frame.0)))),
         ("root.npy", doubles(&[n, 3], roots)),
@@ -44,7 +44,14 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
         ("rotation_parents.npy", integers(rotation_parents)),
         ("rotation_of.npy", integers(rotation_of)),
         ("offsets.npy", doubles(&[j, 3], offsets.flat_map(|offset| offset.to_array()))),
-    ])
+    ];
+    if scene.is_judged() {
+        let told: Vec<ToldError> = scene.frames.iter().flat_map(|(frame, _)| scene.told(*frame)).collect();
+        let errors = told.iter().map(|told| told.error_95_m * scene.unit.per_metre());
+        files.push(("wrong.npy", doubles(&[n, j], told.iter().map(|told| told.wrong))));
+        files.push(("error.npy", doubles(&[n, j], errors)));
+    }
+    store(&files)
 }
 
 /// A `.npy` file of version 1.0, row-major, its data at a multiple of 64 bytes.

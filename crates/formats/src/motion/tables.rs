@@ -95,16 +95,23 @@ pub(super) fn mot(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
     Ok(out.into_bytes())
 }
 
-/// CSV: `frame,seconds,joint,x,y,z`. Numbers read back to the bit.
+/// CSV: `frame,seconds,joint,x,y,z`, and where limbs were judged `wrong,error`. Numbers read back to the bit.
 pub(super) fn csv(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
     let names: Vec<String> =
         names::joints(scene.model, scene.names, false).iter().map(|name| quoted(name)).collect();
-    let mut out = "frame,seconds,joint,x,y,z\n".to_owned();
+    let is_judged = scene.is_judged();
+    let mut out = format!("frame,seconds,joint,x,y,z{}\n", if is_judged { ",wrong,error" } else { "" });
     let mut joints = scene.joints();
     for (frame, pose) in &scene.frames {
         let seconds = scene.seconds(*frame);
-        for (name, point) in names.iter().zip(joints.of(pose)) {
-            let _ = writeln!(out, "{frame},{seconds},{name},{},{},{}", point.x, point.y, point.z);
+        for ((name, point), told) in names.iter().zip(joints.of(pose)).zip(scene.told(*frame)) {
+            let _ = write!(out, "{frame},{seconds},{name},{},{},{}", point.x, point.y, point.z);
+            if is_judged && told.wrong.is_nan() {
+                out.push_str(",,");
+            } else if is_judged {
+                let _ = write!(out, ",{},{}", told.wrong, told.error_95_m * scene.unit.per_metre());
+            }
+            out.push('\n');
         }
     }
     Ok(out.into_bytes())

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
+use backlit_tracking::belief::{LimbTrust, Reason};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -27,7 +28,13 @@ fn motion(model: Model, frames: usize, seed: u64) -> Motion {
         let frame = if index < 3 { index + 2 } else { index + 4 };
         (frame, Pose::rest(&model).retract(Parameters::Tangent, &step))
     });
-    Motion { name: "a name".to_owned(), poses: poses.collect(), frame_rate: 60.0, model }
+    Motion {
+        name: "a name".to_owned(),
+        poses: poses.collect(),
+        frame_rate: 60.0,
+        model,
+        trust: BTreeMap::new(),
+    }
 }
 
 /// Where a point of the world lies in the file, for worlds with z up and with −y up.
@@ -120,6 +127,42 @@ fn bytes(format: MotionFormat, motion: &Motion, options: &MotionOptions) -> Vec<
 }
 
 #[test]
+fn what_is_told_of_limbs_is_written_beside_their_joints() {
+    let mut motion = motion(builtin::full_body(), 2, 1);
+    let limbs = motion.model.limbs().len();
+    let told =
+        |limb| LimbTrust::new(limb, 0.01 * limb as f64, [0.02, 0.031 + 0.02 * limb as f64], Reason::Loose);
+    motion.trust.insert(2, (0..limbs).map(told).collect());
+    let options = MotionOptions { unit: Some(Unit::Metres), ..MotionOptions::default() };
+    let error = |limb: usize| 0.031 + 0.02 * limb as f64;
+    let (_, residuals, _) = readers::c3d_with_residuals(&bytes(MotionFormat::C3d, &motion, &options));
+    assert!((residuals[0][0] - 0.031).abs() < 1e-6, "the root is where the first limb begins");
+    for limb in 0..limbs {
+        let written = residuals[0][limb + 1];
+        assert!((written - error(limb).min(0.255)).abs() < 6e-4, "{written} of limb {limb}");
+    }
+    assert!(residuals[1].iter().all(|&residual| residual == 0.0), "nobody judged the second frame");
+    let arrays = readers::npz(&bytes(MotionFormat::Npz, &motion, &options));
+    let numbers = |name: &str| -> Vec<f64> {
+        let (_, shape, data) = &arrays[name];
+        assert_eq!(shape[..], [2, limbs + 1]);
+        data.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+    };
+    assert_eq!(numbers("wrong")[4], told(3).wrong);
+    assert_eq!(numbers("error")[4], error(3));
+    assert!(numbers("error")[limbs + 1..].iter().all(|error| error.is_nan()));
+    let csv = String::from_utf8(bytes(MotionFormat::Csv, &motion, &options)).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][6..], ["wrong", "error"]);
+    assert_eq!((rows[5][6], rows[5][7]), ("0.03", &error(3).to_string()[..]));
+    assert_eq!(rows[limbs + 2][6..], ["", ""]);
+    // Without a word of it the files are as they were.
+    motion.trust.clear();
+    assert!(!readers::npz(&bytes(MotionFormat::Npz, &motion, &options)).contains_key("wrong"));
+    assert!(bytes(MotionFormat::Csv, &motion, &options).starts_with(b"frame,seconds,joint,x,y,z\n"));
+}
+
+#[test]
 fn markers_lie_where_the_joints_are() {
     let motion = motion(builtin::full_body(), 5, 1);
     for options in all_options() {
@@ -186,8 +229,13 @@ fn skeletons_turn_as_the_body_does() {
 #[test]
 fn the_rest_pose_stands_and_looks_ahead() {
     let model = builtin::full_body();
-    let motion =
-        Motion { name: "rest".to_owned(), frame_rate: 30.0, poses: [(0, Pose::rest(&model))].into(), model };
+    let motion = Motion {
+        name: "rest".to_owned(),
+        frame_rate: 30.0,
+        poses: [(0, Pose::rest(&model))].into(),
+        trust: BTreeMap::new(),
+        model,
+    };
     let text = String::from_utf8(bytes(MotionFormat::Bvh, &motion, &MotionOptions::default())).unwrap();
     let offset = |joint: &str| {
         let (_, rest) = text.split_once(&format!("{joint}\n")).unwrap();

@@ -110,6 +110,12 @@ impl TrackPlan {
         })
     }
 
+    /// Whether poses that are found elsewhere are followed back to mend earlier frames: not where a filter or cues carry what was
+    /// seen before.
+    pub fn rewinds(&self) -> bool {
+        self.rivals > 0 && self.cues.is_empty() && !matches!(self.motion, Motion::Kalman(_))
+    }
+
     /// Tracks some frames once to find the noise that makes them most likely. `None` if there are too few of them, or the run
     /// was cancelled.
     pub fn tune<R: FrameReader>(

@@ -216,7 +216,7 @@ fn seeding() -> SearchOptions {
 }
 
 /// The free energy of a pose in a frame, nats, and what motion files say of it.
-fn free_energy(fit: &mut Fit, pose: &Pose, unit: f64) -> (f64, Vec<PartEnergy>) {
+pub(super) fn free_energy(fit: &mut Fit, pose: &Pose, unit: f64) -> (f64, Vec<PartEnergy>) {
     let (equations, energies) = fit.free_equations(pose);
     let energy: f64 = energies.iter().map(|part| part.energy).sum();
     (equations.cost / unit + 0.5 * PRIOR * energy, energies)
@@ -263,7 +263,7 @@ fn confused(model: &Model, pose: &Pose, views: &[FitView], energies: &[PartEnerg
 }
 
 /// Squared grey levels of a nat at the body's distance.
-fn nat(views: &[FitView], root: DVec3) -> f64 {
+pub(super) fn nat(views: &[FitView], root: DVec3) -> f64 {
     let squared = |view: &FitView| px_per_metre(&view.camera, root).powi(2);
     let seen = views.iter().filter(|view| view.has_data());
     let (sum, count) = seen.fold((0.0, 0_usize), |(sum, count), view| (sum + squared(view), count + 1));

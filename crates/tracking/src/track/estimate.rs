@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::beam::Mode;
 use super::lost::Lost;
 use super::motion::FrameBelief;
-use crate::belief::{LimbTrust, Verdict};
+use crate::belief::{LimbTrust, Signs, Verdict};
 use crate::body::{Kinematics, Model, Pose};
 use crate::cues::LimbHold;
 use crate::fit::{Evidence, FitView};
@@ -44,8 +44,12 @@ pub struct FrameEstimate {
     pub holds: Vec<LimbHold>,
     /// How far each limb may be believed; empty where nobody judged them ([`Tracker::with_trust`](super::Tracker::with_trust)).
     pub trust: Vec<LimbTrust>,
+    /// By limb, what that was told from; empty likewise, and of frames that were read from a file.
+    pub signs: Vec<Signs>,
     /// Rivals that were carried beside the pose, likeliest first.
     pub modes: Vec<Mode>,
+    /// Whether the pose was found elsewhere than where the motion led: by a search, or since a rival took the lead.
+    pub is_elsewhere: bool,
 }
 
 impl FrameEstimate {
@@ -66,7 +70,9 @@ impl FrameEstimate {
             hypotheses: Vec::new(),
             holds: Vec::new(),
             trust: Vec::new(),
+            signs: Vec::new(),
             modes: Vec::new(),
+            is_elsewhere: false,
         }
     }
 

@@ -10,7 +10,8 @@ use super::lost::{Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
 use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
 use super::patience::{LAST_RESORT, Patience};
-use crate::belief::Conflicts;
+use super::trust::Beside;
+use crate::belief::{self, Conflicts};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::cues::{CueOptions, CueWatch, FrameCues, WatchedCamera};
@@ -320,10 +321,11 @@ impl Tracker {
         let equations = || lost.is_none().then(|| fit.frame_equations());
         let belief = self.believe(&summary.pose, equations, predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
-        let trust = if self.judges {
+        let signs = if self.judges {
             let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
             let holds = holds.as_deref().unwrap_or_default();
-            self.trust(&mut fit, &conflicts, holds, views, &modes, lost)
+            let beside = Beside { holds, modes: &modes, lost, rms: rms(&summary) };
+            self.signs(frame, &mut fit, &conflicts, beside, views)
         } else {
             Vec::new()
         };
@@ -340,8 +342,10 @@ impl Tracker {
             belief,
             hypotheses,
             holds: holds.unwrap_or_default(),
-            trust,
+            trust: belief::trust(&signs),
+            signs,
             modes,
+            is_elsewhere: !goes_on,
         };
         self.advance(frame, fitted, lost.is_some(), goes_on);
         estimate

@@ -3,18 +3,23 @@
 use super::beam::Mode;
 use super::lost::Lost;
 use super::tracker::{Tracker, watched};
-use crate::belief::{self, Conflicts, LimbTrust, Reason, TrustInputs};
+use crate::belief::{self, Conflicts, LimbTrust, Reason, Signs, TrustInputs};
 use crate::body::{Kinematics, Pose};
 use crate::camera::up_of;
 use crate::cues::{self, FrameCues, LimbHold};
 use crate::fit::{Fit, FitView};
 
-/// A rival's limb is elsewhere if its end is farther off than this, metres.
-const ELSEWHERE_M: f64 = 0.1;
-/// A limb in a lost frame is at least this likely to be wrong.
-const LOST_WRONG: f64 = 0.1;
-/// How far a limb is off of which nothing is seen, metres.
-const UNKNOWN_ERROR_M: f64 = 0.5;
+/// How far a limb is off of which nothing is seen, in half of such frames and in 95 of 100, metres.
+const UNKNOWN_ERROR_M: [f64; 2] = [0.5, 2.0];
+
+/// What else is known of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Beside<'a> {
+    pub(super) holds: &'a [LimbHold],
+    pub(super) modes: &'a [Mode],
+    pub(super) lost: Option<Lost>,
+    pub(super) rms: f64,
+}
 
 impl Tracker {
     /// What silhouettes say against a pose.
@@ -23,50 +28,43 @@ impl Tracker {
         Conflicts::new(&self.model, &kinematics, self.options.renderer, views)
     }
 
-    /// How far every limb of a fit that has ended may be believed. What a cue holds is held, where cues were watched (`holds`).
-    pub(super) fn trust(
+    /// The signs of every limb of a fit that has ended, before the tracker goes on to the next frame. What a cue holds is held, where
+    /// cues were watched (`holds`).
+    pub(super) fn signs(
         &self,
+        frame: usize,
         fit: &mut Fit,
         conflicts: &Conflicts,
-        holds: &[LimbHold],
+        beside: Beside<'_>,
         views: &[FitView],
-        modes: &[Mode],
-        lost: Option<Lost>,
-    ) -> Vec<LimbTrust> {
+    ) -> Vec<Signs> {
         let (model, renderer) = (&*self.model, self.options.renderer);
         let kinematics = Kinematics::new(model, fit.pose());
-        let unheld: Vec<bool> = match holds {
+        let unheld: Vec<bool> = match beside.holds {
             [] => cues::unheld(model, &kinematics, &watched(views, FrameCues::default()).0, renderer),
             holds => holds.iter().map(LimbHold::is_unsure).collect(),
         };
         let pose = fit.pose().clone();
         let (equations, energies) = fit.free_equations(&pose);
         let seen = views.iter().filter(|view| view.has_data());
-        let mut trust = belief::trust(&TrustInputs {
+        let rivals: Vec<(Kinematics, f64)> =
+            beside.modes.iter().map(|mode| (Kinematics::new(model, &mode.pose), mode.weight)).collect();
+        let last = self.last.as_ref().filter(|last| !last.lost);
+        let before =
+            last.map(|last| (Kinematics::new(model, &last.pose), self.seconds_between(last.frame, frame)));
+        belief::signs(&TrustInputs {
             model,
             kinematics: &kinematics,
             conflicts,
             energies: &energies,
             unheld: &unheld,
             equations: &equations,
+            rms: beside.rms,
             up: up_of(seen.map(|view| &*view.camera)),
-        });
-        let beside: Vec<(Kinematics, f64)> =
-            modes.iter().map(|mode| (Kinematics::new(model, &mode.pose), mode.weight)).collect();
-        for limb in &mut trust {
-            let end = kinematics.ends()[limb.limb];
-            let elsewhere =
-                beside.iter().filter(|(rival, _)| rival.ends()[limb.limb].distance(end) > ELSEWHERE_M);
-            let rivals = 0.5 * elsewhere.map(|(_, weight)| weight).sum::<f64>();
-            let least = if lost.is_some() { LOST_WRONG } else { 0.0 };
-            let (wrong, reason) = match limb.reason {
-                _ if least > limb.wrong.max(rivals) => (least, Reason::Lost),
-                Some(reason) if rivals <= limb.wrong => (limb.wrong, reason),
-                _ => (limb.wrong.max(rivals), Reason::Rival),
-            };
-            *limb = LimbTrust::new(limb.limb, wrong, limb.error_m, reason);
-        }
-        trust
+            rivals: &rivals,
+            before,
+            is_lost: beside.lost.is_some(),
+        })
     }
 
     /// Of a frame in which nobody is found.

@@ -57,10 +57,17 @@ pub(super) fn mot(bytes: &[u8]) -> (Vec<String>, Vec<Vec<f64>>) {
 
 /// Points of a C3D, `NaN` where the residual is negative, and its number of the first frame.
 pub(super) fn c3d(bytes: &[u8]) -> (Points, u16) {
+    let (points, _, first) = c3d_with_residuals(bytes);
+    (points, first)
+}
+
+/// The same with the residuals of every frame, point after point, in the file's unit.
+pub(super) fn c3d_with_residuals(bytes: &[u8]) -> (Points, Vec<Vec<f64>>, u16) {
     let word = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
     let real = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!(bytes.len() % 512, 0);
-    assert_eq!((bytes[0], bytes[1], real(12)), (2, 0x50, -1.0));
+    assert_eq!((bytes[0], bytes[1]), (2, 0x50));
+    assert!(real(12) < 0.0);
     let (points, first, last, data) = (usize::from(word(2)), word(6), word(8), usize::from(word(16)));
     let start = (usize::from(bytes[0]) - 1) * 512;
     assert_eq!(bytes[start + 3], 84);
@@ -83,7 +90,7 @@ pub(super) fn c3d(bytes: &[u8]) -> (Points, u16) {
     assert_eq!(usize::from(int("USED")), points);
     assert_eq!(int("FRAMES"), last - first + 1);
     assert_eq!(usize::from(int("DATA_START")), data);
-    assert_eq!(real(at("SCALE").unwrap() + 2), -1.0);
+    assert_eq!(real(at("SCALE").unwrap() + 2), real(12));
     assert_eq!(real(at("RATE").unwrap() + 2), real(20));
     let mut labels: Vec<String> = Vec::new();
     for number in 1.. {
@@ -105,7 +112,12 @@ pub(super) fn c3d(bytes: &[u8]) -> (Points, u16) {
         };
         (0..points).map(point).collect()
     };
-    ((0..usize::from(last - first) + 1).map(frame).collect(), first)
+    let frames = 0..usize::from(last - first) + 1;
+    let residual = |frame: usize, point: usize| {
+        f64::from(real((data - 1) * 512 + (frame * points + point) * 16 + 12) * -real(12))
+    };
+    let residuals = frames.clone().map(|frame| (0..points).map(|point| residual(frame, point)).collect());
+    (frames.map(frame).collect(), residuals.collect(), first)
 }
 
 /// The rows of an accessor, whose bounds are those of the numbers.

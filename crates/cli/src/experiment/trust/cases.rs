@@ -1,0 +1,234 @@
+//! The tracks that are made to fail, with their truth.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, ensure};
+use backlit_formats::{Footage, FootageError};
+use backlit_lab::synthetic::masks::widened;
+use backlit_lab::synthetic::occlusions::Occlusion;
+use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
+use backlit_lab::synthetic::{capsules, exercise};
+use backlit_runs::track::FrameReader;
+use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::FrameCues;
+use backlit_tracking::fit::FitView;
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::search::start;
+use backlit_tracking::track::WhenToSearch;
+use glam::{DQuat, DVec3};
+
+/// Pictures of the simulated cameras.
+const SIZE_PX: [u64; 2] = [180, 320];
+/// How much too wide simulated masks are all round, as a share of the breadth of the shoulders.
+const TOO_WIDE: f64 = 0.045;
+/// Frames a second of the simulated telephones.
+const RATE: f64 = 30.0;
+/// Builds of the simulated people, as indices of [`PEOPLE`].
+const BUILDS: [usize; 3] = [3, 1, 4];
+/// Every frame, and every fourth one.
+const EVERY: [usize; 2] = [1, 4];
+/// How starts of exercises are turned: nearly upside down, and half round. Nobody looks for another pose then.
+const TURNS: [(DVec3, f64); 2] = [(DVec3::X, 2.6), (DVec3::Z, 1.8)];
+/// Starts that are far off, and how far.
+const FAR_STARTS: u64 = 8;
+const FAR_DEGREES: f64 = 30.0;
+/// Only every 12th frame of the take is seen, and so on.
+const SPARSE: [usize; 4] = [12, 14, 16, 20];
+
+/// A track to be made.
+pub(super) struct Case {
+    pub(super) name: String,
+    pub(super) model: Arc<Model>,
+    pub(super) rate: f64,
+    pub(super) start: Pose,
+    pub(super) search: WhenToSearch,
+    /// Whether rivals are carried; without them a wrong start stays wrong.
+    pub(super) has_rivals: bool,
+    pub(super) frames: Vec<CaseFrame>,
+    /// Of real footage.
+    pub(super) is_real: bool,
+    /// Nothing is learnt from it.
+    pub(super) is_held_out: bool,
+}
+
+/// A frame of a track, with the joints' true places.
+#[derive(Debug, Clone)]
+pub(super) struct CaseFrame {
+    pub(super) frame: usize,
+    pub(super) views: Vec<FitView>,
+    pub(super) joints: ReferenceJoints,
+}
+
+/// Reads the frames of a case.
+pub(super) struct CaseReader(pub(super) Vec<CaseFrame>);
+
+impl FrameReader for CaseReader {
+    type Data = Vec<FitView>;
+
+    fn read(&self, frame: usize) -> Result<Vec<FitView>, FootageError> {
+        Ok(self.0.iter().find(|one| one.frame == frame).map_or_else(Vec::new, |one| one.views.clone()))
+    }
+
+    fn views(&self, views: &Vec<FitView>) -> Vec<FitView> {
+        views.clone()
+    }
+
+    fn cues(&self, _: &Vec<FitView>) -> Result<FrameCues, FootageError> {
+        Ok(FrameCues::default())
+    }
+}
+
+/// A movement of a person before cameras.
+struct Simulated<'a> {
+    name: String,
+    person: &'a Person,
+    cameras: Vec<Arc<Camera>>,
+    pose: &'a dyn Fn(&Model, f64) -> Pose,
+    rate: f64,
+    seconds: f64,
+    every: usize,
+    /// How the start is turned: about which axis of the world, radians.
+    turned: Option<(DVec3, f64)>,
+    is_held_out: bool,
+}
+
+impl Simulated<'_> {
+    fn case(self) -> Result<Case> {
+        let model = Arc::new(self.person.of(&builtin::full_body())?);
+        let frame = |frame: usize| {
+            let truth = self.person.standing((self.pose)(&model, frame as f64 / self.rate));
+            let view = |camera: &Arc<Camera>| {
+                let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(truth.root);
+                let mask = capsules::hard_mask(&model, &truth, camera)?;
+                let mask = widened(mask, TOO_WIDE * BREADTH * px_per_m)?;
+                Ok(FitView::of_mask(camera.clone(), mask))
+            };
+            let views = self.cameras.iter().map(view).collect::<Result<_>>()?;
+            let ends = Kinematics::new(&model, &truth).ends().to_vec();
+            let joints = ends.into_iter().enumerate().map(|(limb, at)| (Some(limb), at)).collect();
+            Ok(CaseFrame { frame, views, joints })
+        };
+        let count = (self.seconds * self.rate) as usize;
+        let frames = (0..count).step_by(self.every).map(frame).collect::<Result<_>>()?;
+        let start = self.person.standing((self.pose)(&model, 0.0));
+        let mut start = start::perturb(&model, &start, 3_f64.to_radians(), 0.02, 1);
+        let mut name =
+            format!("{}, {}, {} a second", self.name, self.person.name, self.rate / self.every as f64);
+        if let Some((axis, angle)) = self.turned {
+            let root = model.rotation_parents().iter().position(Option::is_none).unwrap_or_default();
+            start.rotations[root] = DQuat::from_axis_angle(axis, angle) * start.rotations[root];
+            let axis = if axis == DVec3::Z { "z" } else { "x" };
+            name += &format!(", start turned {:.0}° about {axis}", angle.to_degrees());
+        }
+        Ok(Case {
+            name,
+            model,
+            rate: self.rate,
+            start,
+            search: if self.turned.is_some() { WhenToSearch::Never } else { WhenToSearch::WhenPoor },
+            has_rivals: self.turned.is_none(),
+            frames,
+            is_real: false,
+            is_held_out: self.is_held_out,
+        })
+    }
+}
+
+/// The movements that hide limbs before two telephones, and exercises before two and three cameras.
+pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
+    let mut cases = Vec::new();
+    for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
+        for (fast, every) in EVERY.into_iter().enumerate() {
+            for (at, which) in Occlusion::ALL.into_iter().enumerate() {
+                let simulated = Simulated {
+                    name: which.name().to_owned(),
+                    person,
+                    cameras: which.cameras(SIZE_PX)?,
+                    pose: &|model, seconds| which.pose(model, seconds),
+                    rate: RATE,
+                    seconds,
+                    every,
+                    turned: None,
+                    is_held_out: (build + fast + at) % 2 == 1,
+                };
+                cases.push(simulated.case()?);
+            }
+            for count in (2..=exercise::MOST_CAMERAS).filter(|_| build < 2) {
+                let turns = TURNS.into_iter().map(Some).filter(|_| every > 1);
+                for (turn, turned) in std::iter::once(None).chain(turns).enumerate() {
+                    let simulated = Simulated {
+                        name: format!("exercises, {count} cameras"),
+                        person,
+                        cameras: exercise::cameras(count, SIZE_PX)?,
+                        pose: &exercise::pose,
+                        rate: exercise::FRAME_RATE,
+                        seconds: (2.0 * seconds).min(exercise::SECONDS),
+                        every,
+                        turned,
+                        is_held_out: (build + fast + count + turn) % 2 == 1,
+                    };
+                    cases.push(simulated.case()?);
+                }
+            }
+        }
+    }
+    Ok(cases)
+}
+
+/// A take as it is, from far starts without a search, by each camera and each two alone, and by few of its frames.
+pub(super) fn of_take(footage: &Footage) -> Result<Vec<Case>> {
+    let take = footage.take();
+    let (model, count) = (take.model().clone(), take.frame_count());
+    let reference =
+        take.reference().context("--take: the take has no reference keypoints to compare with")?;
+    let cameras: Vec<usize> = (0..take.rig().cameras().len()).collect();
+    let frames: Vec<CaseFrame> = (0..count)
+        .map(|frame| {
+            let views = footage.fit_views(&cameras, frame)?;
+            Ok(CaseFrame { frame, views, joints: reference.joints(frame) })
+        })
+        .collect::<Result<_>>()?;
+    ensure!(!frames.is_empty(), "--take: the take has no frames");
+    let known =
+        start::from_joints(&model, &frames[0].joints).context("--take: the first frame has no keypoints")?;
+    let mut cases: Vec<Case> = Vec::new();
+    let mut add = |name: String, every: usize, cameras: &[usize], start: &Pose, search| {
+        let frame = |one: &CaseFrame| CaseFrame {
+            views: cameras.iter().map(|&camera| one.views[camera].clone()).collect(),
+            ..one.clone()
+        };
+        cases.push(Case {
+            name,
+            model: model.clone(),
+            rate: take.frame_rate(),
+            start: start.clone(),
+            search,
+            has_rivals: true,
+            frames: frames.iter().step_by(every).map(frame).collect(),
+            is_real: true,
+            is_held_out: cases.len() % 2 == 0,
+        });
+    };
+    let poor = WhenToSearch::WhenPoor;
+    add("as it is".to_owned(), 1, &cameras, &known, poor);
+    for seed in 1..=FAR_STARTS {
+        let start = start::perturb(&model, &known, FAR_DEGREES.to_radians(), 0.0, seed);
+        let name = format!("start {FAR_DEGREES}° off, seed {seed}");
+        add(name, 1, &cameras, &start, WhenToSearch::Never);
+    }
+    let camera_name = |camera: usize| take.rig().cameras()[camera].name();
+    for &camera in &cameras {
+        add(format!("{} alone", camera_name(camera)), 1, &[camera], &known, poor);
+    }
+    for (at, &first) in cameras.iter().enumerate() {
+        for &second in &cameras[at + 1..] {
+            let name = format!("{} and {} alone", camera_name(first), camera_name(second));
+            add(name, 1, &[first, second], &known, poor);
+        }
+    }
+    for every in SPARSE.into_iter().filter(|every| *every < count) {
+        add(format!("every {every}th frame"), every, &cameras, &known, poor);
+    }
+    Ok(cases)
+}
