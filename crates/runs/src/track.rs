@@ -3,6 +3,8 @@
 
 mod plan;
 mod reading;
+#[cfg(test)]
+mod tests;
 
 use std::collections::VecDeque;
 use std::convert::Infallible;

@@ -8,7 +8,6 @@
 mod cases;
 mod counts;
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -33,8 +32,6 @@ use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
 
-/// How much a joint of real footage counts beside one of the many that are simulated.
-const REAL_WEIGHT: f64 = 5.0;
 /// Seed of what is learnt.
 const SEED: u64 = 29;
 
@@ -179,7 +176,7 @@ impl Experiment for Trust {
             Some(path) => {
                 let known = tracked.iter().filter(|one| !one.case.is_held_out);
                 let known = known.flat_map(|one| {
-                    let weight = if one.case.is_real { REAL_WEIGHT } else { 1.0 };
+                    let weight = one.case.weight();
                     let of_joint =
                         move |&(signs, error_m): &(Signs, f64)| KnownError { signs, error_m, weight };
                     one.joints.iter().map(of_joint)
@@ -287,14 +284,16 @@ fn source(network: &ErrorNetwork) -> String {
                    use super::error_distribution::ErrorNetwork;\n\n\
                    pub(super) static LEARNT: ErrorNetwork = ErrorNetwork {\n"
         .to_owned();
-    let ErrorNetwork { means, scales, usual, weights } = network;
-    for (name, numbers) in
-        [("means", &means[..]), ("scales", &scales[..]), ("usual", &usual[..]), ("weights", &weights[..])]
-    {
+    let list = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:.4}")).collect();
-        // Writing to a string does not fail.
-        let _ = writeln!(out, "{name}: [{}],", numbers.join(", "));
+        format!("[{}]", numbers.join(", "))
+    };
+    let ErrorNetwork { means, scales, usual, members } = network;
+    for (name, numbers) in [("means", means), ("scales", scales), ("usual", usual)] {
+        out += &format!("{name}: {},\n", list(numbers));
     }
+    let members: Vec<String> = members.iter().map(|weights| list(weights)).collect();
+    out += &format!("members: [{}],\n", members.join(", "));
     out + "};\n"
 }
 

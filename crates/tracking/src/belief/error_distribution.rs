@@ -5,7 +5,7 @@
 //!
 //! h = tanh(A (x − m)/s + a),  z = B h + b,  p = exp(z) / Σ exp(z).
 //!
-//! Within a range the logarithm of the error is uniform. Learning descends −Σ ln p(range of the error) + d ‖A, B‖²/2 with the
+//! The mean of [`MEMBERS`] networks is told. Within a range the logarithm of the error is uniform. Learning descends −Σ ln p(range of the error) + d ‖A, B‖²/2 with the
 //! steps of Adam (D. Kingma and J. Ba, "Adam: a method for stochastic optimization", 2015). As that score is proper, the
 //! distribution is calibrated on tracks like those (T. Gneiting and A. Raftery, "Strictly proper scoring rules, prediction, and
 //! estimation", 2007).
@@ -22,7 +22,9 @@ use super::signs::{SIGNS, Signs};
 const EDGES_M: [f64; BINS + 1] = [0.004, 0.015, 0.03, 0.05, 0.1, 0.25, 0.5, 2.0];
 const BINS: usize = 7;
 const HIDDEN: usize = 16;
-/// Numbers of the network.
+/// Networks that are learnt from other beginnings. Their mean does not depend on where one began.
+const MEMBERS: usize = 3;
+/// Numbers of a network.
 pub(super) const WEIGHTS: usize = HIDDEN * (SIGNS + 1) + BINS * (HIDDEN + 1);
 
 /// A limb is right below this error, metres.
@@ -45,8 +47,8 @@ pub struct ErrorNetwork {
     pub scales: [f64; SIGNS],
     /// Mean of every sign over limbs that are right.
     pub usual: [f64; SIGNS],
-    /// A and a, row by row, then B and b.
-    pub weights: [f64; WEIGHTS],
+    /// By member: A and a, row by row, then B and b.
+    pub members: [[f64; WEIGHTS]; MEMBERS],
 }
 
 /// How likely each range of an error is.
@@ -85,13 +87,6 @@ impl ErrorDistribution {
     }
 }
 
-/// What a layer of the network holds for one limb.
-struct Pass {
-    inputs: [f64; SIGNS],
-    hidden: [f64; HIDDEN],
-    shares: [f64; BINS],
-}
-
 impl ErrorNetwork {
     /// What was learnt of the tracks of `backlit experiment trust`.
     #[must_use]
@@ -102,46 +97,68 @@ impl ErrorNetwork {
     /// The distribution of the error of a limb with these signs.
     #[must_use]
     pub fn distribution(&self, signs: &Signs) -> ErrorDistribution {
-        ErrorDistribution(self.pass(signs).shares)
+        let inputs = self.inputs(signs);
+        let of_members = self.members.each_ref().map(|weights| pass(weights, &inputs).shares);
+        let mean = |bin: usize| of_members.iter().map(|shares| shares[bin]).sum::<f64>() / MEMBERS as f64;
+        ErrorDistribution(std::array::from_fn(mean))
     }
 
-    fn pass(&self, signs: &Signs) -> Pass {
-        let inputs = std::array::from_fn(|at| (signs[at] - self.means[at]) * self.scales[at]);
-        let (first, second) = self.weights.split_at(HIDDEN * (SIGNS + 1));
-        let sum = |row: &[f64], inputs: &[f64]| {
-            row[inputs.len()] + row.iter().zip(inputs).map(|(weight, value)| weight * value).sum::<f64>()
-        };
-        let hidden = std::array::from_fn(|unit| sum(&first[unit * (SIGNS + 1)..][..=SIGNS], &inputs).tanh());
-        let logits: [f64; BINS] =
-            std::array::from_fn(|bin| sum(&second[bin * (HIDDEN + 1)..][..=HIDDEN], &hidden));
-        let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let shares = logits.map(|logit| (logit - largest).exp());
-        let total: f64 = shares.iter().sum();
-        Pass { inputs, hidden, shares: shares.map(|share| share / total) }
+    fn inputs(&self, signs: &Signs) -> [f64; SIGNS] {
+        std::array::from_fn(|at| (signs[at] - self.means[at]) * self.scales[at])
     }
+}
 
-    /// Adds the gradient of −ln p(range of the error) by the weights.
-    fn add_gradient(&self, known: &KnownError, gradient: &mut [f64; WEIGHTS]) {
-        let Pass { inputs, hidden, shares } = self.pass(&known.signs);
-        let bin = EDGES_M[1..BINS].iter().take_while(|edge| **edge < known.error_m).count();
-        let (first, second) = gradient.split_at_mut(HIDDEN * (SIGNS + 1));
-        let later = &self.weights[HIDDEN * (SIGNS + 1)..];
-        let mut by_hidden = [0.0; HIDDEN];
-        for other in 0..BINS {
-            let slope = known.weight * (shares[other] - f64::from(u8::from(other == bin)));
-            let row = &mut second[other * (HIDDEN + 1)..][..=HIDDEN];
-            for unit in 0..HIDDEN {
-                row[unit] += slope * hidden[unit];
-                by_hidden[unit] += slope * later[other * (HIDDEN + 1) + unit];
-            }
-            row[HIDDEN] += slope;
-        }
+/// What the layers of a network hold for one limb.
+struct Pass {
+    hidden: [f64; HIDDEN],
+    shares: [f64; BINS],
+}
+
+fn pass(weights: &[f64; WEIGHTS], inputs: &[f64; SIGNS]) -> Pass {
+    let (first, second) = weights.split_at(HIDDEN * (SIGNS + 1));
+    let sum = |row: &[f64], inputs: &[f64]| {
+        row[inputs.len()] + row.iter().zip(inputs).map(|(weight, value)| weight * value).sum::<f64>()
+    };
+    let hidden = std::array::from_fn(|unit| sum(&first[unit * (SIGNS + 1)..][..=SIGNS], inputs).tanh());
+    let logits: [f64; BINS] =
+        std::array::from_fn(|bin| sum(&second[bin * (HIDDEN + 1)..][..=HIDDEN], &hidden));
+    let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let shares = logits.map(|logit| (logit - largest).exp());
+    let total: f64 = shares.iter().sum();
+    Pass { hidden, shares: shares.map(|share| share / total) }
+}
+
+/// The range in which an error lies.
+fn bin_of(error_m: f64) -> usize {
+    EDGES_M[1..BINS].iter().take_while(|edge| **edge < error_m).count()
+}
+
+/// Adds the gradient of −weight · ln p(range of the error) by the weights.
+fn add_gradient(
+    weights: &[f64; WEIGHTS],
+    inputs: &[f64; SIGNS],
+    known: &KnownError,
+    gradient: &mut [f64; WEIGHTS],
+) {
+    let Pass { hidden, shares } = pass(weights, inputs);
+    let bin = bin_of(known.error_m);
+    let (first, second) = gradient.split_at_mut(HIDDEN * (SIGNS + 1));
+    let later = &weights[HIDDEN * (SIGNS + 1)..];
+    let mut by_hidden = [0.0; HIDDEN];
+    for other in 0..BINS {
+        let slope = known.weight * (shares[other] - f64::from(u8::from(other == bin)));
+        let row = &mut second[other * (HIDDEN + 1)..][..=HIDDEN];
         for unit in 0..HIDDEN {
-            let slope = by_hidden[unit] * (1.0 - hidden[unit] * hidden[unit]);
-            let row = &mut first[unit * (SIGNS + 1)..][..=SIGNS];
-            row.iter_mut().zip(inputs).for_each(|(sum, input)| *sum += slope * input);
-            row[SIGNS] += slope;
+            row[unit] += slope * hidden[unit];
+            by_hidden[unit] += slope * later[other * (HIDDEN + 1) + unit];
         }
+        row[HIDDEN] += slope;
+    }
+    for unit in 0..HIDDEN {
+        let slope = by_hidden[unit] * (1.0 - hidden[unit] * hidden[unit]);
+        let row = &mut first[unit * (SIGNS + 1)..][..=SIGNS];
+        row.iter_mut().zip(inputs).for_each(|(sum, input)| *sum += slope * input);
+        row[SIGNS] += slope;
     }
 }
 
@@ -171,32 +188,45 @@ pub fn learn(known: &[KnownError], seed: u64) -> ErrorNetwork {
     let usual = std::array::from_fn(|at| {
         right.iter().map(|signs| signs[at]).sum::<f64>() / right.len().max(1) as f64
     });
+    let mut network = ErrorNetwork { means, scales, usual, members: [[0.0; WEIGHTS]; MEMBERS] };
+    let inputs: Vec<[f64; SIGNS]> = known.iter().map(|one| network.inputs(&one.signs)).collect();
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let weights = std::array::from_fn(|_| random.random_range(-0.3..0.3));
-    let mut network = ErrorNetwork { means, scales, usual, weights };
+    for weights in &mut network.members {
+        descend(known, &inputs, weights, &mut random);
+    }
+    network
+}
+
+/// Learns one member.
+fn descend(
+    known: &[KnownError],
+    inputs: &[[f64; SIGNS]],
+    weights: &mut [f64; WEIGHTS],
+    random: &mut Pcg64Mcg,
+) {
+    *weights = std::array::from_fn(|_| random.random_range(-0.3..0.3));
     let mut order: Vec<usize> = (0..known.len()).collect();
     let [mut mean, mut square] = [[0.0; WEIGHTS]; 2];
     let mut step = 0;
     for pass in 0..PASSES {
-        order.shuffle(&mut random);
+        order.shuffle(random);
         let rate = RATE * (1.0 - pass as f64 / PASSES as f64);
         for batch in order.chunks(BATCH) {
             let mut gradient = [0.0; WEIGHTS];
             for &index in batch {
-                network.add_gradient(&known[index], &mut gradient);
+                add_gradient(weights, &inputs[index], &known[index], &mut gradient);
             }
             step += 1;
             for at in 0..WEIGHTS {
-                let slope = gradient[at] / batch.len() as f64 + DECAY * network.weights[at];
+                let slope = gradient[at] / batch.len() as f64 + DECAY * weights[at];
                 mean[at] = ADAM_MEAN * mean[at] + (1.0 - ADAM_MEAN) * slope;
                 square[at] = ADAM_SQUARE * square[at] + (1.0 - ADAM_SQUARE) * slope * slope;
                 let unbiased = [(mean[at], ADAM_MEAN), (square[at], ADAM_SQUARE)]
                     .map(|(value, kept)| value / (1.0 - f64::powi(kept, step)));
-                network.weights[at] -= rate * unbiased[0] / (unbiased[1].sqrt() + 1e-8);
+                weights[at] -= rate * unbiased[0] / (unbiased[1].sqrt() + 1e-8);
             }
         }
     }
-    network
 }
 
 #[cfg(test)]
@@ -247,16 +277,16 @@ mod tests {
 
     #[test]
     fn the_gradient_is_that_of_finite_differences() {
-        let mut network = learn(&known(300, 3), 1);
+        let network = learn(&known(300, 3), 1);
+        let mut weights = network.members[0];
         let one = KnownError { weight: 2.0, ..known(1, 9)[0] };
-        let mut gradient = [0.0; WEIGHTS];
-        network.add_gradient(&one, &mut gradient);
-        let bin = EDGES_M[1..BINS].iter().take_while(|edge| **edge < one.error_m).count();
+        let (inputs, mut gradient) = (network.inputs(&one.signs), [0.0; WEIGHTS]);
+        add_gradient(&weights, &inputs, &one, &mut gradient);
         for at in (0..WEIGHTS).step_by(7) {
             let mut loss = |by: f64| {
-                network.weights[at] += by;
-                let loss = -2.0 * network.distribution(&one.signs).0[bin].ln();
-                network.weights[at] -= by;
+                weights[at] += by;
+                let loss = -2.0 * pass(&weights, &inputs).shares[bin_of(one.error_m)].ln();
+                weights[at] -= by;
                 loss
             };
             let slope = (loss(1e-6) - loss(-1e-6)) / 2e-6;

@@ -1,0 +1,159 @@
+//! Later frames mend earlier ones, and a run that was stopped in between goes on as if it had not been.
+
+use std::collections::BTreeMap;
+
+use backlit_lab::synthetic::capsules;
+use backlit_lab::synthetic::masks::widened;
+use backlit_lab::synthetic::occlusions::Occlusion;
+use backlit_tracking::belief::Verdict;
+use backlit_tracking::body::{Model, builtin};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::search::start;
+
+use super::*;
+
+const EVERY: usize = 4;
+const RATE: f64 = 30.0;
+const FRAMES: usize = 40;
+
+/// A walk before two telephones that see it from the side: legs hide one another.
+struct Walk(Vec<Vec<FitView>>);
+
+impl Walk {
+    fn new(model: &Model) -> Self {
+        let cameras = Occlusion::WalkFromTheSide.cameras([180, 320]).unwrap();
+        let frame = |frame: usize| {
+            let pose = truth(model, frame * EVERY);
+            let view = |camera: &Arc<backlit_tracking::camera::Camera>| {
+                let mask = widened(capsules::hard_mask(model, &pose, camera).unwrap(), 2.0).unwrap();
+                FitView::of_mask(camera.clone(), mask)
+            };
+            cameras.iter().map(view).collect()
+        };
+        Self((0..FRAMES).map(frame).collect())
+    }
+}
+
+impl FrameReader for Walk {
+    type Data = usize;
+
+    fn read(&self, frame: usize) -> Result<usize, FootageError> {
+        Ok(frame)
+    }
+
+    fn views(&self, frame: &usize) -> Vec<FitView> {
+        self.0[frame / EVERY].clone()
+    }
+
+    fn cues(&self, _: &usize) -> Result<FrameCues, FootageError> {
+        Ok(FrameCues::default())
+    }
+}
+
+fn truth(model: &Model, frame: usize) -> Pose {
+    Occlusion::WalkFromTheSide.pose(model, frame as f64 / RATE)
+}
+
+fn plan(model: &Arc<Model>, from: usize, to: usize) -> TrackPlan {
+    let start = start::perturb(model, &truth(model, 0), 0.05, 0.02, 1);
+    TrackPlan {
+        model: model.clone(),
+        fit: Arc::new(FitOptions {
+            prior: Some(backlit_document::likely_poses::people()),
+            ..FitOptions::default()
+        }),
+        frame_rate: RATE,
+        motion: Default::default(),
+        search: Default::default(),
+        rivals: RIVALS,
+        cues: Vec::new(),
+        smoothing: None,
+        keys: BTreeMap::new(),
+        at_keys: KeyUse::Begin,
+        legs: [Leg { start, continues: None, frames: (from..to).map(|frame| frame * EVERY).collect() }]
+            .into(),
+    }
+}
+
+/// The track as it is told, and for every time that frames were mended the frame that did it and its poses before and after.
+#[derive(Debug, Default)]
+struct Told {
+    track: BTreeMap<usize, FrameEstimate>,
+    mended: Vec<(usize, Vec<(usize, Pose, Pose)>)>,
+}
+
+fn follow(run: &mut TrackRun<Walk>, told: &mut Told) {
+    let (cancel, mut is_done, mut newest) = (CancelToken::new(), false, 0);
+    while !is_done {
+        run.step(&cancel, &mut |message| match message {
+            TrackMessage::Frame { estimate, .. } => {
+                newest = estimate.frame;
+                told.track.insert(estimate.frame, *estimate);
+            }
+            TrackMessage::Rewound(better) => {
+                let changed = better.into_iter().map(|one| {
+                    let (frame, after) = (one.frame, one.pose.clone());
+                    let before = told.track.insert(frame, one).expect("it was tracked before");
+                    (frame, before.pose, after)
+                });
+                told.mended.push((newest, changed.collect()));
+            }
+            TrackMessage::Done(how) => {
+                assert!(matches!(how, TrackEnding::Whole), "{how:?}");
+                is_done = true;
+            }
+            _ => {}
+        });
+    }
+}
+
+#[test]
+fn later_frames_mend_earlier_ones_and_a_stopped_run_goes_on_alike() {
+    let model = Arc::new(builtin::full_body());
+    let walk = Arc::new(Walk::new(&model));
+    let mut whole = Told::default();
+    follow(&mut TrackRun::new(walk.clone(), plan(&model, 0, FRAMES)), &mut whole);
+    let (by, first) = whole.mended.first().expect("a leg is lost and found again");
+    assert!(!first.is_empty() && first.iter().all(|(frame, ..)| frame < by), "{first:?}");
+    let error = |frame: usize, pose: &Pose| mean_joint_error_mm(&model, pose, &truth(&model, frame));
+    let changes = || whole.mended.iter().flat_map(|(_, changed)| changed);
+    let before: f64 = changes().map(|(frame, before, _)| error(*frame, before)).sum();
+    let after: f64 = changes().map(|(frame, _, after)| error(*frame, after)).sum();
+    assert!(after < 0.8 * before, "{before} mm before, {after} mm after");
+
+    // Stopped just before that frame.
+    let stop = by / EVERY;
+    let mut parts = Told::default();
+    let mut run = TrackRun::new(walk.clone(), plan(&model, 0, stop)).remembering();
+    follow(&mut run, &mut parts);
+    let resume = run.resume_point().expect("frames were tracked");
+    let recent = parts.track.values().map(|one| (one.frame, one.pose.clone())).collect();
+    let earlier = EarlierFrames { memory: resume.memory, waiting: Vec::new(), recent, rewind: resume.rewind };
+    let run = TrackRun::new(walk, plan(&model, stop, FRAMES));
+    follow(&mut run.resuming(earlier).unwrap(), &mut parts);
+    let poses = |told: &Told| -> Vec<Pose> { told.track.values().map(|one| one.pose.clone()).collect() };
+    assert_eq!(poses(&whole), poses(&parts));
+}
+
+/// A barrel that stands where a person should be: nearly all limbs are doubted in every frame.
+#[test]
+fn a_thing_that_is_no_person_is_not_believed() {
+    let barrel = builtin::single_limb().with_sizes(|_| [0.5, 0.4]).unwrap();
+    let model = Arc::new(builtin::full_body());
+    let cameras = Occlusion::Squats.cameras([180, 320]).unwrap();
+    let frame = |frame: usize| {
+        let mut at = Pose::rest(&barrel);
+        at.root = glam::DVec3::new(0.0, 0.02 * frame as f64, 0.8);
+        let view = |camera: &Arc<backlit_tracking::camera::Camera>| {
+            FitView::of_mask(camera.clone(), capsules::hard_mask(&barrel, &at, camera).unwrap())
+        };
+        cameras.iter().map(view).collect()
+    };
+    let mut told = Told::default();
+    follow(&mut TrackRun::new(Arc::new(Walk((0..4).map(frame).collect())), plan(&model, 0, 4)), &mut told);
+    for estimate in told.track.values() {
+        let doubted = estimate.trust.iter().filter(|limb| limb.verdict > Verdict::Good).count();
+        assert!(10 * doubted > 9 * estimate.trust.len(), "frame {}: {doubted}", estimate.frame);
+    }
+}
