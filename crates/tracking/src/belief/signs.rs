@@ -25,7 +25,7 @@ const REST: f64 = 0.05;
 const FAR_M: f64 = 0.3;
 
 /// A residual below this is as good as none, grey levels.
-const LEAST_RMS: f64 = 16.0;
+const LEAST_RMS: f64 = 20.0;
 
 /// How many signs there are.
 pub(crate) const SIGNS: usize = 21;
