@@ -17,7 +17,7 @@ use super::signs::{REASONS, Signs};
 pub const WRONG_M: f64 = 0.25;
 /// A limb is told as wrong above this probability, and as doubtful above the other.
 const WRONG_ABOVE: f64 = 0.25;
-const DOUBTFUL_ABOVE: f64 = 0.015;
+const DOUBTFUL_ABOVE: f64 = 0.02;
 /// The shares of such limbs below whose errors the two errors that are told lie.
 const TOLD_SHARES: [f64; 2] = [0.5, 0.95];
 

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use backlit_formats::{Footage, FootageError};
-use backlit_lab::synthetic::masks::widened;
+use backlit_lab::synthetic::figure::{Build, Figure};
+use backlit_lab::synthetic::masks::{silhouette, widened};
 use backlit_lab::synthetic::occlusions::Occlusion;
 use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
-use backlit_lab::synthetic::{capsules, exercise};
+use backlit_lab::synthetic::{capsules, exercise, motion, studio};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
@@ -17,6 +18,7 @@ use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use backlit_tracking::track::WhenToSearch;
 use glam::{DQuat, DVec3};
+use rayon::prelude::*;
 
 /// Pictures of the simulated cameras.
 const SIZE_PX: [u64; 2] = [180, 320];
@@ -26,8 +28,6 @@ const TOO_WIDE: f64 = 0.045;
 const RATE: f64 = 30.0;
 /// Builds of the simulated people, as indices of [`PEOPLE`].
 const BUILDS: [usize; 3] = [3, 1, 4];
-/// Every frame, and every fourth one.
-const EVERY: [usize; 2] = [1, 4];
 /// How starts of exercises are turned: nearly upside down, and half round. Nobody looks for another pose then.
 const TURNS: [(DVec3, f64); 2] = [(DVec3::X, 2.6), (DVec3::Z, 1.8)];
 /// Starts that are far off, and how far.
@@ -91,28 +91,36 @@ impl FrameReader for CaseReader {
 }
 
 /// A movement of a person before cameras.
-struct Simulated<'a> {
+struct Simulated {
     name: String,
-    person: &'a Person,
+    person: &'static Person,
     cameras: Vec<Arc<Camera>>,
-    pose: &'a dyn Fn(&Model, f64) -> Pose,
+    pose: Box<dyn Fn(&Model, f64) -> Pose + Send + Sync>,
     rate: f64,
     seconds: f64,
     every: usize,
+    /// Masks are of a figure in loose clothes, else of the body's own capsules, widened.
+    is_clothed: bool,
     /// How the start is turned: about which axis of the world, radians.
     turned: Option<(DVec3, f64)>,
     is_held_out: bool,
 }
 
-impl Simulated<'_> {
+impl Simulated {
     fn case(self) -> Result<Case> {
         let model = Arc::new(self.person.of(&builtin::full_body())?);
         let frame = |frame: usize| {
             let truth = self.person.standing((self.pose)(&model, frame as f64 / self.rate));
+            let figure = self.is_clothed.then(|| Figure::new(&model, &truth, Build::default())).flatten();
             let view = |camera: &Arc<Camera>| {
                 let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(truth.root);
-                let mask = capsules::hard_mask(&model, &truth, camera)?;
-                let mask = widened(mask, TOO_WIDE * BREADTH * px_per_m)?;
+                let mask = match &figure {
+                    Some(figure) => silhouette(figure, camera)?,
+                    None => {
+                        let mask = capsules::hard_mask(&model, &truth, camera)?;
+                        widened(mask, TOO_WIDE * BREADTH * px_per_m)?
+                    }
+                };
                 Ok(FitView::of_mask(camera.clone(), mask))
             };
             let views = self.cameras.iter().map(view).collect::<Result<_>>()?;
@@ -126,6 +134,9 @@ impl Simulated<'_> {
         let mut start = start::perturb(&model, &start, 3_f64.to_radians(), 0.02, 1);
         let mut name =
             format!("{}, {}, {} a second", self.name, self.person.name, self.rate / self.every as f64);
+        if self.is_clothed {
+            name += ", clothed";
+        }
         if let Some((axis, angle)) = self.turned {
             let root = model.rotation_parents().iter().position(Option::is_none).unwrap_or_default();
             start.rotations[root] = DQuat::from_axis_angle(axis, angle) * start.rotations[root];
@@ -146,45 +157,60 @@ impl Simulated<'_> {
     }
 }
 
-/// The movements that hide limbs before two telephones, and exercises before two and three cameras.
+/// The movements that hide limbs before two telephones, and exercises before two and three cameras, both of capsules and clothed;
+/// and a clothed figure amid four cameras.
 pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
-    let mut cases = Vec::new();
+    let mut all = Vec::new();
     for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
-        for (fast, every) in EVERY.into_iter().enumerate() {
+        let is_clothed = [(0, false, 1), (1, false, 4), (0, true, 4)];
+        for (third, is_clothed, every) in is_clothed {
+            let held_out = |other: usize| (build + third + other) % 2 == 1;
             for (at, which) in Occlusion::ALL.into_iter().enumerate() {
-                let simulated = Simulated {
+                all.push(Simulated {
                     name: which.name().to_owned(),
                     person,
                     cameras: which.cameras(SIZE_PX)?,
-                    pose: &|model, seconds| which.pose(model, seconds),
+                    pose: Box::new(move |model, seconds| which.pose(model, seconds)),
                     rate: RATE,
                     seconds,
                     every,
+                    is_clothed,
                     turned: None,
-                    is_held_out: (build + fast + at) % 2 == 1,
-                };
-                cases.push(simulated.case()?);
+                    is_held_out: held_out(at),
+                });
             }
-            for count in (2..=exercise::MOST_CAMERAS).filter(|_| build < 2) {
-                let turns = TURNS.into_iter().map(Some).filter(|_| every > 1);
+            for count in 2..=exercise::MOST_CAMERAS {
+                let turns = TURNS.into_iter().map(Some).filter(|_| every > 1 && !is_clothed && build < 2);
                 for (turn, turned) in std::iter::once(None).chain(turns).enumerate() {
-                    let simulated = Simulated {
+                    all.push(Simulated {
                         name: format!("exercises, {count} cameras"),
                         person,
                         cameras: exercise::cameras(count, SIZE_PX)?,
-                        pose: &exercise::pose,
+                        pose: Box::new(exercise::pose),
                         rate: exercise::FRAME_RATE,
                         seconds: (2.0 * seconds).min(exercise::SECONDS),
                         every,
+                        is_clothed,
                         turned,
-                        is_held_out: (build + fast + count + turn) % 2 == 1,
-                    };
-                    cases.push(simulated.case()?);
+                        is_held_out: held_out(count + turn),
+                    });
                 }
             }
         }
+        all.push(Simulated {
+            name: "four cameras around".to_owned(),
+            person,
+            cameras: studio::pinholes([studio::WIDTH, studio::HEIGHT])?,
+            pose: Box::new(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
+            rate: motion::FRAME_RATE,
+            seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
+            every: 1,
+            is_clothed: true,
+            turned: None,
+            is_held_out: build % 2 == 1,
+        });
     }
-    Ok(cases)
+    all.into_par_iter().map(Simulated::case).collect()
 }
 
 /// A take as it is, from far starts without a search, by each camera and each two alone, and by few of its frames.
