@@ -8,6 +8,7 @@
 mod cases;
 mod counts;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -106,17 +107,17 @@ impl Trust {
             rivals: if case.has_rivals { self.hypotheses - 1 } else { 0 },
             cues: Vec::new(),
             smoothing: None,
-            keys: Default::default(),
+            keys: BTreeMap::new(),
             at_keys: KeyUse::Begin,
             legs: [Leg { start: case.start.clone(), continues: None, frames }].into(),
         };
         let mut track = TrackRun::new(Arc::new(CaseReader(case.frames.clone())), plan);
-        let (mut estimates, mut failed) = (std::collections::BTreeMap::new(), None);
+        let (mut estimates, mut failed) = (BTreeMap::new(), None);
         for frame in &case.frames {
             track.step_with(&Arc::new(frame.views.clone()), &run.cancel, &mut |message| match message {
                 TrackMessage::Frame { estimate, .. } => drop(estimates.insert(estimate.frame, *estimate)),
                 TrackMessage::Rewound(mended) => {
-                    estimates.extend(mended.into_iter().map(|one| (one.frame, one)))
+                    estimates.extend(mended.into_iter().map(|one| (one.frame, one)));
                 }
                 TrackMessage::Done(TrackEnding::Failed { error, .. }) => failed = Some(error),
                 _ => {}
@@ -281,6 +282,7 @@ fn row(name: &str, track: Option<(usize, bool)>, counts: &Counts) -> [String; 10
 /// What was learnt, as source.
 fn source(network: &ErrorNetwork) -> String {
     let mut out = "//! What [`ErrorNetwork`] learnt, written by `backlit experiment trust --take TAKE --learn FILE`.\n\n\
+                   #![allow(clippy::approx_constant, reason = \"learnt numbers come near to such constants by chance\")]\n\n\
                    use super::error_distribution::ErrorNetwork;\n\n\
                    pub(super) static LEARNT: ErrorNetwork = ErrorNetwork {\n"
         .to_owned();

@@ -76,11 +76,20 @@ fn plan(model: &Arc<Model>, from: usize, to: usize) -> TrackPlan {
     }
 }
 
-/// The track as it is told, and for every time that frames were mended the frame that did it and its poses before and after.
+/// The track as it is told, and the frames that were mended.
 #[derive(Debug, Default)]
 struct Told {
     track: BTreeMap<usize, FrameEstimate>,
-    mended: Vec<(usize, Vec<(usize, Pose, Pose)>)>,
+    mended: Vec<Mended>,
+}
+
+/// A frame that was mended, by which later one, and its poses.
+#[derive(Debug)]
+struct Mended {
+    frame: usize,
+    by: usize,
+    before: Pose,
+    after: Pose,
 }
 
 fn follow(run: &mut TrackRun<Walk>, told: &mut Told) {
@@ -92,12 +101,11 @@ fn follow(run: &mut TrackRun<Walk>, told: &mut Told) {
                 told.track.insert(estimate.frame, *estimate);
             }
             TrackMessage::Rewound(better) => {
-                let changed = better.into_iter().map(|one| {
+                for one in better {
                     let (frame, after) = (one.frame, one.pose.clone());
-                    let before = told.track.insert(frame, one).expect("it was tracked before");
-                    (frame, before.pose, after)
-                });
-                told.mended.push((newest, changed.collect()));
+                    let before = told.track.insert(frame, one).expect("it was tracked before").pose;
+                    told.mended.push(Mended { frame, by: newest, before, after });
+                }
             }
             TrackMessage::Done(how) => {
                 assert!(matches!(how, TrackEnding::Whole), "{how:?}");
@@ -114,12 +122,11 @@ fn later_frames_mend_earlier_ones_and_a_stopped_run_goes_on_alike() {
     let walk = Arc::new(Walk::new(&model));
     let mut whole = Told::default();
     follow(&mut TrackRun::new(walk.clone(), plan(&model, 0, FRAMES)), &mut whole);
-    let (by, first) = whole.mended.first().expect("a leg is lost and found again");
-    assert!(!first.is_empty() && first.iter().all(|(frame, ..)| frame < by), "{first:?}");
+    let by = whole.mended.first().expect("a leg is lost and found again").by;
+    assert!(whole.mended.iter().all(|one| one.frame < one.by), "{:?}", whole.mended);
     let error = |frame: usize, pose: &Pose| mean_joint_error_mm(&model, pose, &truth(&model, frame));
-    let changes = || whole.mended.iter().flat_map(|(_, changed)| changed);
-    let before: f64 = changes().map(|(frame, before, _)| error(*frame, before)).sum();
-    let after: f64 = changes().map(|(frame, _, after)| error(*frame, after)).sum();
+    let before: f64 = whole.mended.iter().map(|one| error(one.frame, &one.before)).sum();
+    let after: f64 = whole.mended.iter().map(|one| error(one.frame, &one.after)).sum();
     assert!(after < before, "{before} mm before, {after} mm after");
 
     // Stopped just before that frame.

@@ -1,5 +1,7 @@
 //! What [`ErrorNetwork`] learnt, written by `backlit experiment trust --take TAKE --learn FILE`.
 
+#![allow(clippy::approx_constant, reason = "learnt numbers come near to such constants by chance")]
+
 use super::error_distribution::ErrorNetwork;
 
 pub(super) static LEARNT: ErrorNetwork = ErrorNetwork {

@@ -90,12 +90,15 @@ impl FrameReader for CaseReader {
     }
 }
 
+/// The pose of a body at a time, seconds.
+type Movement = Box<dyn Fn(&Model, f64) -> Pose + Send + Sync>;
+
 /// A movement of a person before cameras.
 struct Simulated {
     name: String,
     person: &'static Person,
     cameras: Vec<Arc<Camera>>,
-    pose: Box<dyn Fn(&Model, f64) -> Pose + Send + Sync>,
+    pose: Movement,
     rate: f64,
     seconds: f64,
     every: usize,
@@ -244,7 +247,7 @@ pub(super) fn of_take(footage: &Footage) -> Result<Vec<Case>> {
             has_rivals: true,
             frames: frames.iter().step_by(every).map(frame).collect(),
             is_real: true,
-            is_held_out: cases.len() % 2 == 0,
+            is_held_out: cases.len().is_multiple_of(2),
         });
     };
     let poor = WhenToSearch::WhenPoor;
