@@ -5,10 +5,10 @@
 //!
 //! h = tanh(A (x − m)/s + a),  z = B h + b,  p = exp(z) / Σ exp(z).
 //!
-//! The mean of [`MEMBERS`] networks is told. Within a range the logarithm of the error is uniform. Learning descends −Σ ln p(range of the error) + d ‖A, B‖²/2 with the
-//! steps of Adam (D. Kingma and J. Ba, "Adam: a method for stochastic optimization", 2015). As that score is proper, the
-//! distribution is calibrated on tracks like those (T. Gneiting and A. Raftery, "Strictly proper scoring rules, prediction, and
-//! estimation", 2007).
+//! The mean of [`MEMBERS`] networks is told. Within a range the logarithm of the error is uniform. Learning descends
+//! −Σ ln p(range of the error) + d ‖A, B‖²/2 with the steps of Adam (D. Kingma and J. Ba, "Adam: a method for stochastic
+//! optimization", 2015). As that score is proper, the distribution is calibrated on tracks like those (T. Gneiting and A. Raftery,
+//! "Strictly proper scoring rules, prediction, and estimation", 2007).
 
 use rand::RngExt;
 use rand::seq::SliceRandom;

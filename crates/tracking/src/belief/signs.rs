@@ -1,4 +1,22 @@
 //! Signs of how far off the end of a limb is, read from a frame without knowing the truth.
+//!
+//! | | sign |
+//! |---|---|
+//! | 0 | root of the share of its chain's inner part that lies on background ([`Conflicts`]) |
+//! | 1 | how much larger that share is in the worst camera than in all |
+//! | 2, 3 | roots of the share of the subject that no limb covers, and of what is uncovered near its chain |
+//! | 4, 5 | whether silhouettes show too little of its own boundary; how much of its chain's inner part is hidden |
+//! | 6, 7 | ln(1 + E/6), E the energy of its part, and of the trunk, by what motion files say |
+//! | 8 | how far the trunk is from upright beyond 1.2 rad |
+//! | 9 | ln(σ/m + 0.001), σ the deviation that silhouettes leave to its end |
+//! | 10 | one over the number of cameras that see the subject |
+//! | 11 | logarithm of the frame's residual |
+//! | 12 | how far rivals have it elsewhere, by their weights |
+//! | 13 | whether the frame is lost |
+//! | 14 to 16 | its place in its chain; how long the chain is, and as far as the limb, of the longest one |
+//! | 17 | logarithm of its speed |
+//! | 18, 19 | as 0 with 3, and as 5, of the limb alone |
+//! | 20 | share of its chain up to it that nothing holds |
 
 use glam::DVec3;
 use nalgebra::DMatrix;
