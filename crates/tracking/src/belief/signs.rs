@@ -48,7 +48,7 @@ const LEAST_RMS: f64 = 20.0;
 /// How many signs there are.
 pub(crate) const SIGNS: usize = 21;
 
-/// The signs of one limb, in the order of [`REASONS`].
+/// The signs of one limb, as the module lists them.
 pub type Signs = [f64; SIGNS];
 
 /// The reason that each sign is; which limb it is, is none.
