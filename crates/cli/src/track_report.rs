@@ -148,29 +148,26 @@ impl TrackReport {
     }
 
     /// Adds a frame. One that is not final is written on the way, and judged once it is smoothed.
-    pub(crate) fn add(&mut self, take: &Take, mut estimate: FrameEstimate, is_final: bool, time_ms: f64) {
+    pub(crate) fn add(&mut self, take: &Take, estimate: FrameEstimate, is_final: bool, time_ms: f64) {
         self.times_ms.push(time_ms);
-        if is_final {
-            return self.keep(take, estimate);
-        }
-        (estimate.belief, estimate.modes) = (None, Vec::new());
+        if is_final { self.keep(take, estimate) } else { self.insert(estimate) }
+    }
+
+    /// Writes a frame down without beliefs, rivals and signs: they are by far the largest part of a track.
+    fn insert(&mut self, mut estimate: FrameEstimate) {
+        (estimate.belief, estimate.modes, estimate.signs) = (None, Vec::new(), Vec::new());
         self.track.frames.insert(estimate.frame, estimate);
     }
 
     /// Keeps and judges the final estimate of a frame.
-    pub(crate) fn keep(&mut self, take: &Take, mut estimate: FrameEstimate) {
+    pub(crate) fn keep(&mut self, take: &Take, estimate: FrameEstimate) {
         self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
-        // Beliefs and rivals are by far the largest part of a track.
-        (estimate.belief, estimate.modes) = (None, Vec::new());
-        self.track.frames.insert(estimate.frame, estimate);
+        self.insert(estimate);
     }
 
     /// Takes better estimates of frames that were kept before.
     pub(crate) fn mend(&mut self, take: &Take, mended: Vec<FrameEstimate>) {
-        for mut estimate in mended {
-            (estimate.belief, estimate.modes) = (None, Vec::new());
-            self.track.frames.insert(estimate.frame, estimate);
-        }
+        mended.into_iter().for_each(|estimate| self.insert(estimate));
         self.judge(take);
     }
 

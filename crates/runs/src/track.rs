@@ -293,7 +293,7 @@ impl<R: FrameReader> TrackRun<R> {
             // What was set by hand stays, and so does what leads to it.
             self.recent.clear();
         } else if let Some((_, before)) = self.recent.back()
-            && let Some(mut rewind) = Rewind::begin(self.plan.tracker(found.pose.clone())?, &found, before)
+            && let Some(mut rewind) = Rewind::begin(|pose| self.plan.tracker(pose), &found, before)?
         {
             let begins_here = |leg: &Leg| leg.continues.is_none();
             let mut reaches_first = self.is_whole && self.plan.legs.front().is_some_and(begins_here);
@@ -304,7 +304,11 @@ impl<R: FrameReader> TrackRun<R> {
                 }
                 self.rewind -= 1;
                 let read = self.reader.read(*frame)?;
-                if !rewind.step(*frame, self.reader.views(&read), track, cancel)? {
+                let goes_on = rewind.step(*frame, self.reader.views(&read), track, cancel)?;
+                if let Some(one) = rewind.found_in(*frame) {
+                    one.rms = self.reader.rms(&read, &one.pose, one.rms);
+                }
+                if !goes_on {
                     reaches_first = false;
                     break;
                 }
@@ -312,7 +316,7 @@ impl<R: FrameReader> TrackRun<R> {
             if cancel.is_cancelled() {
                 return Ok(());
             }
-            self.mend(rewind.finish(reaches_first), tell)?;
+            self.mend(rewind.finish(reaches_first), tell);
         }
         self.recent.push_back((frame, found.pose));
         self.rewind = (self.rewind + 1).min(REWOUND_FRAMES);
@@ -324,14 +328,8 @@ impl<R: FrameReader> TrackRun<R> {
     }
 
     /// Takes better poses of earlier frames, and tells of them.
-    fn mend(
-        &mut self,
-        mut mended: Vec<FrameEstimate>,
-        tell: &mut impl FnMut(TrackMessage<R::Data>),
-    ) -> Result<(), TrackError> {
-        for one in &mut mended {
-            let read = self.reader.read(one.frame)?;
-            one.rms = self.reader.rms(&read, &one.pose, one.rms);
+    fn mend(&mut self, mended: Vec<FrameEstimate>, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
+        for one in &mended {
             if let Some((_, pose)) = self.recent.iter_mut().rev().find(|(frame, _)| *frame == one.frame) {
                 pose.clone_from(&one.pose);
             }
@@ -342,7 +340,6 @@ impl<R: FrameReader> TrackRun<R> {
         if !mended.is_empty() {
             tell(TrackMessage::Rewound(mended));
         }
-        Ok(())
     }
 
     fn track(

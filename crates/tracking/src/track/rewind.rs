@@ -52,16 +52,30 @@ pub struct Rewind {
 }
 
 impl Rewind {
-    /// Begins at a frame, if its pose is elsewhere than in the frame before. The tracker is one that could begin there.
-    #[must_use]
-    pub fn begin(tracker: Tracker, found: &FrameEstimate, before: &Pose) -> Option<Self> {
-        let is_new = found.is_elsewhere && !found.is_lost();
-        if !is_new || farthest_m(&tracker.model, before, &found.pose) < ELSEWHERE_M {
-            return None;
+    /// Begins at a frame, if its pose is elsewhere than in the frame before. `tracker` makes one that could begin there.
+    ///
+    /// # Errors
+    /// There is no such tracker.
+    pub fn begin<E>(
+        tracker: impl FnOnce(Pose) -> Result<Tracker, E>,
+        found: &FrameEstimate,
+        before: &Pose,
+    ) -> Result<Option<Self>, E> {
+        if !found.is_elsewhere || found.is_lost() {
+            return Ok(None);
+        }
+        let tracker = tracker(found.pose.clone())?;
+        if farthest_m(&tracker.model, before, &found.pose) < ELSEWHERE_M {
+            return Ok(None);
         }
         let tracker = tracker.with_rivals(0).with_search(WhenToSearch::Never).continuing_from(found.frame);
         let found = (found.frame, found.pose.clone());
-        Some(Self { tracker, found, steps: Vec::new(), behind: 0.0, has_joined: false })
+        Ok(Some(Self { tracker, found, steps: Vec::new(), behind: 0.0, has_joined: false }))
+    }
+
+    /// What was found in a frame, if the last step took it up.
+    pub fn found_in(&mut self, frame: usize) -> Option<&mut FrameEstimate> {
+        self.steps.last_mut().map(|step| &mut step.found).filter(|found| found.frame == frame)
     }
 
     /// Goes one frame further back, where the track has this pose. Tells whether it is worth to go on.
@@ -165,9 +179,12 @@ mod tests {
         fixtures::posed(model, DVec3::Z * 0.92, &[("right upper arm", DQuat::from_rotation_y(right))])
     }
 
-    fn tracker(model: &Arc<Model>, pose: Pose) -> Tracker {
-        let tracker = Tracker::new(model.clone(), FitOptions::default(), pose).unwrap();
-        tracker.with_motion(Motion::Velocity, 30.0).unwrap()
+    fn begin(model: &Arc<Model>, found: &FrameEstimate, before: &Pose) -> Option<Rewind> {
+        let tracker = |pose| {
+            let tracker = Tracker::new(model.clone(), FitOptions::default(), pose)?;
+            Ok::<_, FitError>(tracker.with_motion(Motion::Velocity, 30.0).unwrap())
+        };
+        Rewind::begin(tracker, found, before).unwrap()
     }
 
     fn views(model: &Model, truth: &Pose) -> Vec<FitView> {
@@ -184,8 +201,7 @@ mod tests {
         let truth = |frame: usize| posed(&model, -0.6 - 0.05 * frame as f64);
         let track = |frame: usize| if frame < lost_from { truth(frame) } else { posed(&model, 0.12) };
         let found = FrameEstimate { is_elsewhere: true, ..FrameEstimate::of_pose(6, truth(6)) };
-        let tracker = tracker(&model, truth(6));
-        let mut rewind = Rewind::begin(tracker, &found, &track(5)).expect("the arm is elsewhere");
+        let mut rewind = begin(&model, &found, &track(5)).expect("the arm is elsewhere");
         let mut is_whole = true;
         for frame in (0..6).rev() {
             let views = views(&model, &truth(frame));
@@ -217,8 +233,7 @@ mod tests {
         let model = Arc::new(builtin::full_body());
         let truth = posed(&model, -0.6);
         let found = FrameEstimate { is_elsewhere: true, ..FrameEstimate::of_pose(6, posed(&model, 0.12)) };
-        let tracker = tracker(&model, truth.clone());
-        let mut rewind = Rewind::begin(tracker, &found, &truth).expect("the arm is elsewhere");
+        let mut rewind = begin(&model, &found, &truth).expect("the arm is elsewhere");
         let mut steps = 0;
         while steps < 6 && rewind.step(5 - steps, views(&model, &truth), &truth, &CancelToken::new()).unwrap()
         {
@@ -230,12 +245,10 @@ mod tests {
     #[test]
     fn a_pose_that_was_led_to_or_is_near_begins_nothing() {
         let model = Arc::new(builtin::full_body());
-        let begin = |is_elsewhere: bool, right: f64| {
-            let pose = posed(&model, right);
-            let tracker = tracker(&model, pose.clone());
-            let found = FrameEstimate { is_elsewhere, ..FrameEstimate::of_pose(6, pose) };
-            Rewind::begin(tracker, &found, &posed(&model, -0.6)).is_some()
+        let begins = |is_elsewhere: bool, right: f64| {
+            let found = FrameEstimate { is_elsewhere, ..FrameEstimate::of_pose(6, posed(&model, right)) };
+            begin(&model, &found, &posed(&model, -0.6)).is_some()
         };
-        assert!(begin(true, 0.4) && !begin(false, 0.4) && !begin(true, -0.59));
+        assert!(begins(true, 0.4) && !begins(false, 0.4) && !begins(true, -0.59));
     }
 }

@@ -1,10 +1,10 @@
 //! How what is told of joints agrees with how far they are off.
 
-use backlit_tracking::belief::{ErrorDistribution, Verdict};
+use backlit_tracking::belief::{ErrorDistribution, Verdict, WRONG_M};
 use serde::Serialize;
 
 /// A joint farther off than this is wrong, one nearer than that is right, millimetres.
-pub(super) const WRONG_MM: f64 = 250.0;
+pub(super) const WRONG_MM: f64 = 1e3 * WRONG_M;
 const RIGHT_MM: f64 = 100.0;
 /// The second area under the curve is for errors above this, millimetres.
 const NEAR_MM: f64 = 50.0;
