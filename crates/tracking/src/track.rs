@@ -5,6 +5,7 @@ pub use crate::{cues, filter};
 
 mod beam;
 mod estimate;
+mod extent;
 pub mod join;
 mod lost;
 mod memory;

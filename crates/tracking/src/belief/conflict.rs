@@ -49,6 +49,8 @@ pub struct Conflicts {
     pub far: f64,
     /// Cameras with a mask in which somebody is.
     pub cameras: usize,
+    /// Pixels to a metre of the body, the sum over these cameras.
+    pub px_per_metre: f64,
 }
 
 impl Conflicts {
@@ -96,6 +98,12 @@ impl Conflicts {
         self.subject += area * f64::from(subject);
         self.far += area * f64::from(far);
         self.cameras += 1;
+        self.px_per_metre += px_per_m;
+    }
+
+    /// Pixels to a metre of the body in the mean of the cameras.
+    pub fn mean_px_per_metre(&self) -> f64 {
+        self.px_per_metre / self.cameras.max(1) as f64
     }
 
     /// The subject that no limb covers, square metres.

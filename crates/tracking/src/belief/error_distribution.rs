@@ -238,7 +238,7 @@ mod tests {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let one = |_| {
             let mut signs: Signs = std::array::from_fn(|_| random.random_range(-1.0..1.0));
-            let error_m = 0.05 * f64::exp(1.5 * signs[0] + random.random_range(-0.5..0.5));
+            let error_m = 0.05 * f64::exp(1.5 * signs[0] + random.random_range(-1.0..1.0));
             signs[SIGNS - 1] = 2.0;
             KnownError { signs, error_m, weight: 1.0 }
         };
@@ -254,7 +254,7 @@ mod tests {
             let region = |one: &KnownError| network.distribution(&one.signs).quantile(probability);
             let inside = others.iter().filter(|one| one.error_m <= region(one));
             let share = inside.count() as f64 / others.len() as f64;
-            assert!((share - probability).abs() < 0.08, "{share} within the region of {probability}");
+            assert!((share - probability).abs() < 0.05, "{share} within the region of {probability}");
         }
         for edge in [0.03, 0.05, 0.1, 0.25] {
             let foretold: f64 = others.iter().map(|one| network.distribution(&one.signs).beyond(edge)).sum();

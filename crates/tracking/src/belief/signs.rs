@@ -17,9 +17,11 @@
 //! | 17 | logarithm of its speed |
 //! | 18, 19 | as 0 with 3, and as 5, of the limb alone |
 //! | 20 | share of its chain up to it that nothing holds |
+//! | 21 | ln(d/m + 0.001), d how far its end goes with the camera left out that holds it most |
+//! | 22 | logarithm of the pixels that a metre of it has, the mean over cameras |
 
 use glam::DVec3;
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use super::conflict::Conflicts;
 use super::trust::Reason;
@@ -46,7 +48,7 @@ const FAR_M: f64 = 0.3;
 const LEAST_RMS: f64 = 20.0;
 
 /// How many signs there are.
-pub(crate) const SIGNS: usize = 21;
+pub(crate) const SIGNS: usize = 23;
 
 /// The signs of one limb, as the module lists them.
 pub type Signs = [f64; SIGNS];
@@ -74,6 +76,8 @@ pub(crate) const REASONS: [Option<Reason>; SIGNS] = [
     Some(Reason::Spurious),
     Some(Reason::Unheld),
     Some(Reason::Unheld),
+    Some(Reason::CamerasDisagree),
+    Some(Reason::Loose),
 ];
 
 /// What is seen of a pose in a frame.
@@ -88,6 +92,8 @@ pub(crate) struct TrustInputs<'a> {
     pub(crate) unheld: &'a [bool],
     /// What the frame says of the pose by itself, tangent columns.
     pub(crate) equations: &'a NormalEquations,
+    /// What the silhouettes of each camera say of it, likewise.
+    pub(crate) cameras: &'a [NormalEquations],
     /// Root mean square residual, grey levels.
     pub(crate) rms: f64,
     /// Up in the world, where the cameras tell it.
@@ -114,7 +120,10 @@ pub(crate) fn signs(inputs: &TrustInputs<'_>) -> Vec<Signs> {
         energies.iter().find(of_part).map(|part| part.energy)
     };
     let trunk = energy_where(&|rotation| parts.trunk.contains(&rotation)).unwrap_or_default();
-    let deviations = end_deviations(model, kinematics, inputs.equations);
+    let ends: Vec<DMatrix<f64>> =
+        (0..model.limbs().len()).map(|limb| kinematics.end_jacobian(limb, Parameters::Tangent)).collect();
+    let deviations = end_deviations(&ends, inputs.equations);
+    let shifts = left_out_shifts(&ends, inputs.equations, inputs.cameras);
     let missing = conflicts.missing_share().clamp(0.0, 1.0).sqrt();
     let cameras = conflicts.cameras.max(1) as f64;
     let length_of = |rotations: &[usize]| -> f64 {
@@ -172,24 +181,44 @@ pub(crate) fn signs(inputs: &TrustInputs<'_>) -> Vec<Signs> {
             ((own.spurious + own.missing) / own.inner.max(1e-4)).clamp(0.0, 2.0).sqrt(),
             (1.0 - own.inner / (cameras * own_whole).max(1e-6)).clamp(0.0, 1.0),
             unheld_before / depth.max(1.0),
+            (shifts[limb] + 1e-3).ln(),
+            conflicts.mean_px_per_metre().max(1.0).ln(),
         ]
     };
     (0..model.limbs().len()).map(of_limb).collect()
 }
 
-/// The deviation that a frame leaves to the end of every limb, metres: the root of the trace of K H⁻¹ Kᵀ.
-fn end_deviations(model: &Model, kinematics: &Kinematics, equations: &NormalEquations) -> Vec<f64> {
-    let mut information = &equations.jtj / (PIXEL_DEVIATION * PIXEL_DEVIATION);
+/// What is known of the columns of a pose where these equations tell of it, and before: H/R + P₀⁻¹.
+fn information(jtj: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    let mut information = jtj / (PIXEL_DEVIATION * PIXEL_DEVIATION);
     for column in 0..information.nrows() {
         let deviation = if column < 3 { ROOT_DEVIATION_M } else { TURN_DEVIATION };
         information[(column, column)] += 1.0 / (deviation * deviation);
     }
-    let factor = information.cholesky();
-    let of_limb = |limb: usize| {
-        let by_step: DMatrix<f64> = kinematics.end_jacobian(limb, Parameters::Tangent);
-        let spread =
-            factor.as_ref().map(|factor| by_step.dot(&factor.solve(&by_step.transpose()).transpose()));
+    information.cholesky()
+}
+
+/// The deviation that a frame leaves to the end of every limb, metres: the root of the trace of K H⁻¹ Kᵀ, K the ends' Jacobians.
+fn end_deviations(ends: &[DMatrix<f64>], equations: &NormalEquations) -> Vec<f64> {
+    let factor = information(&equations.jtj);
+    let of_end = |end: &DMatrix<f64>| {
+        let spread = factor.as_ref().map(|factor| end.dot(&factor.solve(&end.transpose()).transpose()));
         spread.map_or(1.0, |spread| spread.max(0.0).sqrt())
     };
-    (0..model.limbs().len()).map(of_limb).collect()
+    ends.iter().map(of_end).collect()
+}
+
+/// How far the end of every limb goes in one step where one camera is left out, metres, of the camera that moves it most: the
+/// influence of the camera (R. D. Cook, "Detection of influential observation in linear regression", 1977). Where the fit ended
+/// the pulls of all cameras and priors are in balance, so that without camera c the step is −(H − H꜀)⁻¹ g꜀.
+fn left_out_shifts(ends: &[DMatrix<f64>], all: &NormalEquations, cameras: &[NormalEquations]) -> Vec<f64> {
+    let mut shifts = vec![0.0_f64; ends.len()];
+    for camera in cameras.iter().filter(|camera| camera.jtj.trace() > 0.0 && cameras.len() > 1) {
+        let Some(factor) = information(&(&all.jtj - &camera.jtj)) else { continue };
+        let step = factor.solve(&(&camera.jtr / (PIXEL_DEVIATION * PIXEL_DEVIATION)));
+        for (shift, end) in shifts.iter_mut().zip(ends) {
+            *shift = shift.max((end * &step).norm());
+        }
+    }
+    shifts
 }

@@ -180,7 +180,8 @@ mod tests {
         let options = FitOptions::default().near_at_scale(model, &views, fitted);
         let prepared = PreparedFit::new(model, views, fitted, &options, |_, _, _| 0.0).unwrap();
         let mut fit = Fit::at_last_stage(model.clone(), prepared, options, fitted);
-        let equations = fit.frame_equations();
+        let (equations, _) = fit.free_equations(fitted);
+        let cameras = fit.camera_equations();
         let unheld = vec![is_unheld; model.rotation_count()];
         trust(&signs(&TrustInputs {
             model,
@@ -189,6 +190,7 @@ mod tests {
             energies: &[],
             unheld: &unheld,
             equations: &equations,
+            cameras: &cameras,
             rms: fit.summary().final_rms,
             up: Some(DVec3::Z),
             rivals: &[],

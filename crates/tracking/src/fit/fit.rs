@@ -119,6 +119,11 @@ impl Fit {
         self.objective.free_equations(pose)
     }
 
+    /// What each camera says by itself at the pose of [`free_equations`](Self::free_equations) ([`Objective::camera_equations`]).
+    pub(crate) fn camera_equations(&mut self) -> Vec<NormalEquations> {
+        self.objective.camera_equations()
+    }
+
     /// A fit that goes on from a pose with the last stage alone.
     pub(crate) fn at_last_stage(
         model: Arc<Model>,

@@ -151,6 +151,21 @@ impl Objective {
         (equations, self.prior.as_ref().map_or_else(Vec::new, energies))
     }
 
+    /// What the silhouettes of each camera say by themselves at the pose that was looked at last, in tangent columns and as if every
+    /// pixel were sampled.
+    pub(crate) fn camera_equations(&mut self) -> Vec<NormalEquations> {
+        let columns = Parameters::Tangent.columns(self.model.rotation_count());
+        let pixels = (self.stage.stride * self.stage.stride) as f64;
+        let of_camera = |term: &CameraTerm| {
+            self.world.clear();
+            self.world.add(&term.fit_view.camera, &term.blocks, term.fit_view.weight * pixels);
+            let mut equations = NormalEquations::zeros(columns);
+            self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
+            equations
+        };
+        self.cameras.iter().map(of_camera).collect()
+    }
+
     /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.
     pub(super) fn is_blind(&self) -> bool {
         self.world.is_empty()
@@ -165,7 +180,7 @@ impl Objective {
     fn add_cues(&mut self, parameters: Parameters, equations: &mut NormalEquations) {
         let Some(cues) = &self.constraints.cues else { return };
         self.cue_blocks.clear();
-        let unit = BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64;
+        let unit = self.prior_unit();
         equations.cost += cues.add(&self.model, &self.kinematics, unit, &mut self.cue_blocks);
         self.cue_blocks.add_to(&self.kinematics, parameters, &mut self.map, equations);
     }
@@ -321,13 +336,16 @@ mod tests {
         LearntPrior::new(Arc::new(PosePrior::new("test", vec![part]).unwrap()))
     }
 
-    fn view(model: &Model, truth: &Pose, from: DVec3) -> FitView {
-        let (pinhole, at) = ([160.0, 160.0, 59.5, 79.5], DVec3::Z * 0.9);
-        fixtures::fit_view(model, truth, fixtures::camera([120, 160], pinhole, from, at, DVec3::Z))
+    /// In a picture that is so many times as fine as one of 120 × 160.
+    fn view(model: &Model, truth: &Pose, from: DVec3, finer: u64) -> FitView {
+        let scale = finer as f64;
+        let pinhole = [160.0 * scale, 160.0 * scale, 60.0 * scale - 0.5, 80.0 * scale - 0.5];
+        let size = [120 * finer, 160 * finer];
+        fixtures::fit_view(model, truth, fixtures::camera(size, pinhole, from, DVec3::Z * 0.9, DVec3::Z))
     }
 
     /// Whether an arm is ahead of the trunk or behind it one camera in front cannot tell, and the prior does. A second one from
-    /// the side tells, whatever the prior says.
+    /// the side tells, whatever the prior says. Finer pictures change neither.
     #[test]
     fn a_prior_decides_where_silhouettes_do_not_and_yields_where_they_do() {
         let model = Arc::new(crate::body::builtin::full_body());
@@ -339,18 +357,21 @@ mod tests {
         };
         let (front, side) = (DVec3::new(0.0, 2.6, 1.0), DVec3::new(2.6, 0.3, 1.0));
         let place = |pose: &Pose| Kinematics::new(&model, pose).ends()[hand];
-        let fitted = |truth: f64, start: f64, cameras: &[DVec3], prior: Option<LearntPrior>| {
-            let views = cameras.iter().map(|&at| view(&model, &posed(truth), at)).collect();
+        let fitted = |truth: f64, start: f64, cameras: &[DVec3], prior: Option<LearntPrior>, finer| {
+            let views = cameras.iter().map(|&at| view(&model, &posed(truth), at, finer)).collect();
             let options = FitOptions { prior, ..FitOptions::default() };
             let mut fit = Fit::new(model.clone(), views, posed(start), options).unwrap();
             place(&fit.run(&CancelToken::new(), |_| {}).pose)
         };
-        let alone = fitted(0.5, -0.3, &[front], None);
-        let with = fitted(0.5, -0.3, &[front], Some(ahead()));
-        assert!(alone.y < 0.0 && with.y > 0.15, "{alone} {with}");
         let behind = place(&posed(-0.5));
-        let alone = fitted(-0.5, -0.3, &[front, side], None);
-        let with = fitted(-0.5, -0.3, &[front, side], Some(ahead()));
-        assert!(alone.distance(behind) < 0.01 && with.distance(behind) < 0.03, "{behind} {alone} {with}");
+        for finer in [1, 6] {
+            let alone = fitted(0.5, -0.3, &[front], None, finer);
+            let with = fitted(0.5, -0.3, &[front], Some(ahead()), finer);
+            assert!(alone.y < 0.0 && with.y > 0.15, "{finer}: {alone} {with}");
+            let alone = fitted(-0.5, -0.3, &[front, side], None, finer);
+            let with = fitted(-0.5, -0.3, &[front, side], Some(ahead()), finer);
+            let [alone, with] = [alone, with].map(|hand| hand.distance(behind));
+            assert!(alone < 0.01 && with < 0.03, "{finer}: {alone} {with}");
+        }
     }
 }

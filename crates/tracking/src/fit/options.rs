@@ -51,7 +51,7 @@ pub struct Stage {
     /// Stop the stage when a step gains less than this fraction of the cost
     /// ([`Tolerances::gain`](crate::optimize::Tolerances::gain)).
     pub tolerance: Option<f64>,
-    /// Factor on the weights of all priors in this stage.
+    /// Factor on the weights of all priors and cues in this stage.
     #[serde(default = "full_weight")]
     pub priors: f64,
 }

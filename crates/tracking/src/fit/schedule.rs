@@ -34,8 +34,8 @@ const NEAR: [f64; 2] = [10.0, 5.0];
 
 /// Radius of the thinnest limb that the robust preset's stages are meant for, pixels.
 const MEANT_FOR_PX: f64 = 4.6;
-/// Doublings at most.
-const MOST_DOUBLINGS: f64 = 4.0;
+/// Finer pictures are taken as this many times as fine.
+const FINEST: f64 = 16.0;
 /// A person smaller than this, pixels, is tiny.
 const TINY_PX: f64 = 64.0;
 
@@ -129,15 +129,19 @@ impl FitOptions {
         options
     }
 
+    /// What pixels tell of a limb's place grows with the third power of its pixels: its outline has more of them, and each is a
+    /// smaller share of a metre, which counts twice; over a ramp that is wider it is less. Priors and cues grow with it, so
+    /// that they mean the same in finer pictures.
     fn widened_to(mut self, scale: &ApparentSize) -> Self {
-        let doublings = (scale.thinnest_px / MEANT_FOR_PX).log2().round();
-        let doublings = if doublings.is_finite() { doublings.clamp(0.0, MOST_DOUBLINGS) as usize } else { 0 };
-        for _ in 0..doublings {
+        let finer = scale.thinnest_px / MEANT_FOR_PX;
+        let finer = if finer.is_finite() { finer.clamp(1.0, FINEST) } else { 1.0 };
+        self.stages.iter_mut().for_each(|stage| stage.priors *= finer.powi(3));
+        for _ in 0..finer.log2().round() as usize {
             let Some(&first) = self.stages.first() else { break };
             let Ramp::Distance { inner_px, outer_px } = first.ramp else { break };
             let ramp = Ramp::Distance { inner_px, outer_px: 2.0 * outer_px };
             let stride = (2 * first.stride).min(COARSEST as usize).max(first.stride);
-            self.stages.insert(0, Stage { ramp, stride, ..first });
+            self.stages.insert(0, Stage { ramp, stride, priors: 0.5 * first.priors, ..first });
             self.skip_when_tracking += 1;
         }
         self
@@ -175,11 +179,13 @@ mod tests {
         let outer = |options: &FitOptions| options.stages.iter().map(outer_px).collect::<Vec<f64>>();
         let preset = FitOptions::default();
         let scale = |thinnest_px| ApparentSize { person_px: 300.0, thinnest_px, cameras: 2 };
-        for thinnest_px in [0.0, 3.3, 6.4, f64::INFINITY, f64::NAN] {
+        for thinnest_px in [0.0, 3.3, MEANT_FOR_PX, f64::INFINITY, f64::NAN] {
             assert_eq!(preset.clone().widened_to(&scale(thinnest_px)), preset, "{thinnest_px}");
         }
-        let wider = preset.clone().widened_to(&scale(15.0));
+        let wider = preset.clone().widened_to(&scale(4.0 * MEANT_FOR_PX));
         assert_eq!(outer(&wider), [96.0, 48.0, 24.0, 12.0, 6.0, 3.0, 1.5]);
+        let priors: Vec<f64> = wider.stages.iter().map(|stage| stage.priors).collect();
+        assert_eq!(priors, [16.0, 32.0, 64.0, 64.0, 64.0, 64.0, 64.0]);
         assert_eq!((wider.skip_when_tracking, wider.stages[0].stride), (3, 8));
         assert_eq!(wider.check(), Ok(()));
     }

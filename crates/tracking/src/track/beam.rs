@@ -33,6 +33,8 @@ const REMEMBERED: f64 = 0.8;
 const AHEAD: f64 = 1.0;
 /// A rival is dropped once it is this far behind, nats.
 const BEHIND: f64 = 12.0;
+/// A pose that silhouettes confuse with the leading one explains them before it is fitted; this far behind it does not, nats.
+const HOPELESS: f64 = 75.0;
 /// What a hypothesis that was just seeded is behind, nats: nothing has led there.
 const NEWCOMER: f64 = 2.0;
 /// Hypotheses whose joints all lie this near to each other are one, metres.
@@ -140,13 +142,15 @@ impl Tracker {
         let chains = troubled_chains(&self.model, conflicts);
         let unit = nat(views, pose.root);
         let (leading, energies) = free_energy(leader, &pose, unit);
-        let seeds = self.beam.reseeds.is_due(!chains.is_empty(), RESEEDING);
+        let seeds = self.beam.reseeds.is_due_fading(!chains.is_empty(), RESEEDING);
         let is_odd = energies.iter().any(|part| part.energy > ODD);
         let confuses = is_odd && self.beam.confusions.is_due(true, CONFUSION);
         let rivals = std::mem::take(&mut self.beam.rivals);
         if rivals.is_empty() && !seeds && !confuses {
             return (None, Vec::new());
         }
+        let mut twins = if confuses { confused(&self.model, &pose, views, &energies) } else { Vec::new() };
+        twins.retain(|twin| free_energy(leader, twin, unit).0 - leading < HOPELESS);
         let mut contest = Contest { tracker: self, leader, unit, leading, contenders: Vec::new(), cancel };
         for Rival { last, behind } in rivals {
             let start = last.leads_to(self.seconds_between(last.frame, frame));
@@ -161,10 +165,8 @@ impl Tracker {
                 is_better |= behind.is_some_and(|behind| behind < -NEWCOMER - AHEAD);
             }
         }
-        if confuses {
-            for start in confused(&self.model, &pose, views, &energies) {
-                contest.enter(start, NEWCOMER, None);
-            }
+        for start in twins {
+            contest.enter(start, NEWCOMER, None);
         }
         let contenders = contest.contenders;
         if is_better {

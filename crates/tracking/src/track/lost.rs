@@ -36,6 +36,8 @@ pub enum Lost {
     NoStart,
     /// The fit's numbers ran out of range, so that its pose says nothing.
     Numbers,
+    /// The fit went farther away than the silhouettes allow. The pose is where the motion led.
+    OutOfScene,
     /// Hardly any overlap of model and silhouettes.
     Overlap {
         /// IoU of all cameras together.

@@ -28,7 +28,19 @@ impl Patience {
         (self.wait > self.waited).then_some((self.wait as f64, "no more frames than it waited the last time"))
     }
 
-    /// Counts a frame.
+    /// The same for what is wanted now and then: where it is not wanted, the wait gets shorter by halves.
+    pub(super) fn is_due_fading(&mut self, is_wanted: bool, rarest: Rarest) -> bool {
+        if is_wanted {
+            return self.is_due(true, rarest);
+        }
+        if self.wait == 0 {
+            self.waited /= 2;
+        }
+        self.wait = self.wait.saturating_sub(1);
+        false
+    }
+
+    /// Counts a frame. Where it is not wanted, the wait is forgotten.
     pub(super) fn is_due(&mut self, is_wanted: bool, (rarest, _): Rarest) -> bool {
         if !is_wanted {
             *self = Self::default();
@@ -55,6 +67,13 @@ mod tests {
         assert_eq!(due, [0, 2, 5, 10, 19, 36, 53]);
         assert!(!resort.is_due(false, LAST_RESORT));
         assert!(resort.is_due(true, LAST_RESORT));
+        let mut fading = Patience::default();
+        let due: Vec<usize> = (0..30)
+            .filter(|frame| fading.is_due_fading(frame % 2 == 0 || *frame > 20, LAST_RESORT))
+            .collect();
+        assert_eq!(due, [0, 2, 6, 10, 16, 21, 24]);
+        (0..40).for_each(|_| assert!(!fading.is_due_fading(false, LAST_RESORT)));
+        assert!(fading.is_due_fading(true, LAST_RESORT), "forgotten");
         let mut sooner = Patience::default();
         let due: Vec<usize> = (0..30).filter(|_| sooner.is_due(true, (8, ""))).collect();
         assert_eq!(due, [0, 2, 5, 10, 19, 28]);

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::beam::{Beam, Mode};
 use super::estimate::{FrameEstimate, iou, overlaps};
+use super::extent;
 use super::lost::{Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
 use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
@@ -260,6 +261,9 @@ impl Tracker {
             }
             attempt.modes = modes;
         }
+        if attempt.lost == Some(Lost::OutOfScene) {
+            return Ok(self.lost(frame, start, &views, predicted, Lost::OutOfScene));
+        }
         Ok(self.keep(frame, attempt, predicted, &views, cancel))
     }
 
@@ -283,7 +287,10 @@ impl Tracker {
     fn judged(&self, fit: Fit, hypotheses: Vec<Hypothesis>, views: &[FitView]) -> Attempt {
         let summary = fit.summary();
         let overlap = self.overlaps(&summary.pose, views);
-        let lost = self.usual.judge(rms(&summary), iou(&overlap));
+        let kinematics = Kinematics::new(&self.model, &summary.pose);
+        let is_out = extent::is_beyond(&self.model, &kinematics, views);
+        let judge = || self.usual.judge(rms(&summary), iou(&overlap));
+        let lost = if is_out { Some(Lost::OutOfScene) } else { judge() };
         Attempt { fit, summary, hypotheses, overlap, lost, conflicts: None, modes: Vec::new() }
     }
 
@@ -365,7 +372,7 @@ impl Tracker {
         Some(learned)
     }
 
-    /// A frame in which there is nobody, or nobody to be found: the pose is the predicted one.
+    /// A frame in which there is nobody, or nobody to be found within the scene: the pose is the predicted one.
     fn lost(
         &mut self,
         frame: usize,

@@ -46,6 +46,7 @@ impl Tracker {
         };
         let pose = fit.pose().clone();
         let (equations, energies) = fit.free_equations(&pose);
+        let cameras = fit.camera_equations();
         let seen = views.iter().filter(|view| view.has_data());
         let rivals: Vec<(Kinematics, f64)> =
             beside.modes.iter().map(|mode| (Kinematics::new(model, &mode.pose), mode.weight)).collect();
@@ -59,6 +60,7 @@ impl Tracker {
             energies: &energies,
             unheld: &unheld,
             equations: &equations,
+            cameras: &cameras,
             rms: beside.rms,
             up: up_of(seen.map(|view| &*view.camera)),
             rivals: &rivals,

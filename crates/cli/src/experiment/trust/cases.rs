@@ -7,8 +7,8 @@ use backlit_formats::{Footage, FootageError};
 use backlit_lab::synthetic::figure::{Build, Figure};
 use backlit_lab::synthetic::masks::{silhouette, widened};
 use backlit_lab::synthetic::occlusions::Occlusion;
-use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
-use backlit_lab::synthetic::{capsules, exercise, motion, studio};
+use backlit_lab::synthetic::people::{BREADTH, PEOPLE};
+use backlit_lab::synthetic::{capsules, exercise, motion, studio, upper_body};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
@@ -20,8 +20,10 @@ use backlit_tracking::track::WhenToSearch;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-/// Pictures of the simulated cameras.
+/// Pictures of the simulated telephones, of the cameras around a body, and of those before an upper body.
 const SIZE_PX: [u64; 2] = [180, 320];
+const AROUND_PX: [[u64; 2]; 2] = [[studio::WIDTH, studio::HEIGHT], [96, 128]];
+const UPPER_PX: [[u64; 2]; 2] = [[192, 144], [48, 36]];
 /// How much too wide simulated masks are all round, as a share of the breadth of the shoulders.
 const TOO_WIDE: f64 = 0.045;
 /// Frames a second of the simulated telephones.
@@ -93,17 +95,37 @@ impl FrameReader for CaseReader {
 /// The pose of a body at a time, seconds.
 type Movement = Box<dyn Fn(&Model, f64) -> Pose + Send + Sync>;
 
-/// A movement of a person before cameras.
+/// What a simulated mask is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    /// The body's own capsules.
+    Capsules,
+    /// The same, too wide.
+    Wide,
+    /// A figure in loose clothes.
+    Clothed,
+}
+
+impl Drawn {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Capsules => "exact",
+            Self::Wide => "wide",
+            Self::Clothed => "clothed",
+        }
+    }
+}
+
+/// A movement of a body before cameras.
 struct Simulated {
     name: String,
-    person: &'static Person,
+    model: Arc<Model>,
     cameras: Vec<Arc<Camera>>,
     pose: Movement,
     rate: f64,
     seconds: f64,
     every: usize,
-    /// Masks are of a figure in loose clothes, else of the body's own capsules, widened.
-    is_clothed: bool,
+    drawn: Drawn,
     /// How the start is turned: about which axis of the world, radians.
     turned: Option<(DVec3, f64)>,
     is_held_out: bool,
@@ -111,18 +133,22 @@ struct Simulated {
 
 impl Simulated {
     fn case(self) -> Result<Case> {
-        let model = Arc::new(self.person.of(&builtin::full_body())?);
+        let model = self.model;
         let frame = |frame: usize| {
-            let truth = self.person.standing((self.pose)(&model, frame as f64 / self.rate));
-            let figure = self.is_clothed.then(|| Figure::new(&model, &truth, Build::default())).flatten();
+            let truth = (self.pose)(&model, frame as f64 / self.rate);
+            let figure = match self.drawn {
+                Drawn::Clothed => Figure::new(&model, &truth, Build::default()),
+                Drawn::Capsules | Drawn::Wide => None,
+            };
             let view = |camera: &Arc<Camera>| {
                 let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(truth.root);
                 let mask = match &figure {
                     Some(figure) => silhouette(figure, camera)?,
-                    None => {
-                        let mask = capsules::hard_mask(&model, &truth, camera)?;
-                        widened(mask, TOO_WIDE * BREADTH * px_per_m)?
-                    }
+                    None => capsules::hard_mask(&model, &truth, camera)?,
+                };
+                let mask = match self.drawn {
+                    Drawn::Wide => widened(mask, TOO_WIDE * BREADTH * px_per_m)?,
+                    Drawn::Capsules | Drawn::Clothed => mask,
                 };
                 Ok(FitView::of_mask(camera.clone(), mask))
             };
@@ -133,12 +159,10 @@ impl Simulated {
         };
         let count = (self.seconds * self.rate) as usize;
         let frames = (0..count).step_by(self.every).map(frame).collect::<Result<_>>()?;
-        let start = self.person.standing((self.pose)(&model, 0.0));
-        let mut start = start::perturb(&model, &start, 3_f64.to_radians(), 0.02, 1);
-        let mut name =
-            format!("{}, {}, {} a second", self.name, self.person.name, self.rate / self.every as f64);
-        if self.is_clothed {
-            name += ", clothed";
+        let mut start = start::perturb(&model, &(self.pose)(&model, 0.0), 3_f64.to_radians(), 0.02, 1);
+        let mut name = format!("{}, {} a second", self.name, self.rate / self.every as f64);
+        if self.drawn != Drawn::Wide {
+            name += &format!(", {}", self.drawn.name());
         }
         if let Some((axis, angle)) = self.turned {
             let root = model.rotation_parents().iter().position(Option::is_none).unwrap_or_default();
@@ -160,58 +184,101 @@ impl Simulated {
     }
 }
 
-/// The movements that hide limbs before two telephones, and exercises before two and three cameras, both of capsules and clothed;
-/// and a clothed figure amid four cameras.
+/// The movements that hide limbs before two telephones, and exercises before two and three cameras, both of wide capsules and
+/// clothed; and what is clear: bodies amid cameras in pictures of several sizes.
 pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
     let mut all = Vec::new();
     for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
-        let is_clothed = [(0, false, 1), (1, false, 4), (0, true, 4)];
-        for (third, is_clothed, every) in is_clothed {
+        let model = Arc::new(person.of(&builtin::full_body())?);
+        let movement = |pose: fn(&Model, f64) -> Pose| -> Movement {
+            Box::new(move |model, seconds| person.standing(pose(model, seconds)))
+        };
+        let ways = [(0, Drawn::Wide, 1), (1, Drawn::Wide, 4), (0, Drawn::Clothed, 4)];
+        for (third, drawn, every) in ways {
             let held_out = |other: usize| (build + third + other) % 2 == 1;
             for (at, which) in Occlusion::ALL.into_iter().enumerate() {
                 all.push(Simulated {
-                    name: which.name().to_owned(),
-                    person,
+                    name: format!("{}, {}", which.name(), person.name),
+                    model: model.clone(),
                     cameras: which.cameras(SIZE_PX)?,
-                    pose: Box::new(move |model, seconds| which.pose(model, seconds)),
+                    pose: Box::new(move |model, seconds| person.standing(which.pose(model, seconds))),
                     rate: RATE,
                     seconds,
                     every,
-                    is_clothed,
+                    drawn,
                     turned: None,
                     is_held_out: held_out(at),
                 });
             }
             for count in 2..=exercise::MOST_CAMERAS {
-                let turns = TURNS.into_iter().map(Some).filter(|_| every > 1 && !is_clothed && build < 2);
+                let is_turned = every > 1 && drawn == Drawn::Wide && build < 2;
+                let turns = TURNS.into_iter().map(Some).filter(|_| is_turned);
                 for (turn, turned) in std::iter::once(None).chain(turns).enumerate() {
                     all.push(Simulated {
-                        name: format!("exercises, {count} cameras"),
-                        person,
+                        name: format!("exercises, {count} cameras, {}", person.name),
+                        model: model.clone(),
                         cameras: exercise::cameras(count, SIZE_PX)?,
-                        pose: Box::new(exercise::pose),
+                        pose: movement(exercise::pose),
                         rate: exercise::FRAME_RATE,
                         seconds: (2.0 * seconds).min(exercise::SECONDS),
                         every,
-                        is_clothed,
+                        drawn,
                         turned,
                         is_held_out: held_out(count + turn),
                     });
                 }
             }
         }
-        all.push(Simulated {
-            name: "four cameras around".to_owned(),
-            person,
-            cameras: studio::pinholes([studio::WIDTH, studio::HEIGHT])?,
-            pose: Box::new(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
-            rate: motion::FRAME_RATE,
-            seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
-            every: 1,
-            is_clothed: true,
-            turned: None,
-            is_held_out: build % 2 == 1,
-        });
+        for (at, drawn) in [Drawn::Capsules, Drawn::Wide, Drawn::Clothed].into_iter().enumerate() {
+            for (third, size_px) in AROUND_PX.into_iter().enumerate() {
+                let is_held_out = (build + at + third) % 2 == 1;
+                let [width, height] = size_px;
+                all.push(Simulated {
+                    name: format!("four cameras around, {width} × {height}, {}", person.name),
+                    model: model.clone(),
+                    cameras: studio::pinholes(size_px)?,
+                    pose: movement(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
+                    rate: motion::FRAME_RATE,
+                    seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
+                    every: 1,
+                    drawn,
+                    turned: None,
+                    is_held_out,
+                });
+                all.push(Simulated {
+                    name: format!("exercises, 3 cameras, {height} × {width}, {}", person.name),
+                    model: model.clone(),
+                    cameras: exercise::cameras(exercise::MOST_CAMERAS, [height, width])?,
+                    pose: movement(exercise::pose),
+                    rate: exercise::FRAME_RATE,
+                    seconds: (2.0 * seconds).min(exercise::SECONDS),
+                    every: 4,
+                    drawn,
+                    turned: None,
+                    is_held_out: !is_held_out,
+                });
+            }
+        }
+    }
+    let upper = Arc::new(builtin::upper_body());
+    for (at, count) in [2, 3, upper_body::MOST_CAMERAS].into_iter().enumerate() {
+        for (third, size_px) in UPPER_PX.into_iter().enumerate() {
+            let [width, height] = size_px;
+            all.push(Simulated {
+                name: format!("upper body, {count} cameras, {width} × {height}"),
+                model: upper.clone(),
+                cameras: upper_body::cameras(count, size_px)?,
+                pose: Box::new(|model, seconds| {
+                    upper_body::motion(model, (seconds * upper_body::FRAME_RATE).round() as usize)
+                }),
+                rate: upper_body::FRAME_RATE,
+                seconds: seconds.min(2.0),
+                every: 1,
+                drawn: if count == 3 { Drawn::Wide } else { Drawn::Capsules },
+                turned: None,
+                is_held_out: (at + third) % 2 == 1,
+            });
+        }
     }
     all.into_par_iter().map(Simulated::case).collect()
 }
@@ -266,6 +333,10 @@ pub(super) fn of_take(footage: &Footage) -> Result<Vec<Case>> {
             let name = format!("{} and {} alone", camera_name(first), camera_name(second));
             add(name, 1, &[first, second], &known, poor);
         }
+    }
+    for &without in cameras.iter().filter(|_| cameras.len() > 2) {
+        let others: Vec<usize> = cameras.iter().copied().filter(|&camera| camera != without).collect();
+        add(format!("without {}", camera_name(without)), 1, &others, &known, poor);
     }
     for every in SPARSE.into_iter().filter(|every| *every < count) {
         add(format!("every {every}th frame"), every, &cameras, &known, poor);

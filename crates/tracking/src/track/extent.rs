@@ -1,0 +1,66 @@
+//! How far from a camera somebody can be who covers that much of its picture.
+//!
+//! A body of limbs with lengths l and radii r covers at most A = Σ 2 r (l + 2 r) square metres, so that one who covers a pixels of a
+//! camera of focal length f px stands no deeper than f √(A/a), give or take what masks and sizes are wrong ([`TOLERANCE`]).
+//! What is farther from a camera than that depth along the ray of a corner of its picture, and the body's reach, is nowhere
+//! in the scene.
+
+use crate::body::{Kinematics, Model};
+use crate::fit::{Evidence, FitView};
+use crate::silhouette::Label;
+
+/// Masks may show the subject this many times smaller than it is.
+const TOLERANCE: f64 = 3.0;
+
+/// Whether the end of a limb is farther away than the silhouettes allow, or no number.
+pub(super) fn is_beyond(model: &Model, kinematics: &Kinematics, views: &[FitView]) -> bool {
+    let area_m2: f64 =
+        model.limbs().iter().map(|limb| 2.0 * limb.radius * (limb.length + 2.0 * limb.radius)).sum();
+    let reach_m: f64 = model.limbs().iter().map(|limb| limb.length).sum();
+    let is_beyond = |view: &FitView| {
+        let Evidence::Mask(mask) = &view.evidence else { return false };
+        let (camera, pixels) = (&*view.camera, mask.count(Label::Subject));
+        if pixels == 0 {
+            return false;
+        }
+        let focal_px = camera.intrinsics().mean_focal_px();
+        let deepest_m = TOLERANCE * focal_px * (area_m2 / pixels as f64).sqrt();
+        let diagonal_px = (camera.width() as f64).hypot(camera.height() as f64);
+        let farthest_m = deepest_m * (diagonal_px / focal_px).hypot(1.0) + reach_m;
+        !kinematics.ends().iter().all(|end| end.distance(camera.centre()) <= farthest_m)
+    };
+    views.iter().any(is_beyond)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::body::{Pose, builtin};
+    use crate::fixtures;
+
+    /// A body where its silhouettes are may be there, and three times as far; a hundred metres behind it or behind the camera it may
+    /// not, and a root that is no number is nowhere.
+    #[test]
+    fn who_covers_much_of_a_picture_is_near() {
+        let model = builtin::full_body();
+        let truth = Pose::rest(&model);
+        let camera = |from: DVec3| {
+            fixtures::camera([120, 160], [160.0, 160.0, 59.5, 79.5], from, truth.root, DVec3::Z)
+        };
+        let views: Vec<FitView> = [DVec3::new(0.5, 3.5, 1.0), DVec3::new(3.5, 0.0, 1.5)]
+            .map(|from| fixtures::fit_view(&model, &truth, camera(from)))
+            .into();
+        let is_beyond_at = |by: DVec3| {
+            let pose = Pose { root: truth.root + by, ..truth.clone() };
+            is_beyond(&model, &Kinematics::new(&model, &pose), &views)
+        };
+        for near in [DVec3::ZERO, DVec3::NEG_Y * 7.0, DVec3::NEG_X * 7.0] {
+            assert!(!is_beyond_at(near), "{near}");
+        }
+        for far in [DVec3::NEG_Y * 100.0, DVec3::Y * 100.0, DVec3::Z * 1e9, DVec3::NAN] {
+            assert!(is_beyond_at(far), "{far}");
+        }
+    }
+}
