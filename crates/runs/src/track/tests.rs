@@ -57,23 +57,10 @@ fn truth(model: &Model, frame: usize) -> Pose {
 
 fn plan(model: &Arc<Model>, from: usize, to: usize) -> TrackPlan {
     let start = start::perturb(model, &truth(model, 0), 0.05, 0.02, 1);
-    TrackPlan {
-        model: model.clone(),
-        fit: Arc::new(FitOptions {
-            prior: Some(backlit_document::likely_poses::people()),
-            ..FitOptions::default()
-        }),
-        frame_rate: RATE,
-        motion: Default::default(),
-        search: Default::default(),
-        rivals: RIVALS,
-        cues: Vec::new(),
-        smoothing: None,
-        keys: BTreeMap::new(),
-        at_keys: KeyUse::Begin,
-        legs: [Leg { start, continues: None, frames: (from..to).map(|frame| frame * EVERY).collect() }]
-            .into(),
-    }
+    let frames = (from..to).map(|frame| frame * EVERY).collect();
+    let prior = Some(backlit_document::likely_poses::people());
+    let fit = Arc::new(FitOptions { prior, ..FitOptions::default() });
+    TrackPlan { fit, ..TrackPlan::new(model.clone(), RATE, start, frames) }
 }
 
 /// The track as it is told, and the frames that were mended.
