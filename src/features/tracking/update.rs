@@ -1,12 +1,11 @@
 //! Begun, stopped, and what was found taken in.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use backlit_document::edit::Edit;
+use backlit_document::Document;
+use backlit_document::edit::{Edit, Tracked};
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
-use backlit_document::{Document, Estimate};
 use backlit_jobs::{Job, News, Outbox, one_step};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::Leg;
@@ -210,8 +209,8 @@ impl Tracking {
         }
     }
 
-    pub(super) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
-        self.tracked.push((frame, estimate));
+    pub(super) fn frame_tracked(&mut self, frame: usize, kept: Vec<Tracked>) {
+        self.tracked.extend(kept);
         self.newest = Some(frame);
         if let Some(TrackingWork::Track(progress)) = &mut self.work {
             progress.done += 1;

@@ -144,6 +144,7 @@ impl ProjectFile {
             start: Arc::new(start),
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
+            told: Arc::default(),
             cameras: Arc::new(cameras),
             tracking: self.tracking.unwrap_or_else(|| TrackingChoices::of_preset(fit.as_preset())),
             fit: Arc::new(fit),
