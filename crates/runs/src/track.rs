@@ -432,7 +432,15 @@ impl<R: FrameReader> TrackRun<R> {
     /// Joins the two legs. What lies between them is fitted again.
     fn join(&self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         let [forward, backward] = &self.whole[..] else { return };
-        let Some(join) = join::join(&self.plan.model, forward, backward) else { return };
+        let Some((_, first)) = forward.frames.first_key_value() else { return };
+        let Ok(tracker) = self.plan.tracker(first.pose.clone()) else { return };
+        let behind = |frame: usize, poses: [&Pose; 2]| {
+            let read = if cancel.is_cancelled() { None } else { self.reader.read(frame).ok() };
+            let [forward, backward] = tracker.energies(&self.reader.views(&read?), poses)?;
+            Some(forward - backward)
+        };
+        let join = join::join(&self.plan.model, self.plan.frame_rate, [forward, backward], behind);
+        let Some(join) = join else { return };
         let mut joined = Vec::with_capacity(join.sources.len());
         for (frame, source) in &join.sources {
             if cancel.is_cancelled() {

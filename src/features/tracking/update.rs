@@ -77,7 +77,8 @@ impl Tracking {
         let document = context.document();
         let Some((first, last)) = keys_around(document, context.selection.frame) else { return };
         let leg = |key: usize, frames| leg(context, key, document.pose_at(key), frames);
-        let legs = vec![leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
+        // Neither track comes to the key pose of the other.
+        let legs = vec![leg(first, (first..last).collect()), leg(last, (first + 1..=last).rev().collect())];
         let order = TrackOrder { legs, keys: other_keys(context, &[first, last]), turns_round: false };
         self.begin_tracking(order, false, Some((first, last)), context, requests);
     }
@@ -355,7 +356,7 @@ pub(super) fn joined(frame: usize, distance_m: f64, meets: bool, requests: &mut 
         requests.status(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
     } else {
         requests.complain(format!(
-            "The two tracks do not meet: they are nearest in frame {frame}, {centimetres} cm apart. \
+            "The two tracks do not meet: where they change over, after frame {frame}, a joint is {centimetres} cm apart. \
              Set another key pose near there and track again."
         ));
     }
