@@ -32,6 +32,7 @@ use backlit_document::Document;
 use backlit_document::history::History;
 use backlit_document::run::Run;
 use backlit_document::runs::{Runs, StepRef};
+use backlit_document::told::are_same;
 use backlit_formats::Footage;
 use backlit_formats::take::BodySizes;
 
@@ -42,10 +43,10 @@ use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
 use crate::context::view_settings::ViewSettings;
+use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::Selection;
-use crate::session::{Session, ToldOfPose, are_same};
 use backlit_jobs::Pool;
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
@@ -147,18 +148,8 @@ impl<'a> Context<'a> {
         if !self.views.rivals || self.drag.is_dragging() {
             return Vec::new();
         }
-        let modes = self.session.modes(frame, shown).into_iter();
+        let modes = self.document().modes(frame, shown).into_iter();
         modes.filter(|(pose, _)| !are_same(pose, shown)).collect()
-    }
-
-    /// What was told of the tracked frames in which a limb is not believed.
-    pub(crate) fn doubted(&self) -> impl Iterator<Item = (usize, &'a ToldOfPose)> + use<'a> {
-        let (estimates, told) = (&self.document().estimates, self.session.told.iter());
-        let of_estimate = |frame: &usize, told: &ToldOfPose| {
-            estimates.get(frame).is_some_and(|found| found.pose == told.pose)
-        };
-        told.filter(move |(frame, told)| !told.doubts.is_empty() && of_estimate(frame, told))
-            .map(|(frame, told)| (*frame, told))
     }
 
     /// Mean distance of a pose's joints from the take's reference at the frame on the screen, millimetres.

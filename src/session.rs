@@ -13,11 +13,8 @@ use std::sync::Arc;
 use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
-use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::Pose;
-use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
-use backlit_tracking::track::Mode;
 
 pub(crate) use backlit_formats::footage::FrameData;
 pub(crate) use frames::SegmentedFrames;
@@ -52,8 +49,6 @@ pub struct Session {
     pub(crate) subject: Vec<Option<Extent>>,
     /// What a Kalman filter believed of frames' joints, by frame.
     pub(crate) beliefs: BTreeMap<usize, BelievedJoints>,
-    /// What the tracker told beside poses, by frame.
-    pub(crate) told: BTreeMap<usize, ToldOfPose>,
     /// Time of the last prediction, in seconds.
     pub(crate) predict_seconds: Option<f64>,
 }
@@ -66,68 +61,7 @@ pub(crate) struct BelievedJoints {
     pub(crate) joints: Arc<Vec<JointUncertainty>>,
 }
 
-/// Two poses whose rotations differ by less are the same, radians and metres.
-const SAME: f64 = 1e-6;
-
-/// Whether two poses are the same but for rounding: a pose that is set is normalised.
-pub(crate) fn are_same(a: &Pose, b: &Pose) -> bool {
-    a.root.distance(b.root) < SAME && a.local(b).iter().all(|value| value.abs() < SAME)
-}
-
-/// What the tracker told beside a pose: what held its limbs, and which of them are not believed.
-#[derive(Debug, Clone)]
-pub(crate) struct ToldOfPose {
-    /// The pose that it is of.
-    pub(crate) pose: Pose,
-    /// Empty where it was not tracked with cues.
-    pub(crate) holds: Arc<[LimbHold]>,
-    /// The limbs that are doubtful or wrong and have a rotation of their own.
-    pub(crate) doubts: Arc<[LimbTrust]>,
-    /// Poses that were carried beside it, likeliest first; those that are hardly likely are left out.
-    pub(crate) rivals: Arc<[Mode]>,
-}
-
-impl ToldOfPose {
-    /// How many limbs are wrong in the mean of such frames: the sum of P(wrong) of those that are not believed.
-    pub(crate) fn expected_wrong(&self) -> f64 {
-        self.doubts.iter().map(|doubt| doubt.wrong).sum()
-    }
-
-    /// The tracked pose and its rivals with their weights; empty where there are none.
-    pub(crate) fn modes(&self) -> impl Iterator<Item = (&Pose, f64)> {
-        let rivals: f64 = self.rivals.iter().map(|rival| rival.weight).sum();
-        let tracked = (!self.rivals.is_empty()).then_some((&self.pose, 1.0 - rivals));
-        tracked.into_iter().chain(self.rivals.iter().map(|rival| (&rival.pose, rival.weight)))
-    }
-}
-
 impl Session {
-    /// The poses that a frame allowed as it was tracked, if this one is one of them.
-    pub(crate) fn modes(&self, frame: usize, pose: &Pose) -> Vec<(&Pose, f64)> {
-        let modes: Vec<_> = self.told.get(&frame).into_iter().flat_map(ToldOfPose::modes).collect();
-        if modes.iter().any(|(mode, _)| are_same(mode, pose)) { modes } else { Vec::new() }
-    }
-
-    /// What the tracker told beside this pose of a frame.
-    pub(crate) fn told_of(&self, frame: usize, pose: &Pose) -> Option<&ToldOfPose> {
-        self.told.get(&frame).filter(|told| told.pose == *pose)
-    }
-
-    /// The same, if a limb of it is not believed.
-    pub(crate) fn doubted(&self, frame: usize, pose: &Pose) -> Option<&ToldOfPose> {
-        self.told.get(&frame).filter(|told| !told.doubts.is_empty() && told.pose == *pose)
-    }
-
-    /// What held the limbs of this pose in a frame, part by part; empty where it was not tracked with cues.
-    pub(crate) fn held(&self, frame: usize, pose: &Pose) -> &[LimbHold] {
-        self.told_of(frame, pose).map_or(&[], |told| &told.holds)
-    }
-
-    /// The limbs of this pose that are not believed in a frame.
-    pub(crate) fn doubts(&self, frame: usize, pose: &Pose) -> &[LimbTrust] {
-        self.doubted(frame, pose).map_or(&[], |told| &told.doubts)
-    }
-
     /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.
     pub(crate) fn believed(&self, frame: usize, pose: &Pose) -> Option<&BelievedJoints> {
         self.beliefs.get(&frame).filter(|believed| believed.pose == *pose)

@@ -29,7 +29,6 @@ impl Inspector {
             session.generation += 1;
         }
         session.beliefs.extend(requests.beliefs);
-        session.told.extend(requests.told);
         for frame in requests.frames {
             session.keep_frame(frame);
         }

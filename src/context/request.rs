@@ -19,7 +19,7 @@ use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
 use crate::session::playback::PlaybackChange;
 use crate::session::prediction::Predicted;
-use crate::session::{BelievedJoints, FrameData, ToldOfPose};
+use crate::session::{BelievedJoints, FrameData};
 
 /// A request, by who answers it.
 #[derive(Debug)]
@@ -196,8 +196,6 @@ pub struct Requests {
     pub(crate) frames: Vec<Arc<FrameData>>,
     /// What a Kalman filter believed of frames.
     pub(crate) beliefs: Vec<(usize, BelievedJoints)>,
-    /// What the tracker told beside poses of frames.
-    pub(crate) told: Vec<(usize, ToldOfPose)>,
 }
 
 impl Requests {

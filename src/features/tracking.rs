@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use backlit_document::Estimate;
+use backlit_document::edit::Tracked;
 use backlit_document::history::Gesture;
 use backlit_jobs::Task;
 use backlit_tracking::body::Pose;
@@ -38,7 +38,7 @@ pub(crate) struct Tracking {
     /// All frames of a track are one undoable act.
     gesture: Option<Gesture>,
     /// Frames of the track that the document does not have yet.
-    tracked: Vec<(usize, Arc<Estimate>)>,
+    tracked: Vec<Tracked>,
     other_poses: BTreeMap<usize, OtherPoses>,
     /// Whether the screen follows the tracker: not once the user has gone elsewhere.
     pub(crate) follows: bool,

@@ -1,6 +1,5 @@
 //! `backlit prior`: what motion files say, and a track that asks them.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -21,13 +20,7 @@ fn swinging(path: &Path) {
         Pose::rest(&model).retract(Parameters::Tangent, &step)
     };
     let poses = (0..120).map(|frame| (frame, pose(frame))).collect();
-    let motion = Motion {
-        name: "swing".to_owned(),
-        model: model.clone(),
-        frame_rate: 30.0,
-        poses,
-        trust: BTreeMap::new(),
-    };
+    let motion = Motion::of_poses("swing", model.clone(), 30.0, poses);
     motion::write(path, MotionFormat::Bvh, &motion, &MotionOptions::default()).unwrap();
 }
 

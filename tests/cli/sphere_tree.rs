@@ -2,8 +2,6 @@
 
 use std::fmt::Write;
 
-use std::collections::BTreeMap;
-
 use backlit_formats::motion::{Axes, Motion, MotionFormat, MotionOptions};
 use backlit_formats::{model_file, motion};
 use backlit_sphere_tree::isosurface;
@@ -57,13 +55,7 @@ fn a_mesh_becomes_levels_of_spheres() {
 fn a_skinned_mesh_becomes_a_body_of_spheres() {
     let scene = Scene::new();
     let model = builtin::full_body();
-    let written = Motion {
-        name: "person".to_owned(),
-        poses: BTreeMap::from([(0, Pose::rest(&model))]),
-        trust: BTreeMap::new(),
-        frame_rate: 30.0,
-        model: model.clone(),
-    };
+    let written = Motion::of_poses("person", model.clone(), 30.0, [(0, Pose::rest(&model))].into());
     let options = MotionOptions { axes: Some(Axes::World), ..MotionOptions::default() };
     motion::write(&scene.path("person.glb"), MotionFormat::Glb, &written, &options).unwrap();
     let said = scene.ok("sphere-tree person.glb --skinned --spheres 800 --levels 2 --out person.toml");

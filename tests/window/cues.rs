@@ -7,7 +7,9 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::support::window::{Window, WindowState, click, command, demonstration, press, settle, undo};
+use crate::support::window::{
+    Window, WindowState, at, click, command, demonstration, press, save, settle, undo,
+};
 
 fn legends(window: &Window) -> Vec<String> {
     let nodes = window.query_all_by_label_contains("Legend: ");
@@ -58,7 +60,23 @@ fn what_could_help_is_offered_where_limbs_are_doubtful() {
     assert!(window.query_by_label_contains("Keypoints, up to").is_none(), "they are on already");
 }
 
-/// A click on how likely a rival pose is gives the frame that pose; one key takes it back.
+/// What a window shows of what the tracker told: rivals and doubtful limbs of this frame, and which one is worst.
+fn told(window: &mut Window, frame: usize) -> (Vec<String>, usize) {
+    press(window, Modifiers::NONE, Key::Home);
+    command(window, "Worst frame");
+    let worst = window.selection().frame;
+    press(window, Modifiers::NONE, Key::Home);
+    (0..frame).for_each(|_| press(window, Modifiers::NONE, Key::ArrowRight));
+    let nodes = [RIVAL, "Doubtful limbs: "].map(|label| window.query_all_by_label_contains(label));
+    let nodes = nodes.into_iter().flatten();
+    let labels = nodes.filter_map(|node| {
+        let node = node.accesskit_node();
+        node.label().or_else(|| node.value())
+    });
+    (labels.chain(legends(window)).collect(), worst)
+}
+
+/// A click on how likely a rival pose is gives the frame that pose; one key takes it back. What the tracker told is saved.
 #[test]
 fn a_rival_pose_is_taken_by_a_click() {
     let mut window = demonstration(Demonstration::Cues).layout(Layout::Pose).sized(1600.0, 1600.0).open();
@@ -84,6 +102,12 @@ fn a_rival_pose_is_taken_by_a_click() {
     assert!(has_rival(&window), "now it is the tracked one");
     undo(&mut window);
     assert_eq!(*window.document().pose_at(frame), tracked);
+    let (folder, shown) = (tempfile::tempdir().unwrap(), told(&mut window, frame));
+    assert!(shown.0.iter().any(|label| label.starts_with("Doubtful limbs: ")), "{shown:?}");
+    save(&mut window, &folder.path().join("cues.backlit"));
+    let mut again = at(&folder.path().join("cues.backlit")).layout(Layout::Pose).sized(1600.0, 1600.0).open();
+    assert_eq!(told(&mut again, frame), shown);
+    assert_eq!(*again.document().pose_at(frame), tracked);
     command(&mut window, "Rival poses");
     assert!(!has_rival(&window));
 }

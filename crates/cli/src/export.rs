@@ -1,6 +1,5 @@
 //! `backlit export`: a track, or the poses of a project, as motion files of other programs.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
@@ -110,14 +109,11 @@ fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
     let source = document.take.clone();
     let source = source.with_context(|| format!("{}: the project names no take", path.display()))?;
     let take = source.named_by(path).open().context("the project's take cannot be opened")?;
-    let mut poses = document.own_poses();
+    let mut motion = document.motion(take.name(), take.frame_rate());
     // Poses beyond the last frame are kept and not shown.
-    poses.retain(|frame, _| *frame < take.frame_count());
+    motion.poses.retain(|frame, _| *frame < take.frame_count());
     let rig = document.calibration.as_ref().map_or_else(|| take.rig(), |calibration| &calibration.rig);
-    let up = up_of(rig.cameras());
-    let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
-    let trust = BTreeMap::new();
-    Ok((Motion { name, model: (*document.model).clone(), frame_rate, poses, trust }, up))
+    Ok((motion, up_of(rig.cameras())))
 }
 
 /// Reads a direction in the world.

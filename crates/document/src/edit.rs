@@ -1,6 +1,7 @@
 //! Every change that a user can make to a document.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -10,6 +11,7 @@ use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::segment::SegmentOptions;
 use thiserror::Error;
 
+use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 use crate::{CameraUse, Document, Estimate, Origin};
 
@@ -30,8 +32,8 @@ pub enum Edit {
     ClearKey { frame: usize },
     /// What a fit or the tracker found for a frame.
     AddEstimate { frame: usize, estimate: Arc<Estimate> },
-    /// What the tracker found, frame by frame; it replaces what was found there before.
-    AddTrack(Vec<(usize, Arc<Estimate>)>),
+    /// What the tracker found, frame by frame, and told beside it; it replaces what was found there before.
+    AddTrack(Vec<Tracked>),
     /// Forgets everything that was found; key poses stay.
     ClearEstimates,
     /// Forgets what was found from one frame to another, both included; key poses stay.
@@ -88,6 +90,9 @@ pub enum Edit {
         pinned: bool,
     },
 }
+
+/// A frame, what was found in it, and what was told beside, if anything was.
+pub type Tracked = (usize, Arc<Estimate>, Option<Arc<Told>>);
 
 /// Why a change cannot be made. The document is then as before.
 #[derive(Debug, Error, Clone, PartialEq)]
@@ -170,11 +175,18 @@ impl Document {
                 }
             }
             Edit::AddEstimate { frame, estimate } => self.add_estimates(vec![(frame, estimate)])?,
-            Edit::AddTrack(found) => self.add_estimates(found)?,
-            Edit::ClearEstimates => self.estimates = Arc::default(),
-            Edit::ClearRange { first, last } => {
-                Arc::make_mut(&mut self.estimates).retain(|frame, _| !(first..=last).contains(frame));
+            Edit::AddTrack(found) => {
+                self.add_estimates(found.iter().map(|(frame, found, _)| (*frame, found.clone())).collect())?;
+                let told = Arc::make_mut(&mut self.told);
+                for (frame, _, beside) in found {
+                    match beside {
+                        Some(beside) => told.insert(frame, beside),
+                        None => told.remove(&frame),
+                    };
+                }
             }
+            Edit::ClearEstimates => self.clear(0..=usize::MAX),
+            Edit::ClearRange { first, last } => self.clear(first..=last),
             Edit::SetSize { limb, length, radius, both_sides } => {
                 self.set_size(limb, length, radius, both_sides)?;
             }
@@ -248,6 +260,13 @@ impl Document {
         }
         Arc::make_mut(&mut self.estimates).extend(found);
         Ok(())
+    }
+
+    fn clear(&mut self, frames: RangeInclusive<usize>) {
+        Arc::make_mut(&mut self.estimates).retain(|frame, _| !frames.contains(frame));
+        // Rivals of a key pose stay to be chosen from.
+        Arc::make_mut(&mut self.told)
+            .retain(|frame, _| !frames.contains(frame) || self.keys.contains_key(frame));
     }
 
     fn set_size(&mut self, limb: usize, length: f64, radius: f64, both: bool) -> Result<(), EditError> {

@@ -13,18 +13,21 @@ pub mod run;
 pub mod run_names;
 pub mod runs;
 pub mod take_match;
+pub mod told;
 pub mod tracking_choices;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use backlit_formats::footage::replacement::{Calibration, MaskFiles, PlateFiles};
+use backlit_formats::motion::Motion;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
 use serde::{Deserialize, Serialize};
 
+use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 
 /// What one camera does in the fit.
@@ -98,6 +101,8 @@ pub struct Document {
     pub keys: Arc<BTreeMap<usize, Pose>>,
     /// Poses found, by frame. An estimate is younger than the key pose of the same frame.
     pub estimates: Arc<BTreeMap<usize, Arc<Estimate>>>,
+    /// What the tracker told beside poses, by frame.
+    pub told: Arc<BTreeMap<usize, Arc<Told>>>,
     /// The cameras, in the order of the take.
     pub cameras: Arc<Vec<CameraUse>>,
     /// How poses are fitted.
@@ -126,6 +131,7 @@ impl Document {
             start: Arc::new(start),
             keys: Arc::default(),
             estimates: Arc::default(),
+            told: Arc::default(),
             cameras: Arc::default(),
             fit: Arc::default(),
             tracking: TrackingChoices::of_preset(FitOptions::default().as_preset()),
@@ -154,6 +160,14 @@ impl Document {
     pub fn own_poses(&self) -> BTreeMap<usize, Pose> {
         let frames = self.estimates.keys().chain(self.keys.keys());
         frames.map(|&frame| (frame, self.pose_at(frame).clone())).collect()
+    }
+
+    /// The same for other programs, with how far poses that were tracked are believed.
+    pub fn motion(&self, name: impl Into<String>, frame_rate: f64) -> Motion {
+        let poses = self.own_poses();
+        let told = poses.iter().filter_map(|(&frame, pose)| Some((frame, self.told_of(frame, pose)?)));
+        let trust = told.map(|(frame, told)| (frame, told.trust.clone())).collect();
+        Motion::of_poses(name, (*self.model).clone(), frame_rate, poses).with_trust(trust)
     }
 
     /// Whether a frame has a pose of its own.

@@ -5,10 +5,11 @@
 
 mod record;
 mod run_record;
+mod told_record;
 
 use std::path::{Path, PathBuf};
 
-use backlit_formats::{DiskFiles, FileError, TakeFiles, atomic, json_text};
+use backlit_formats::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, json_text};
 use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::fit::OptionsError;
 use backlit_tracking::segment::SegmentError;
@@ -23,7 +24,7 @@ use record::ProjectFile;
 pub const FORMAT: &str = "backlit-project 1";
 
 /// Files larger than this are not projects.
-const MAX_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// What a project's file holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,22 +81,32 @@ pub enum ProjectProblem {
     Measurement { index: usize, error: SegmentError },
     #[error("`cameras`: the weight of {camera} is {weight}; expected a number, 0 or above")]
     Weight { camera: String, weight: f64 },
+    #[error("`{field}` is missing; only a frame with an estimate may leave it out")]
+    NoPose { field: String },
+    #[error(transparent)]
+    Trust(FileProblem),
     #[error(transparent)]
     Calibration(FileError),
 }
 
-/// Writes a document and the runs of the fit, each of these in one line. The file appears whole or not at all.
+/// Writes a document and the runs of the fit; a run and what was told of a frame take one line. The file appears whole or not at
+/// all.
 pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
     let json = |error| ProjectError::Json { path: path.to_owned(), error };
     let file = ProjectFile::of(document, runs);
     let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
+    let last_brace = "\n}";
+    text.truncate(text.len() - last_brace.len());
+    if !file.told.is_empty() {
+        let line = |(frame, told)| Ok(format!("\"{frame}\": {}", serde_json::to_string(told)?));
+        let lines: Result<Vec<String>, _> = file.told.iter().map(line).collect();
+        text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines.map_err(json)?.join(",\n    "));
+    }
     if !file.runs.is_empty() {
         let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
-        let lines = lines.map_err(json)?.join(",\n    ");
-        let last_brace = "\n}";
-        text.truncate(text.len() - last_brace.len());
-        text += &format!(",\n  \"runs\": [\n    {lines}\n  ]\n}}");
+        text += &format!(",\n  \"runs\": [\n    {}\n  ]", lines.map_err(json)?.join(",\n    "));
     }
+    text += last_brace;
     Ok(atomic::write(path, text.as_bytes())?)
 }
 
@@ -146,15 +157,18 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    use backlit_tracking::body::{Parameters, builtin};
+    use backlit_tracking::belief::{LimbTrust, Reason};
+    use backlit_tracking::body::{Parameters, Pose, builtin};
+    use backlit_tracking::cues::{Cue, LimbHold};
     use backlit_tracking::segment::SegmentOptions;
-    use backlit_tracking::track::WhenToSearch;
+    use backlit_tracking::track::{Mode, WhenToSearch};
     use glam::DVec3;
 
     use super::*;
     use crate::edit::Edit;
     use crate::run::{RunChoices, RunEnding, RunStep};
     use crate::runs::StepRef;
+    use crate::told::Told;
     use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackedBody, TrackingChoices};
     use crate::{CameraUse, Estimate, Origin, likely_poses};
     use backlit_formats::footage::replacement::Calibration;
@@ -178,11 +192,27 @@ mod tests {
             is_stale: false,
         };
         document.measurement = Arc::new(vec![SegmentOptions::default()]);
+        let model = document.model.clone();
+        let told = |pose: &Pose| {
+            let trust = (0..model.limbs().len()).map(|limb| {
+                let wrong = 0.1 * limb as f64 / 3.0;
+                LimbTrust::new(limb, wrong, [wrong / 3.0, 0.3], Reason::Rival)
+            });
+            let holds = model.rotation_owners().iter().map(|&limb| {
+                let cues = if limb > 2 { vec![Cue::Flow, Cue::Stereo] } else { Vec::new() };
+                LimbHold { limb, cameras: limb, by_silhouettes: limb == 2, cues }
+            });
+            let rivals = vec![Mode { pose: document.start.as_ref().clone(), weight: 1.0 / 3.0 }];
+            Some(Arc::new(Told::new(&model, pose.clone(), trust.collect(), holds.collect(), rivals)))
+        };
+        let found = Arc::new(estimate);
+        let track = [4, 5].map(|frame| (frame, found.clone(), told(&found.pose))).into();
         let mut likely = (*document.fit).clone();
         likely_poses::set_weight(&mut likely, 4.5);
         for edit in [
+            Edit::AddTrack(track),
             Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
-            Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
+            Edit::SetPose { frame: 5, pose: (*document.start).clone(), what: "Take rival pose".to_owned() },
             Edit::UseCamera { camera: 0, used: false },
             Edit::SetTracking(TrackingChoices {
                 motion: Following::Smoothed { lag: Some(3) },
@@ -268,16 +298,19 @@ mod tests {
     }
 
     #[test]
-    fn a_project_from_before_the_choices_of_tracking_is_read() {
+    fn a_project_from_before_there_was_more_to_save_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("old.backlit");
         write_project(&path, &example(), &[]).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
-        assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
+        for field in ["tracking", "told"] {
+            assert!(json.as_object_mut().unwrap().remove(field).is_some());
+        }
         std::fs::write(&path, json.to_string()).unwrap();
-        let tracking = read_project(&path).unwrap().document.tracking;
+        let Document { tracking, told, .. } = read_project(&path).unwrap().document;
         assert_eq!(tracking, TrackingChoices::of_preset(None));
+        assert!(told.is_empty());
     }
 
     #[cfg(unix)]
@@ -312,6 +345,14 @@ mod tests {
             ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
             ("\"plates\": {", "\"plates\": {\"cam9\": \"a.png\",", "`plates` names the camera \"cam9\""),
             ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
+            ("\"wrong\":0.0,", "\"wrong\":-1,", "`told.4.trust."),
+            (
+                "\"held\":{",
+                "\"held\":{\"tail\":{\"cameras\":1,\"by_silhouettes\":true,\"cues\":[]},",
+                "`told.4.held`",
+            ),
+            ("\"weight\":0.3333", "\"weight\":1.3333", "`told.4.rivals[0].weight` is 1.3333"),
+            ("\"5\": {\"pose\":", "\"6\": {\"trust\":{}}, \"5\": {\"pose\":", "`told.6.pose` is missing"),
             ("\"number\":5", "\"number\":2", "`runs[1].number` is 2"),
             ("\"mismatch\":8.0", "\"mismatch\":-8.0", "`runs[0].steps[0].mismatch` is -8"),
             ("\"stage\":1", "\"stage\":2", "`runs[0].steps[1].stage` is 2"),

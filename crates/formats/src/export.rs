@@ -13,6 +13,7 @@ pub mod resume_file;
 pub mod tables;
 pub mod track_json;
 pub mod track_read;
+pub mod trust_record;
 
 /// A track and what its numbers belong to. The poses must be of the model.
 #[derive(Debug, Clone, Copy)]

@@ -57,10 +57,28 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Poses of a body, by frame, of which nobody says how far they may be believed.
+    #[must_use]
+    pub fn of_poses(
+        name: impl Into<String>,
+        model: Model,
+        frame_rate: f64,
+        poses: BTreeMap<usize, Pose>,
+    ) -> Self {
+        Self { name: name.into(), model, frame_rate, poses, trust: BTreeMap::new() }
+    }
+
+    /// The same with how far limbs may be believed, by frame. Frames in which not all limbs were judged have nothing.
+    #[must_use]
+    pub fn with_trust(self, mut trust: BTreeMap<usize, Vec<LimbTrust>>) -> Self {
+        trust.retain(|_, limbs| limbs.len() == self.model.limbs().len());
+        Self { trust, ..self }
+    }
+
     /// The poses of a track.
     #[must_use]
     pub fn of_track(export: &TrackExport<'_>) -> Self {
-        Self::of_frames(export.name.to_owned(), export.model.clone(), export.frame_rate, &export.track.frames)
+        Self::of_frames(export.name, export.model.clone(), export.frame_rate, &export.track.frames)
     }
 
     /// The poses of a track that was read.
@@ -70,15 +88,14 @@ impl Motion {
     }
 
     fn of_frames(
-        name: String,
+        name: impl Into<String>,
         model: Model,
         frame_rate: f64,
         frames: &BTreeMap<usize, FrameEstimate>,
     ) -> Self {
         let poses = frames.iter().map(|(&frame, estimate)| (frame, estimate.pose.clone())).collect();
-        let is_judged = |one: &&FrameEstimate| one.trust.len() == model.limbs().len();
-        let trust = frames.values().filter(is_judged).map(|one| (one.frame, one.trust.clone())).collect();
-        Self { name, model, frame_rate, poses, trust }
+        let trust = frames.iter().map(|(&frame, estimate)| (frame, estimate.trust.clone())).collect();
+        Self::of_poses(name, model, frame_rate, poses).with_trust(trust)
     }
 }
 

@@ -266,43 +266,48 @@ impl<R: FrameReader> TrackRun<R> {
                 if estimate.cost.is_some() {
                     estimate.rms = self.reader.rms(read, &estimate.pose, estimate.rms);
                 }
-                if self.remembers {
-                    self.memory = self.tracker.as_ref().and_then(Tracker::memory);
-                }
-                let found = self.plan.rewinds().then(|| estimate.clone());
-                self.keep(estimate, tell);
-                if let Some(found) = found
-                    && let Err(error) = self.rewind(found, cancel, tell)
-                {
-                    self.end(TrackEnding::Failed { frame, error }, tell);
+                match self.rewind(&estimate, cancel) {
+                    // Nor is a frame whose pose was not followed back: who resumes tracks it again.
+                    Ok(None) => {}
+                    Ok(Some(mended)) => {
+                        if self.remembers {
+                            self.memory = self.tracker.as_ref().and_then(Tracker::memory);
+                        }
+                        self.keep(estimate, tell);
+                        self.mend(mended, tell);
+                    }
+                    Err(error) => self.end(TrackEnding::Failed { frame, error }, tell),
                 }
             }
             Err(error) => self.end(TrackEnding::Failed { frame, error }, tell),
         }
     }
 
-    /// Follows a pose that was found elsewhere back through the frames before, and tells of those that it mends.
+    /// Follows a pose that was found elsewhere back through the frames before: better poses of these. `None` if it is cancelled;
+    /// nothing is changed then.
     fn rewind(
         &mut self,
-        found: FrameEstimate,
+        found: &FrameEstimate,
         cancel: &CancelToken,
-        tell: &mut impl FnMut(TrackMessage<R::Data>),
-    ) -> Result<(), TrackError> {
-        let frame = found.frame;
+    ) -> Result<Option<Vec<FrameEstimate>>, TrackError> {
+        if !self.plan.rewinds() {
+            return Ok(Some(Vec::new()));
+        }
+        let (frame, mut left, mut mended) = (found.frame, self.rewind, Vec::new());
         if self.plan.at_keys == KeyUse::Keep && self.plan.keys.contains_key(&frame) {
             // What was set by hand stays, and so does what leads to it.
             self.recent.clear();
         } else if let Some((_, before)) = self.recent.back()
-            && let Some(mut rewind) = Rewind::begin(|pose| self.plan.tracker(pose), &found, before)?
+            && let Some(mut rewind) = Rewind::begin(|pose| self.plan.tracker(pose), found, before)?
         {
             let begins_here = |leg: &Leg| leg.continues.is_none();
             let mut reaches_first = self.is_whole && self.plan.legs.front().is_some_and(begins_here);
             for (frame, track) in self.recent.iter().rev() {
-                if self.rewind == 0 {
+                if left == 0 {
                     reaches_first = false;
                     break;
                 }
-                self.rewind -= 1;
+                left -= 1;
                 let read = self.reader.read(*frame)?;
                 let goes_on = rewind.step(*frame, self.reader.views(&read), track, cancel)?;
                 if let Some(one) = rewind.found_in(*frame) {
@@ -313,18 +318,18 @@ impl<R: FrameReader> TrackRun<R> {
                     break;
                 }
             }
-            if cancel.is_cancelled() {
-                return Ok(());
-            }
-            self.mend(rewind.finish(reaches_first), tell);
+            mended = rewind.finish(reaches_first);
         }
-        self.recent.push_back((frame, found.pose));
-        self.rewind = (self.rewind + 1).min(REWOUND_FRAMES);
+        if cancel.is_cancelled() {
+            return Ok(None);
+        }
+        self.recent.push_back((frame, found.pose.clone()));
+        self.rewind = (left + 1).min(REWOUND_FRAMES);
         if self.recent.len() > REWOUND_FRAMES {
             self.recent.pop_front();
             self.is_whole = false;
         }
-        Ok(())
+        Ok(Some(mended))
     }
 
     /// Takes better poses of earlier frames, and tells of them.
@@ -427,7 +432,15 @@ impl<R: FrameReader> TrackRun<R> {
     /// Joins the two legs. What lies between them is fitted again.
     fn join(&self, cancel: &CancelToken, tell: &mut impl FnMut(TrackMessage<R::Data>)) {
         let [forward, backward] = &self.whole[..] else { return };
-        let Some(join) = join::join(&self.plan.model, forward, backward) else { return };
+        let Some((_, first)) = forward.frames.first_key_value() else { return };
+        let Ok(tracker) = self.plan.tracker(first.pose.clone()) else { return };
+        let behind = |frame: usize, poses: [&Pose; 2]| {
+            let read = if cancel.is_cancelled() { None } else { self.reader.read(frame).ok() };
+            let [forward, backward] = tracker.energies(&self.reader.views(&read?), poses)?;
+            Some(forward - backward)
+        };
+        let join = join::join(&self.plan.model, self.plan.frame_rate, [forward, backward], behind);
+        let Some(join) = join else { return };
         let mut joined = Vec::with_capacity(join.sources.len());
         for (frame, source) in &join.sources {
             if cancel.is_cancelled() {

@@ -1,5 +1,6 @@
 //! The view of a camera: what its tile is given of the document and the session, and its picture alone for an export.
 
+use backlit_document::told::Told;
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::Cue;
@@ -108,6 +109,8 @@ impl<'a> CameraPane<'a> {
         let document = context.document();
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let uses = document.cameras.get(index);
+        let told = document.told_of(context.selection.frame, self.pose);
+        let told = told.filter(|_| self.marks.ghosts.is_none());
         TileInput {
             index,
             is_active: context.selection.camera == index,
@@ -134,14 +137,8 @@ impl<'a> CameraPane<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
-            held: match self.marks.ghosts {
-                Some(_) => &[],
-                None => session.held(context.selection.frame, self.pose),
-            },
-            doubts: match self.marks.ghosts {
-                Some(_) => &[],
-                None => session.doubts(context.selection.frame, self.pose),
-            },
+            held: told.map_or(&[], |told| &told.holds),
+            doubts: told.map_or(&[], Told::doubts),
             keypoints: match document.tracking.cues.cues().contains(&Cue::Keypoints) {
                 true => session
                     .shown_frame(context.selection.frame)

@@ -1,7 +1,6 @@
 //! What a motion's file is to be, and where it goes: a card over the window. The choices are kept from start to start. Poses
 //! are as the document has them, those set by hand included.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
@@ -208,15 +207,9 @@ fn pick<T: PartialEq + Copy>(ui: &mut Ui, name: &str, chosen: &mut T, rows: &[(T
 
 /// The poses of a document: of each frame that has one of its own, fitted or set by hand.
 fn motion_of(context: &Context<'_>) -> Motion {
-    let document = context.document();
     let take = context.session.take.as_ref();
-    Motion {
-        name: take.map_or_else(|| "backlit".to_owned(), |take| take.take().name().to_owned()),
-        model: (*document.model).clone(),
-        frame_rate: take.map_or(30.0, |take| take.take().frame_rate()),
-        poses: document.own_poses(),
-        trust: BTreeMap::new(),
-    }
+    let (name, rate) = take.map_or(("backlit", 30.0), |take| (take.take().name(), take.take().frame_rate()));
+    context.document().motion(name, rate)
 }
 
 /// How these frames of it are written. Which way is up is told by the cameras.

@@ -108,13 +108,9 @@ impl Inputs {
         let recognizer =
             read_recognizer(self.model.as_deref()).map_err(|error| Missing::Model(format!("{error:#}")))?;
         let seen = self.estimates.iter().filter(|(_, estimate)| estimate.cost.is_some());
-        let track = JointTrack::of_motion(&Motion {
-            name: String::new(),
-            model: (*self.body).clone(),
-            frame_rate: self.frame_rate,
-            poses: seen.map(|(&frame, estimate)| (frame, estimate.pose.clone())).collect(),
-            trust: BTreeMap::new(),
-        });
+        let poses = seen.map(|(&frame, estimate)| (frame, estimate.pose.clone())).collect();
+        let motion = Motion::of_poses("", (*self.body).clone(), self.frame_rate, poses);
+        let track = JointTrack::of_motion(&motion);
         // A method that was kept from another model.
         let is_there = recognizer.methods().any(|method| method == self.method);
         let method = if is_there { self.method } else { Method::Combined };

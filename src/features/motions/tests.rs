@@ -77,7 +77,7 @@ fn another_track_is_named_anew_and_what_is_missing_is_said() {
     let whole = app.document().estimates.clone();
     let keep = |app: &mut TestWindow, frames: &dyn Fn(usize) -> bool| {
         let kept = whole.iter().filter(|(frame, _)| frames(**frame));
-        let kept = kept.map(|(frame, found)| (*frame, Arc::clone(found))).collect();
+        let kept = kept.map(|(frame, found)| (*frame, Arc::clone(found), None)).collect();
         app.run(Command::Tracking(TrackingCommand::Clear));
         app.state.edit(Edit::AddTrack(kept), None);
     };

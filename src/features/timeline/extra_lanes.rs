@@ -39,7 +39,7 @@ pub(super) fn motions_height(context: &Context<'_>) -> f32 {
 
 /// Height of the lane of doubtful limbs: none where all limbs of all frames are believed.
 pub(super) fn doubts_height(context: &Context<'_>) -> f32 {
-    if context.doubted().next().is_some() { size::MOTION_LANE } else { 0.0 }
+    if context.document().doubted().next().is_some() { size::MOTION_LANE } else { 0.0 }
 }
 
 /// The name and the ground of a lane.
@@ -94,9 +94,9 @@ pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, s
 /// The limbs that are not believed in a frame, by name; `None` where nothing is known of its pose.
 pub(super) fn doubtful_limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
     let document = context.document();
-    let told = context.session.told_of(frame, document.pose_at(frame))?;
+    let told = document.told_of(frame, document.pose_at(frame))?;
     let limbs = document.model.limbs();
-    let names = told.doubts.iter().filter_map(|doubt| Some(limbs.get(doubt.limb)?.name.as_str()));
+    let names = told.doubts().iter().filter_map(|doubt| Some(limbs.get(doubt.limb)?.name.as_str()));
     Some(names.collect())
 }
 
@@ -105,14 +105,14 @@ pub(super) fn doubts(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, sc
     let painter = ground(ui, "Doubtful limbs", names, lane);
     let inside = painter.with_clip_rect(lane);
     let half = 0.5 * scale.step().max(1.0);
-    for (at, told) in context.doubted() {
+    for (at, told) in context.document().doubted() {
         let x = scale.x(at as f64);
         if x + half < lane.left() || x - half > lane.right() {
             continue;
         }
         let strength = FAINTEST + (1.0 - FAINTEST) * (told.expected_wrong() / MANY).min(1.0);
         let colour = UNSURE.gamma_multiply(strength as f32);
-        let is_wrong = told.doubts.iter().any(|doubt| doubt.verdict == Verdict::Wrong);
+        let is_wrong = told.doubts().iter().any(|doubt| doubt.verdict == Verdict::Wrong);
         let height = if is_wrong { 1.0 } else { DOUBTFUL } * lane.height();
         let bar = Rect::from_x_y_ranges(x - half..=x + half, lane.bottom() - height..=lane.bottom());
         inside.rect_filled(bar, 0.0, colour);

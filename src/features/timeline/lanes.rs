@@ -279,7 +279,7 @@ mod tests {
             lost: false,
             is_stale: false,
         };
-        let found = frames.map(|(frame, rms)| (frame, Arc::new(estimate(rms)))).collect();
+        let found = frames.map(|(frame, rms)| (frame, Arc::new(estimate(rms)), None)).collect();
         let mut document = Document::new(model);
         document.apply(Edit::AddTrack(found)).unwrap();
         document

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use backlit_document::edit::Tracked;
+use backlit_document::told::Told;
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackingChoices};
 use backlit_document::{Estimate, Origin, likely_poses};
 use backlit_formats::{Footage, FootageError};
@@ -10,7 +12,6 @@ use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
-use backlit_tracking::belief::{LimbTrust, Verdict};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
@@ -21,8 +22,8 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::{FrameEstimate, WhenToSearch};
 
 use super::{Applied, OtherPose, Tracking, applied, refused};
+use crate::session::BelievedJoints;
 use crate::session::prediction::FitInputs;
-use crate::session::{BelievedJoints, ToldOfPose};
 
 /// Frames whose silhouettes are looked at first: the tracker waits for them.
 const LOOKED_AT: usize = 3;
@@ -157,8 +158,8 @@ impl Job<Applied> for TrackJob {
                 out.send(applied(move |_, _, requests| requests.frames.extend(data)));
             }
             TrackMessage::Frame { estimate, .. } => {
-                tell_beside(model, std::slice::from_ref(&*estimate), out);
-                let (frame, kept) = (estimate.frame, document_estimate(&estimate));
+                let (frame, kept) = (estimate.frame, tracked(model, std::slice::from_ref(&*estimate)));
+                tell_beliefs(model, std::slice::from_ref(&*estimate), out);
                 out.send(applied(move |tracking, _, _| tracking.frame_tracked(frame, kept)));
                 if let Some(inputs) = taken.as_ref().filter(|_| !estimate.hypotheses.is_empty()) {
                     let poses = measured(inputs, &estimate.hypotheses);
@@ -168,11 +169,11 @@ impl Job<Applied> for TrackJob {
                 }
             }
             TrackMessage::Revised(known) | TrackMessage::Rewound(known) => {
-                tell_beside(model, &known, out);
-                revise(&known, out);
+                tell_beliefs(model, &known, out);
+                revise(model, &known, out);
             }
             TrackMessage::Joined { estimates, frame, distance_m, meets } => {
-                revise(&estimates, out);
+                revise(model, &estimates, out);
                 out.send(applied(move |_, _, requests| super::joined(frame, distance_m, meets, requests)));
             }
             TrackMessage::NotSmoothed(error) => {
@@ -199,43 +200,38 @@ pub(super) fn measured(inputs: &FitInputs, found: &[Hypothesis]) -> Vec<OtherPos
     found.iter().map(measured).collect()
 }
 
-/// Says what is known beside poses: what the filter believes of the joints, what held the limbs, and how far they are believed.
-fn tell_beside(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>) {
-    let told_of = |one: &FrameEstimate| {
-        let doubted = [Verdict::Wrong, Verdict::Doubtful].into_iter();
-        let doubts: Arc<[LimbTrust]> =
-            doubted.flat_map(|verdict| one.judged(model, verdict)).copied().collect();
-        let holds = one.holds.clone().into();
-        let rivals = one.modes.iter().filter(|mode| mode.weight >= LEAST_LIKELY).cloned().collect();
-        (one.frame, ToldOfPose { pose: one.pose.clone(), holds, doubts, rivals })
-    };
+/// Says what the filter believes of the joints.
+fn tell_beliefs(model: &Model, estimates: &[FrameEstimate], out: &Outbox<Applied>) {
     let believed = |one: &FrameEstimate| {
         let covariance = one.belief.as_ref()?.belief.pose_covariance();
         let joints = Arc::new(believed_joints(model, &one.pose, &covariance));
         Some((one.frame, BelievedJoints { pose: one.pose.clone(), joints }))
     };
-    let told: Vec<_> = estimates.iter().map(told_of).collect();
     let beliefs: Vec<_> = estimates.iter().filter_map(believed).collect();
-    out.send(applied(move |_, _, requests| {
-        requests.told.extend(told);
-        requests.beliefs.extend(beliefs);
-    }));
+    out.send(applied(move |_, _, requests| requests.beliefs.extend(beliefs)));
 }
 
-fn revise(known: &[FrameEstimate], out: &Outbox<Applied>) {
-    let known: Vec<_> = known.iter().map(|one| (one.frame, document_estimate(one))).collect();
+fn revise(model: &Model, known: &[FrameEstimate], out: &Outbox<Applied>) {
+    let known = tracked(model, known);
     out.send(applied(move |tracking: &mut Tracking, _, _| tracking.tracked.extend(known)));
 }
 
-fn document_estimate(found: &FrameEstimate) -> Arc<Estimate> {
-    Arc::new(Estimate {
-        iou: found.iou(),
-        pose: found.pose.clone(),
-        origin: Origin::Track,
-        cost: found.cost,
-        rms: found.rms,
-        steps: found.iterations,
-        lost: found.is_lost(),
-        is_stale: false,
-    })
+/// What the document keeps of these frames.
+fn tracked(model: &Model, found: &[FrameEstimate]) -> Vec<Tracked> {
+    let kept = |one: &FrameEstimate| {
+        let estimate = Estimate {
+            iou: one.iou(),
+            pose: one.pose.clone(),
+            origin: Origin::Track,
+            cost: one.cost,
+            rms: one.rms,
+            steps: one.iterations,
+            lost: one.is_lost(),
+            is_stale: false,
+        };
+        let rivals = one.modes.iter().filter(|mode| mode.weight >= LEAST_LIKELY).cloned().collect();
+        let told = Told::new(model, one.pose.clone(), one.trust.clone(), one.holds.clone(), rivals);
+        (one.frame, Arc::new(estimate), Some(Arc::new(told)))
+    };
+    found.iter().map(kept).collect()
 }

@@ -49,7 +49,7 @@ impl Tracking {
 fn doubtful(context: &Context<'_>) -> Option<String> {
     let document = context.document();
     let mut frames: BTreeMap<usize, usize> = BTreeMap::new();
-    for doubt in context.doubted().flat_map(|(_, told)| told.doubts.iter()) {
+    for doubt in document.doubted().flat_map(|(_, told)| told.doubts()) {
         *frames.entry(doubt.limb).or_default() += 1;
     }
     let (limb, count) = frames.into_iter().max_by_key(|(_, count)| *count)?;

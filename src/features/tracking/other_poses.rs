@@ -2,6 +2,7 @@
 //! them.
 
 use backlit_document::edit::Edit;
+use backlit_document::told::are_same;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::search::Origin;
 use backlit_ui::drawing::{farthest_limb, limbs_elsewhere};
@@ -13,7 +14,6 @@ use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::command_button::button;
 use crate::context::marks::whole_percent;
 use crate::context::{Context, Requests};
-use crate::session::are_same;
 
 impl Tracking {
     /// The button of the search, and what it found.
@@ -58,7 +58,7 @@ impl Tracking {
 /// The poses that the tracker carried in the frame, each with how likely it is; one that was taken can be tracked on from.
 fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let (frame, shown) = (context.selection.frame, context.document().pose_at(context.selection.frame));
-    let modes = context.session.modes(frame, shown);
+    let modes = context.document().modes(frame, shown);
     let (Some((tracked, _)), model) = (modes.first(), &context.document().model) else { return };
     let leading = Kinematics::new(model, tracked);
     ui.label(RichText::new("Poses that the tracker carried").small().color(theme::palette(ui).text2));

@@ -1,16 +1,23 @@
 //! The tracker in the window.
 
-use backlit_document::Document;
+use std::sync::Arc;
+
 use backlit_document::edit::Edit;
+use backlit_document::told::Told;
 use backlit_document::tracking_choices::{CueChoice, TrackPrior, TrackedBody, TrackingChoices};
+use backlit_document::{Document, likely_poses};
+use backlit_formats::export::TrackExport;
+use backlit_formats::motion::Motion;
+use backlit_runs::track::{TakeReader, TrackEnding, TrackMessage, TrackPlan, TrackRun};
 use backlit_take::demonstration::Demonstration;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose, Sides, builtin};
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::Cue;
-use backlit_tracking::fit::Preset;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::Mode;
+use backlit_tracking::track::{Mode, Track};
 
 use super::keys_around;
 use crate::app::testing::{Breaks, TestWindow, open_source, open_take, small_take};
@@ -19,7 +26,6 @@ use crate::context::command::{
 };
 use crate::context::feature::Feature;
 use crate::context::preferences::Layout;
-use crate::session::ToldOfPose;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -128,7 +134,7 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
     assert_eq!(app.document().estimates.len(), frames, "it is tracked as it opens");
     let with_keypoints = mean_mm(&app);
     let by_keypoints = app.document().estimates.iter().filter(|(frame, found)| {
-        let held = app.state.session.held(**frame, &found.pose);
+        let held = &app.document().told_of(**frame, &found.pose).unwrap().holds;
         held.iter().any(|hold| !hold.by_silhouettes && hold.cues == [Cue::Keypoints])
     });
     assert!(by_keypoints.count() > frames / 4);
@@ -145,8 +151,8 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
         "{with_keypoints:.0}, {by_silhouettes:.0} mm"
     );
     let doubted = app.document().estimates.iter().filter(|(frame, found)| {
-        let told = app.state.session.told_of(**frame, &found.pose).unwrap();
-        told.holds.is_empty() && !told.doubts.is_empty()
+        let told = app.document().told_of(**frame, &found.pose).unwrap();
+        told.holds.is_empty() && !told.doubts().is_empty()
     });
     assert!(doubted.count() > frames / 4, "the arms are lost, and that is told without cues too");
     let found = app.document().estimates.values().filter_map(|found| found.iou);
@@ -184,9 +190,10 @@ fn a_rival_pose_is_taken_and_taken_back() {
     let rotation = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
     // A pose that is set is normalised.
     pose.rotations[rotation] = glam::DQuat::from_rotation_x(1.0) * pose.rotations[rotation] * (1.0 + 1e-9);
-    let rivals = [Mode { pose: pose.clone(), weight: 0.3 }].into();
-    let (holds, doubts) = (Vec::new().into(), Vec::new().into());
-    app.state.session.told.insert(frame, ToldOfPose { pose: tracked.clone(), holds, doubts, rivals });
+    let rivals = vec![Mode { pose: pose.clone(), weight: 0.3 }];
+    let found = app.document().estimates[&frame].clone();
+    let told = Told::new(&model, tracked.clone(), Vec::new(), Vec::new(), rivals);
+    app.state.edit(Edit::AddTrack(vec![(frame, found, Some(Arc::new(told)))]), None);
     app.settle();
     assert_eq!(app.context().rivals(), [(&pose, 0.3)]);
     let edit = Edit::SetPose { frame, pose: pose.clone(), what: "Take rival pose".to_owned() };
@@ -198,6 +205,52 @@ fn a_rival_pose_is_taken_and_taken_back() {
     assert_eq!(*app.document().pose_at(frame), tracked);
     app.does(Command::View(ViewCommand::Rivals));
     assert!(app.context().rivals().is_empty());
+}
+
+/// The command line's export of a track and the window's are the same to the bit. Nobody tells how far a pose that was set by hand
+/// is off.
+#[test]
+fn a_track_is_exported_with_what_was_told_of_it() {
+    let mut app = open_source(TakeSource::BuiltIn, Layout::Pose);
+    let first = app.state.session.frame_count() - 4;
+    app.state.go_to_frame(first);
+    let start = app.document().pose_at(first).clone();
+    app.does(Command::Tracking(TrackingCommand::Forward));
+    let (footage, fit) = (app.state.session.take.clone().unwrap(), (*app.document().fit).clone());
+    let take = footage.take();
+    let fit = Arc::new(FitOptions { prior: Some(likely_poses::people()), ..fit });
+    let frames = (first..first + 4).collect();
+    let search = app.document().tracking.search;
+    let plan = TrackPlan { fit, search, ..TrackPlan::of_frames(take, start, frames) };
+    let reader = TakeReader::of_silhouettes(footage.clone(), app.document().used_cameras().collect());
+    let (mut run, mut track, mut is_done) = (TrackRun::new(Arc::new(reader), plan), Track::default(), false);
+    while !is_done {
+        run.step(&CancelToken::new(), &mut |message| match message {
+            TrackMessage::Frame { estimate, .. } => drop(track.frames.insert(estimate.frame, *estimate)),
+            TrackMessage::Rewound(mended) => {
+                track.frames.extend(mended.into_iter().map(|one| (one.frame, one)));
+            }
+            TrackMessage::Done(how) => {
+                assert!(matches!(how, TrackEnding::Whole), "{how:?}");
+                is_done = true;
+            }
+            _ => {}
+        });
+    }
+    let (name, frame_rate, model) = (take.name(), take.frame_rate(), &**take.model());
+    let of_run = Motion::of_track(&TrackExport { name, frame_rate, model, cameras: &[], track: &track });
+    let in_window = |app: &TestWindow| app.document().motion(name, frame_rate);
+    assert_eq!(of_run.trust.len(), 4);
+    assert_eq!(in_window(&app), of_run);
+
+    let moved = of_run.poses[&(first + 1)].clone();
+    app.state.edit(Edit::SetPose { frame: first, pose: moved, what: "Move".to_owned() }, None);
+    app.state.edit(Edit::SetKey { frame: first + 1 }, None);
+    let by_hand = in_window(&app);
+    assert_eq!(by_hand.poses.len(), of_run.poses.len());
+    let mut others = of_run.trust;
+    others.retain(|frame, _| *frame > first + 1);
+    assert_eq!(by_hand.trust, others);
 }
 
 /// In tiny pictures a ramp is half dark elsewhere than at a limb's edge; the overlap is the limb's all the same.

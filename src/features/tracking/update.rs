@@ -1,12 +1,11 @@
 //! Begun, stopped, and what was found taken in.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use backlit_document::edit::Edit;
+use backlit_document::Document;
+use backlit_document::edit::{Edit, Tracked};
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
-use backlit_document::{Document, Estimate};
 use backlit_jobs::{Job, News, Outbox, one_step};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::Leg;
@@ -78,7 +77,8 @@ impl Tracking {
         let document = context.document();
         let Some((first, last)) = keys_around(document, context.selection.frame) else { return };
         let leg = |key: usize, frames| leg(context, key, document.pose_at(key), frames);
-        let legs = vec![leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
+        // Neither track comes to the key pose of the other.
+        let legs = vec![leg(first, (first..last).collect()), leg(last, (first + 1..=last).rev().collect())];
         let order = TrackOrder { legs, keys: other_keys(context, &[first, last]), turns_round: false };
         self.begin_tracking(order, false, Some((first, last)), context, requests);
     }
@@ -210,8 +210,8 @@ impl Tracking {
         }
     }
 
-    pub(super) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
-        self.tracked.push((frame, estimate));
+    pub(super) fn frame_tracked(&mut self, frame: usize, kept: Vec<Tracked>) {
+        self.tracked.extend(kept);
         self.newest = Some(frame);
         if let Some(TrackingWork::Track(progress)) = &mut self.work {
             progress.done += 1;
@@ -356,7 +356,7 @@ pub(super) fn joined(frame: usize, distance_m: f64, meets: bool, requests: &mut 
         requests.status(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
     } else {
         requests.complain(format!(
-            "The two tracks do not meet: they are nearest in frame {frame}, {centimetres} cm apart. \
+            "The two tracks do not meet: where they change over, after frame {frame}, a joint is {centimetres} cm apart. \
              Set another key pose near there and track again."
         ));
     }

@@ -16,12 +16,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result};
 use backlit_formats::prior_file;
 use backlit_lab::synthetic::occlusions::PERIOD;
-use backlit_runs::track::{KeyUse, Leg, RIVALS, TrackEnding, TrackMessage, TrackPlan, TrackRun};
+use backlit_runs::track::{RIVALS, TrackEnding, TrackMessage, TrackPlan, TrackRun};
 use backlit_tracking::belief::{ErrorNetwork, KnownError, LimbTrust, Reason, Signs, learn};
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
-use backlit_tracking::track::{FrameEstimate, Motion};
+use backlit_tracking::track::FrameEstimate;
 use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -99,17 +99,10 @@ impl Trust {
         }
         let frames = case.frames.iter().map(|one| one.frame).collect();
         let plan = TrackPlan {
-            model: case.model.clone(),
             fit: Arc::new(FitOptions { prior: Some(prior), ..FitOptions::default() }),
-            frame_rate: case.rate,
-            motion: Motion::Velocity,
             search: case.search,
             rivals: if case.has_rivals { self.hypotheses - 1 } else { 0 },
-            cues: Vec::new(),
-            smoothing: None,
-            keys: BTreeMap::new(),
-            at_keys: KeyUse::Begin,
-            legs: [Leg { start: case.start.clone(), continues: None, frames }].into(),
+            ..TrackPlan::new(case.model.clone(), case.rate, case.start.clone(), frames)
         };
         let mut track = TrackRun::new(Arc::new(CaseReader(case.frames.clone())), plan);
         let (mut estimates, mut failed) = (BTreeMap::new(), None);

@@ -15,8 +15,10 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::run_record::{RunRecord, read_runs};
+use super::told_record::ToldRecord;
 use super::{FORMAT, Project, ProjectProblem};
 use crate::run::Run;
+use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 use crate::{CameraUse, Document, Estimate, likely_poses};
 
@@ -53,6 +55,9 @@ pub(crate) struct ProjectFile {
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    /// Written apart, a line a frame.
+    #[serde(default, skip_serializing, deserialize_with = "unique_keys")]
+    pub(crate) told: BTreeMap<usize, ToldRecord>,
     /// Written apart, a line a run.
     #[serde(default, skip_serializing)]
     pub(crate) runs: Vec<RunRecord>,
@@ -82,6 +87,10 @@ impl ProjectFile {
         let estimate = |(frame, estimate): (&usize, &Arc<Estimate>)| {
             (*frame, estimate.with_pose(PoseRecord::of(model, &estimate.pose)))
         };
+        let told = |(frame, told): (&usize, &Arc<Told>)| {
+            let found = document.estimates.get(frame).map(|found| &found.pose);
+            (*frame, ToldRecord::of(model, told, found))
+        };
         Self {
             format: FORMAT.to_owned(),
             take: document.take.clone(),
@@ -105,6 +114,7 @@ impl ProjectFile {
                 .iter()
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
+            told: document.told.iter().map(told).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
         }
     }
@@ -125,6 +135,11 @@ impl ProjectFile {
         for (frame, record) in &self.estimates {
             estimates.insert(*frame, Arc::new(read_estimate(&model, *frame, record)?));
         }
+        let mut told = BTreeMap::new();
+        for (frame, record) in self.told {
+            let found = estimates.get(&frame).map(|found: &Arc<Estimate>| &found.pose);
+            told.insert(frame, Arc::new(record.read(&model, &format!("told.{frame}"), found)?));
+        }
         let pins = self.pins.iter().map(|name| limb_index(&model, "pins", name)).collect::<Result<_, _>>()?;
         let cameras = checked_cameras(self.cameras)?;
         let count = self.measurement.len();
@@ -144,6 +159,7 @@ impl ProjectFile {
             start: Arc::new(start),
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
+            told: Arc::new(told),
             cameras: Arc::new(cameras),
             tracking: self.tracking.unwrap_or_else(|| TrackingChoices::of_preset(fit.as_preset())),
             fit: Arc::new(fit),
@@ -239,7 +255,7 @@ impl PoseRecord {
     }
 }
 
-fn limb_index(model: &Model, field: &str, name: &str) -> Result<usize, ProjectProblem> {
+pub(super) fn limb_index(model: &Model, field: &str, name: &str) -> Result<usize, ProjectProblem> {
     let unknown = || ProjectProblem::Limb { field: field.to_owned(), limb: name.to_owned() };
     model.limb_index(name).ok_or_else(unknown)
 }

@@ -5,6 +5,7 @@ use backlit_tracking::cues::LimbHold;
 use backlit_tracking::track::FrameEstimate;
 use serde_json::{Map, Value, json};
 
+use super::trust_record::TrustRecord;
 use super::{ROOT, TrackExport, ending_text};
 
 /// Name and version of the format.
@@ -77,17 +78,7 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         out["left_out"] = json!(estimate.empty_cameras);
     }
     if !estimate.trust.is_empty() {
-        let trust = estimate.trust.iter().map(|limb| {
-            let told = json!({
-                "verdict": limb.verdict.name(),
-                "wrong": limb.wrong,
-                "error": limb.error_m,
-                "error_95": limb.error_95_m,
-                "because": limb.reason,
-            });
-            (limbs[limb.limb].name.clone(), told)
-        });
-        out["trust"] = trust.collect::<Map<String, Value>>().into();
+        out["trust"] = json!(TrustRecord::of(export.model, &estimate.trust));
     }
     if !estimate.holds.is_empty() {
         let name = |limb: usize| limbs[limb].name.clone();

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use backlit_tracking::belief::{LimbTrust, Reason};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::cues::{Cue, LimbHold};
 use backlit_tracking::silhouette::Overlap;
@@ -11,6 +10,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::track_json::FORMAT;
+use super::trust_record::TrustRecord;
 use super::{ROOT, ending_of_text};
 use crate::json_text::{self, Entries};
 use crate::pose_file::set_rotation;
@@ -81,17 +81,7 @@ struct FrameSpec {
     #[serde(default)]
     unsure: Vec<String>,
     #[serde(default)]
-    trust: Option<Entries<TrustSpec>>,
-}
-
-#[derive(Deserialize)]
-struct TrustSpec {
-    wrong: f64,
-    error: f64,
-    /// Files of older versions do not say it.
-    #[serde(default = "farthest_m")]
-    error_95: f64,
-    because: Option<Reason>,
+    trust: TrustRecord,
 }
 
 /// Reads the `track.json` that `backlit track` wrote. Such a file names its body: without a `model`, that is the
@@ -140,11 +130,6 @@ pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Written
     Ok(WrittenTrack { name: spec.name, model, frame_rate: spec.frame_rate, cameras: spec.cameras, track })
 }
 
-/// An error of which nothing is known, metres.
-fn farthest_m() -> f64 {
-    2.0
-}
-
 fn field(field: &str, found: &dyn std::fmt::Display, expected: &str) -> FileProblem {
     FileProblem::field(field, found.to_string(), expected)
 }
@@ -191,21 +176,8 @@ fn estimate(
             hold(limb, Vec::new())?;
         }
     }
-    let mut trust = Vec::new();
-    for (name, told) in frame.trust.map(|trust| trust.0).unwrap_or_default() {
-        let TrustSpec { wrong, error, error_95, because } = told;
-        let unknown = || FileProblem::UnknownLimb { field: format!("{at}.trust"), limb: name.clone() };
-        let limb = model.limb_index(&name).ok_or_else(unknown)?;
-        let is_error = |metres: f64| metres.is_finite() && metres >= 0.0;
-        if !((0.0..=1.0).contains(&wrong) && is_error(error) && is_error(error_95)) {
-            let found = format!("{wrong}, {error}, {error_95}");
-            return Err(field(&format!("{at}.trust.{name}"), &found, "a probability and metres"));
-        }
-        trust.push(LimbTrust::new(limb, wrong, [error, error_95], because.unwrap_or(Reason::Loose)));
-    }
-    trust.sort_by_key(|limb| limb.limb);
     Ok(FrameEstimate {
-        trust,
+        trust: frame.trust.read(model, &format!("{at}.trust"))?,
         cost: frame.cost,
         rms: frame.rms,
         overlap,

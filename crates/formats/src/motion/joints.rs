@@ -143,7 +143,7 @@ mod tests {
             pose.root = DVec3::new(0.1 * frame as f64, 0.2, 0.9);
             poses.insert(frame, pose);
         }
-        let motion = Motion { name: "a".to_owned(), model, frame_rate: 20.0, poses, trust: BTreeMap::new() };
+        let motion = Motion::of_poses("a", model, 20.0, poses);
         let track = JointTrack::of_motion(&motion);
         let bytes = to_bytes(MotionFormat::Bvh, &motion, &MotionOptions::default()).unwrap();
         let read = parse_bvh(Path::new("a.bvh"), &bytes).unwrap();

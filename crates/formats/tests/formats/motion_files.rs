@@ -28,13 +28,8 @@ fn motion(model: Model, frames: usize, seed: u64) -> Motion {
         let frame = if index < 3 { index + 2 } else { index + 4 };
         (frame, Pose::rest(&model).retract(Parameters::Tangent, &step))
     });
-    Motion {
-        name: "a name".to_owned(),
-        poses: poses.collect(),
-        frame_rate: 60.0,
-        model,
-        trust: BTreeMap::new(),
-    }
+    let poses = poses.collect();
+    Motion::of_poses("a name", model, 60.0, poses)
 }
 
 /// Where a point of the world lies in the file, for worlds with z up and with −y up.
@@ -229,13 +224,8 @@ fn skeletons_turn_as_the_body_does() {
 #[test]
 fn the_rest_pose_stands_and_looks_ahead() {
     let model = builtin::full_body();
-    let motion = Motion {
-        name: "rest".to_owned(),
-        frame_rate: 30.0,
-        poses: [(0, Pose::rest(&model))].into(),
-        trust: BTreeMap::new(),
-        model,
-    };
+    let rest = [(0, Pose::rest(&model))].into();
+    let motion = Motion::of_poses("rest", model, 30.0, rest);
     let text = String::from_utf8(bytes(MotionFormat::Bvh, &motion, &MotionOptions::default())).unwrap();
     let offset = |joint: &str| {
         let (_, rest) = text.split_once(&format!("{joint}\n")).unwrap();

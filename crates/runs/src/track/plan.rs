@@ -81,10 +81,15 @@ pub struct Leg {
 impl TrackPlan {
     /// Follows these frames of a take from a pose as the robust preset does.
     pub fn of_frames(take: &Take, start: Pose, frames: VecDeque<usize>) -> Self {
+        Self::new(Arc::clone(take.model()), take.frame_rate(), start, frames)
+    }
+
+    /// The same without a take.
+    pub fn new(model: Arc<Model>, frame_rate: f64, start: Pose, frames: VecDeque<usize>) -> Self {
         Self {
-            model: Arc::clone(take.model()),
+            model,
             fit: Arc::default(),
-            frame_rate: take.frame_rate(),
+            frame_rate,
             motion: Motion::default(),
             search: WhenToSearch::default(),
             rivals: RIVALS,

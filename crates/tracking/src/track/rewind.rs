@@ -11,7 +11,7 @@
 use super::beam::{free_energy, nat};
 use super::estimate::FrameEstimate;
 use super::tracker::{Tracker, WhenToSearch};
-use crate::body::Pose;
+use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitError, FitView, PreparedFit};
 use crate::search::farthest_m;
@@ -25,7 +25,7 @@ const JUMP: f64 = 12.0;
 /// A path that is this far behind the track is not followed any farther, nats.
 const BEHIND: f64 = 24.0;
 /// Both tracks are one where no joint is farther apart than this, metres.
-const SAME_M: f64 = 0.02;
+pub(super) const SAME_M: f64 = 0.02;
 /// What is found nearer than this to the frame before is no new pose, metres.
 const ELSEWHERE_M: f64 = 0.1;
 
@@ -112,9 +112,8 @@ impl Rewind {
     #[must_use]
     pub fn finish(self, is_whole: bool) -> Vec<FrameEstimate> {
         let step_cost = |from: (usize, &Pose), to: (usize, &Pose)| {
-            let seconds = self.tracker.seconds_between(from.0, to.0).abs();
-            let moved = farthest_m(&self.tracker.model, from.1, to.1) / (SPEED * seconds);
-            (0.5 * moved * moved).min(JUMP)
+            let seconds = self.tracker.seconds_between(from.0, to.0);
+            step_cost(&self.tracker.model, seconds, from.1, to.1)
         };
         let poses = |step: &Step| [step.track.clone(), step.found.pose.clone()];
         // By hypothesis, track or found: the cost of the cheapest path that ends there, and which one it came from.
@@ -149,9 +148,16 @@ impl Rewind {
     }
 }
 
+/// What a step from one pose to another in this time costs, nats.
+pub(super) fn step_cost(model: &Model, seconds: f64, from: &Pose, to: &Pose) -> f64 {
+    let moved = farthest_m(model, from, to) / (SPEED * seconds.abs());
+    (0.5 * moved * moved).min(JUMP)
+}
+
 impl Tracker {
-    /// Free energies of two poses in a frame, nats.
-    fn energies(&self, views: &[FitView], poses: [&Pose; 2]) -> Option<[f64; 2]> {
+    /// Free energies of two poses in a frame, nats; `None` where nothing is seen.
+    #[must_use]
+    pub fn energies(&self, views: &[FitView], poses: [&Pose; 2]) -> Option<[f64; 2]> {
         let options = self.options.clone().near_at_scale(&self.model, views, poses[0]);
         let prepared =
             PreparedFit::new(&self.model, views.to_vec(), poses[0], &options, |_, _, _| 0.0).ok()?;
@@ -169,7 +175,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::body::{Model, builtin};
+    use crate::body::builtin;
     use crate::fit::FitOptions;
     use crate::fixtures;
     use crate::metrics::mean_joint_error_mm;

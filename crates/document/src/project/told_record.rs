@@ -1,0 +1,91 @@
+//! What the tracker told beside a pose, as a project's file has it.
+
+use std::collections::BTreeMap;
+
+use backlit_formats::export::trust_record::TrustRecord;
+use backlit_formats::json_text::unique_keys;
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::cues::{Cue, LimbHold};
+use backlit_tracking::track::Mode;
+use serde::{Deserialize, Serialize};
+
+use super::ProjectProblem;
+use super::record::{PoseRecord, check_numbers, limb_index};
+use crate::told::Told;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ToldRecord {
+    /// Only where it is not the estimate's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pose: Option<PoseRecord>,
+    #[serde(default, skip_serializing_if = "TrustRecord::is_empty")]
+    trust: TrustRecord,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
+    held: BTreeMap<String, HoldRecord>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    rivals: Vec<RivalRecord>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HoldRecord {
+    cameras: usize,
+    by_silhouettes: bool,
+    cues: Vec<Cue>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RivalRecord {
+    weight: f64,
+    pose: PoseRecord,
+}
+
+impl ToldRecord {
+    /// What was told in a frame whose estimate has this pose.
+    pub(super) fn of(model: &Model, told: &Told, found: Option<&Pose>) -> Self {
+        let pose = |pose: &Pose| PoseRecord::of(model, pose);
+        let hold = |hold: &LimbHold| {
+            let LimbHold { limb, cameras, by_silhouettes, ref cues } = *hold;
+            (model.limbs()[limb].name.clone(), HoldRecord { cameras, by_silhouettes, cues: cues.clone() })
+        };
+        Self {
+            pose: (found != Some(&told.pose)).then(|| pose(&told.pose)),
+            trust: TrustRecord::of(model, &told.trust),
+            held: told.holds.iter().map(hold).collect(),
+            rivals: told
+                .rivals
+                .iter()
+                .map(|rival| RivalRecord { weight: rival.weight, pose: pose(&rival.pose) })
+                .collect(),
+        }
+    }
+
+    pub(super) fn read(
+        self,
+        model: &Model,
+        field: &str,
+        found: Option<&Pose>,
+    ) -> Result<Told, ProjectProblem> {
+        let pose = match (&self.pose, found) {
+            (Some(record), _) => record.pose(model, &format!("{field}.pose"))?,
+            (None, Some(found)) => found.clone(),
+            (None, None) => return Err(ProjectProblem::NoPose { field: format!("{field}.pose") }),
+        };
+        let trust = self.trust.read(model, &format!("{field}.trust")).map_err(ProjectProblem::Trust)?;
+        let mut holds = Vec::with_capacity(self.held.len());
+        for (name, HoldRecord { cameras, by_silhouettes, cues }) in self.held {
+            let limb = limb_index(model, &format!("{field}.held"), &name)?;
+            holds.push(LimbHold { limb, cameras, by_silhouettes, cues });
+        }
+        holds.sort_by_key(|hold| model.limbs()[hold.limb].rotation);
+        let mut rivals = Vec::with_capacity(self.rivals.len());
+        for (index, RivalRecord { weight, pose }) in self.rivals.into_iter().enumerate() {
+            let field = format!("{field}.rivals[{index}]");
+            check_numbers(&field, &[("weight", Some(weight), 1.0)])?;
+            rivals.push(Mode { weight, pose: pose.pose(model, &format!("{field}.pose"))? });
+        }
+        Ok(Told::new(model, pose, trust, holds, rivals))
+    }
+}

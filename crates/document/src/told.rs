@@ -1,0 +1,86 @@
+//! What the tracker told beside a pose: what held its limbs, how far they are believed, which poses rival it.
+
+use std::cmp::Reverse;
+
+use backlit_tracking::belief::{LimbTrust, Verdict};
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::cues::LimbHold;
+use backlit_tracking::track::Mode;
+
+use crate::Document;
+
+/// Two poses whose rotations differ by less are the same, radians and metres.
+const SAME: f64 = 1e-6;
+
+/// Whether two poses are the same but for rounding: a pose that is set is normalised.
+pub fn are_same(a: &Pose, b: &Pose) -> bool {
+    a.root.distance(b.root) < SAME && a.local(b).iter().all(|value| value.abs() < SAME)
+}
+
+/// What the tracker told beside a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    pub(crate) pose: Pose,
+    pub(crate) trust: Vec<LimbTrust>,
+    /// Those that are doubtful or wrong and have a rotation of their own, the wrong ones first.
+    doubts: Vec<LimbTrust>,
+    /// What held the limbs, part by part; empty where it was not tracked with cues.
+    pub holds: Vec<LimbHold>,
+    /// Poses that were carried beside it, likeliest first.
+    pub rivals: Vec<Mode>,
+}
+
+impl Told {
+    /// How far each limb of this pose of a body is believed (empty where nobody judged them), what held them, and what rivals it.
+    pub fn new(
+        model: &Model,
+        pose: Pose,
+        trust: Vec<LimbTrust>,
+        holds: Vec<LimbHold>,
+        rivals: Vec<Mode>,
+    ) -> Self {
+        let has_own = |limb: usize| model.limbs().get(limb).is_some_and(|limb| limb.has_own_rotation);
+        let is_doubt = |limb: &&LimbTrust| limb.verdict > Verdict::Good && has_own(limb.limb);
+        let mut doubts: Vec<LimbTrust> = trust.iter().filter(is_doubt).copied().collect();
+        doubts.sort_by_key(|doubt| Reverse(doubt.verdict));
+        Self { pose, trust, doubts, holds, rivals }
+    }
+
+    /// The limbs that are doubtful or wrong and have a rotation of their own.
+    pub fn doubts(&self) -> &[LimbTrust] {
+        &self.doubts
+    }
+
+    /// How many limbs are wrong in the mean of such frames: the sum of P(wrong) of those that are not believed.
+    pub fn expected_wrong(&self) -> f64 {
+        self.doubts.iter().map(|doubt| doubt.wrong).sum()
+    }
+
+    /// The tracked pose and its rivals with their weights; empty where there are none.
+    fn modes(&self) -> impl Iterator<Item = (&Pose, f64)> {
+        let rivals: f64 = self.rivals.iter().map(|rival| rival.weight).sum();
+        let tracked = (!self.rivals.is_empty()).then_some((&self.pose, 1.0 - rivals));
+        tracked.into_iter().chain(self.rivals.iter().map(|rival| (&rival.pose, rival.weight)))
+    }
+}
+
+impl Document {
+    /// What the tracker told of this pose of a frame; nothing of one that was set by hand.
+    pub fn told_of(&self, frame: usize, pose: &Pose) -> Option<&Told> {
+        let told = self.told.get(&frame).filter(|told| told.pose == *pose)?;
+        (self.keys.get(&frame) != Some(pose)).then_some(told)
+    }
+
+    /// What was told of the tracked frames in which a limb is not believed.
+    pub fn doubted(&self) -> impl Iterator<Item = (usize, &Told)> {
+        let doubted = self.told.iter().filter(|(_, told)| !told.doubts.is_empty());
+        doubted
+            .filter_map(|(&frame, _)| Some((frame, self.told_of(frame, &self.estimates.get(&frame)?.pose)?)))
+    }
+
+    /// The poses that a frame allowed as it was tracked, if this one is one of them.
+    pub fn modes(&self, frame: usize, pose: &Pose) -> Vec<(&Pose, f64)> {
+        let modes: Vec<_> = self.told.get(&frame).into_iter().flat_map(|told| told.modes()).collect();
+        if modes.iter().any(|(mode, _)| are_same(mode, pose)) { modes } else { Vec::new() }
+    }
+}
