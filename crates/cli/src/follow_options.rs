@@ -29,7 +29,7 @@ pub(crate) struct FollowArguments {
     #[arg(long, value_enum)]
     pub(crate) motion: Option<MotionWord>,
     /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
-    /// and root (m/s^1.5)
+    /// and root (m/s^1.5) [default: what each frame's residuals say, what the prior has learnt]
     #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
     pub(crate) noise: Option<Vec<f64>>,
     /// Smooth every frame by only this many frames after it, as a live track with that delay could
@@ -71,7 +71,7 @@ impl FollowArguments {
             None => Motion::of_preset(Some(self.solver.preset)),
             Some(MotionWord::Still) => Motion::Still,
             Some(MotionWord::Velocity) => Motion::Velocity,
-            Some(MotionWord::Kalman | MotionWord::Smoothed) => Motion::Kalman(noise),
+            Some(MotionWord::Kalman | MotionWord::Steered | MotionWord::Smoothed) => Motion::Kalman(noise),
         };
         Ok(TrackPlan {
             fit: Arc::new(self.fit()?),
@@ -84,15 +84,17 @@ impl FollowArguments {
     }
 
     pub(crate) fn is_kalman(&self) -> bool {
-        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
+        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Steered | MotionWord::Smoothed))
     }
 
     pub(crate) fn noise(&self) -> anyhow::Result<KalmanOptions> {
-        let default = KalmanOptions::default();
+        let steers = self.motion == Some(MotionWord::Steered);
+        let default = KalmanOptions { steers, ..KalmanOptions::default() };
         match self.noise.as_deref() {
             None => Ok(default),
-            Some(_) if !self.is_kalman() => bail!("--noise is for --motion kalman or smoothed"),
-            Some(&[measurement_deviation, turn_acceleration, move_acceleration]) => {
+            Some(_) if !self.is_kalman() => bail!("--noise is for --motion kalman, steered or smoothed"),
+            Some(&[deviation, turn_acceleration, move_acceleration]) => {
+                let measurement_deviation = Some(deviation);
                 Ok(KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, ..default })
             }
             Some(numbers) => bail!("--noise has {} numbers; expected three: R,TURN,MOVE", numbers.len()),
@@ -126,8 +128,10 @@ pub(crate) enum MotionWord {
     Still,
     /// Start where the motion between the last two frames leads
     Velocity,
-    /// Pose and velocity by the iterated extended Kalman filter
+    /// Pose and velocity by the iterated extended Kalman filter, weighed against each frame's own fit
     Kalman,
-    /// The same, and earlier frames smoothed by later ones at the end
+    /// The same, but every fit begins at the prediction and carries it from the first iteration
+    Steered,
+    /// As kalman, and earlier frames smoothed by later ones at the end
     Smoothed,
 }

@@ -219,7 +219,7 @@ fn plan(
     let (follow, take) = (&arguments.follow, reader.footage.take());
     let mut plan = follow.plan(take, start.clone(), frames)?;
     if arguments.tune && !follow.is_kalman() {
-        bail!("--tune is for --motion kalman or smoothed");
+        bail!("--tune is for --motion kalman, steered or smoothed");
     }
     if let Some(noise) = known.filter(|_| follow.is_kalman()) {
         plan.motion = Motion::Kalman(noise);
@@ -252,6 +252,7 @@ fn tuned(
     let found = found.context("--tune needs ten frames or more that follow one another")?;
     let ratio = |innovation: Innovation| innovation.ratio().unwrap_or(f64::NAN);
     let KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, .. } = found.noise;
+    let measurement_deviation = measurement_deviation.unwrap_or(f64::NAN);
     eprintln!(
         "noise from innovations: --noise {measurement_deviation:.3},{turn_acceleration:.3},{move_acceleration:.3} \
          (mean square of the innovations {:.2}, with the noise that was given {:.2})",

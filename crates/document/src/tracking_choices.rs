@@ -16,7 +16,9 @@ pub enum Following {
     Velocity,
     /// Pose and velocity by the iterated extended Kalman filter.
     Kalman,
-    /// The same, and at the end every frame is smoothed by later ones.
+    /// The same, but a frame's fit begins at the prediction and carries it from its first iteration.
+    Steered,
+    /// As [`Kalman`](Self::Kalman), and at the end every frame is smoothed by later ones.
     Smoothed {
         /// How many later frames count; all of them where `None`.
         lag: Option<usize>,
@@ -29,6 +31,7 @@ impl Following {
         match self {
             Self::Still => Motion::Still,
             Self::Velocity => Motion::Velocity,
+            Self::Steered => Motion::Kalman(KalmanOptions { steers: true, ..KalmanOptions::default() }),
             Self::Kalman | Self::Smoothed { .. } => Motion::Kalman(KalmanOptions::default()),
         }
     }
@@ -152,6 +155,7 @@ mod tests {
         for motion in [
             Following::Still,
             Following::Kalman,
+            Following::Steered,
             Following::Smoothed { lag: None },
             Following::Smoothed { lag: Some(7) },
         ] {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use backlit_tracking::prior::{
-    BodyDirection, Clip, PosePrior, PriorError, PriorPart, StepStatistics, StudentComponent,
+    Accelerations, BodyDirection, Clip, PosePrior, PriorError, PriorPart, StepStatistics, StudentComponent,
 };
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,8 @@ struct PriorSpec {
     format: String,
     source: String,
     degrees: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    accelerations: Option<Accelerations>,
     parts: Vec<PartSpec>,
 }
 
@@ -73,7 +75,12 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior> {
         PriorPart::new(&part.name, part.directions, part.components, part.step, spec.degrees)
     };
     let parts: Result<Vec<PriorPart>, PriorError> = spec.parts.into_iter().map(part).collect();
-    PosePrior::new(&spec.source, parts.map_err(wrong)?).map_err(wrong)
+    let prior = PosePrior::new(&spec.source, parts.map_err(wrong)?).map_err(wrong)?;
+    let Some(accelerations) = spec.accelerations else { return Ok(prior) };
+    prior.with_accelerations(accelerations).map_err(|error| {
+        let problem = FileProblem::Option { field: "accelerations".to_owned(), message: error.to_string() };
+        FileError::new(path, problem).at_line(json_text::line_of(text, &["accelerations"]))
+    })
 }
 
 /// The content of a prior's file, six digits of each number.
@@ -102,12 +109,17 @@ pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
         format: FORMAT.to_owned(),
         source: prior.source.clone(),
         degrees,
+        accelerations: prior.accelerations.map(short_accelerations),
         parts: prior.parts.iter().map(part).collect(),
     };
     // A component a line: lists of numbers stay together.
     let text = serde_json::to_string(&spec)?;
     let text = text.replace("{\"share\"", "\n{\"share\"").replace("{\"name\"", "\n{\"name\"");
-    Ok(text.replace("\"source\"", "\n\"source\"").replace("\"parts\"", "\n\"parts\"") + "\n")
+    Ok(text
+        .replace("\"source\"", "\n\"source\"")
+        .replace("\"parts\"", "\n\"parts\"")
+        .replace("\"accelerations\"", "\n\"accelerations\"")
+        + "\n")
 }
 
 /// A number rounded to `DIGITS` significant digits.
@@ -119,6 +131,13 @@ fn short(number: f64) -> f64 {
     let scale = 10f64.powi(places.clamp(-300, 300));
     let rounded = (number * scale).round() / scale;
     if rounded.is_finite() { rounded } else { number }
+}
+
+fn short_accelerations(all: Accelerations) -> Accelerations {
+    let Accelerations { root, pelvis, chest, upper_arm, forearm, thigh, calf, foot } = all;
+    let [root, pelvis, chest, upper_arm] = [root, pelvis, chest, upper_arm].map(short);
+    let [forearm, thigh, calf, foot] = [forearm, thigh, calf, foot].map(short);
+    Accelerations { root, pelvis, chest, upper_arm, forearm, thigh, calf, foot }
 }
 
 fn short_all(numbers: &[f64]) -> Vec<f64> {

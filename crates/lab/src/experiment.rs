@@ -4,8 +4,10 @@
 //! |---|---|
 //! | [`sequence`] | a sequence, simulated or a take's, in the report's small pictures |
 //! | [`starts`] | starts of known distance from their truth |
+//! | [`credibility`] | whether a filter errs as it says |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 
+pub mod credibility;
 pub mod scene;
 pub mod sequence;
 pub mod starts;

@@ -179,17 +179,17 @@ impl<R: FrameReader> TrackRun<R> {
         (self.recent, self.rewind) = (recent, rewind);
         let last = memory.last.frame;
         let begins_flow = memory.cues.as_ref().is_some_and(|cues| cues.before.is_some());
-        let noise = memory.filter.as_ref().map(|filter| filter.noise);
         self.memory = Some(memory.clone());
         let mut tracker = self.plan.tracker(leg.start.clone())?.with_memory(memory)?;
         if begins_flow && self.plan.cues.iter().any(|cue| *cue != Cue::Keypoints) {
             let read = self.reader.read(last)?;
             tracker = tracker.with_pictures_before(&self.reader.views(&read), self.reader.cues(&read)?);
         }
+        let motion = tracker.motion_model();
         self.tracker = Some(tracker);
-        if let Some((smoother, noise)) = self.smoother.take().zip(noise) {
+        if let Some((smoother, motion)) = self.smoother.take().zip(motion) {
             let (known, waiting) = waiting.into_iter().unzip();
-            self.smoother = Some(smoother.with_waiting(known, waiting, noise, self.plan.frame_rate));
+            self.smoother = Some(smoother.with_waiting(known, waiting, &motion, self.plan.frame_rate));
         }
         Ok(self)
     }

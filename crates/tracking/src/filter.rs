@@ -7,6 +7,7 @@
 //! |---|---|
 //! | predict | X ← X ⊞ v Δ, v ← v, P ← F P Fᵀ + Q, Q from white accelerations |
 //! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ Pₓₓ⁻¹ δ, by the same steps as any fit; P⁻¹ ← (G P Gᵀ)⁻¹ + JᵀJ/R |
+//! | once | P⁻¹ ← max(P⁻¹, B): what is always known of poses, B, adds what P⁻¹ lacks of it ([`count_once`]) |
 //! | smooth | Rauch, Tung and Striebel: backwards, C = P Fᵀ (P⁻)⁻¹, x ← x + C (xˢ − x⁻) |
 //!
 //! The update is the iterated extended Kalman filter in information form: its maximum is found by Gauss-Newton
@@ -15,6 +16,7 @@
 //! caller's. F and G are the Jacobians of steps on the manifold ([`tangent`]).
 
 mod constant_velocity;
+mod once;
 pub mod smoother;
 pub mod tangent;
 pub mod update;
@@ -22,6 +24,7 @@ pub mod update;
 use thiserror::Error;
 
 pub use constant_velocity::{Belief, ConstantVelocity};
+pub use once::count_once;
 pub use update::Innovation;
 
 /// Why a filter cannot go on from what it believes.

@@ -11,16 +11,18 @@
 //! and its energy is E(x) = −2 ln(p(x) / Σ πₖ cₖ) ≥ 0. Near a mean that is the squared distance of a Gaussian; far away it grows
 //! with the logarithm only, so its pull falls off as 1/distance and what the silhouettes see wins: people do what nobody
 //! recorded. A step is how far a pose is from where the motion led; it has one such distribution of mean zero, which is wider the
-//! longer the step took.
+//! longer the step took. And how much joints' velocities change tells a filter what to expect ([`Accelerations`]).
 //!
 //! Sources: D. Peel and G. J. `McLachlan`, "Robust mixture modelling using the t distribution" (2000), for the training;
 //! E. Olson and P. Agarwal, "Inference on networks of mixtures for robust robot mapping" (2013), for mixtures as residuals.
 
+mod accelerations;
 mod direction;
 mod mixture;
 mod statistics;
 mod train;
 
+pub use accelerations::Accelerations;
 pub use direction::{BodyDirection, BodyPoints, TrunkFrame};
 pub use mixture::{Pull, StudentComponent, StudentMixture};
 pub use statistics::{PosePrior, PriorError, PriorPart, StepStatistics};

@@ -4,6 +4,7 @@
 pub use crate::{cues, filter};
 
 mod beam;
+mod certainty;
 mod estimate;
 mod extent;
 pub mod join;
@@ -21,7 +22,7 @@ pub use beam::{Beam, Mode, Rival};
 pub use estimate::{FrameEstimate, Track};
 pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, Lost, UsualCost};
 pub use memory::{FilterMemory, LastFrame, MemoryError, TrackerMemory, WaitingFrame};
-pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, Predicted, Seen};
+pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, MotionModel, Predicted, Seen};
 pub use patience::Patience;
 pub use rewind::{REWOUND_FRAMES, Rewind};
 pub use smoothing::{Smoother, SmoothingError, WHOLE_LAG, smoothed};

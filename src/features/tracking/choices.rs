@@ -17,10 +17,15 @@ const LAG: f32 = 40.0;
 /// The longest lag that can be typed, frames.
 const LONGEST_LAG: f64 = 999.0;
 
-const MOTIONS: [(Following, &str, &str); 4] = [
+const MOTIONS: [(Following, &str, &str); 5] = [
     (Following::Still, "Still", "A frame’s fit starts from the last pose"),
     (Following::Velocity, "Velocity", "It starts where the motion between the last two frames leads"),
     (Following::Kalman, "Kalman", "Pose and velocity by the iterated extended Kalman filter (6.1)"),
+    (
+        Following::Steered,
+        "Steered",
+        "The Kalman filter, and every fit begins at its prediction and carries it",
+    ),
     (
         Following::Smoothed { lag: None },
         "Smoothed",

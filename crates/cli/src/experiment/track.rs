@@ -3,18 +3,21 @@
 //! The upper body's movement of Figs. 5.5 and 5.6 runs at 1, 2, 3 and 4 times its speed, 25 frames a second; cameras see hard
 //! masks whose borders are noisy, with specks in the background and holes in the subject. Squats before two telephones are
 //! filmed at 30 frames a second, or only every second or fourth frame, with masks some 17 % larger than the person and the
-//! search that real footage gets. Errors are of every frame, of filtered and, with the Kalman filter, of smoothed poses.
+//! search that real footage gets. Exercises are followed with the prior of likely poses, as a track is by default. Errors are of every frame, of filtered and, with the Kalman filter, of smoothed poses.
 
 use std::sync::Arc;
 
 use anyhow::Result;
+use backlit_formats::prior_file;
+use backlit_lab::experiment::credibility::Credibility;
 use backlit_lab::synthetic::masks::{noisy, widened};
-use backlit_lab::synthetic::{capsules, squats, upper_body};
+use backlit_lab::synthetic::{capsules, exercise, squats, upper_body};
 use backlit_plot::{Axis, Drawn, Figure, Line};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{FitOptions, FitView, Preset};
 use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::track::{KalmanOptions, Motion, Track, Tracker, WhenToSearch, smoothed};
 use clap::{Args, ValueEnum};
@@ -42,13 +45,13 @@ pub(crate) struct Speeds {
     /// Cameras around the upper body
     #[arg(long, value_name = "N", default_value_t = 2)]
     cameras: usize,
-    /// Frames of every track [default: 50; of squats 100]
+    /// Frames of every track [default: 50; of squats 100; of exercises 240]
     #[arg(long, value_name = "N")]
     frames: Option<usize>,
-    /// Times the movement's own speed; for squats, only every Nth frame is seen [default: 1,2,3,4; of squats 1,2,4]
+    /// Times the movement's own speed; for squats, only every Nth frame is seen [default: 1,2,3,4; of squats 1,2,4; of exercises 1,2]
     #[arg(long, value_name = "N", value_delimiter = ',')]
     speeds: Option<Vec<usize>>,
-    /// Number of starts [default: 5; of squats 2]
+    /// Number of starts [default: 5; of squats and exercises 2]
     #[arg(long, value_name = "N")]
     starts: Option<usize>,
     /// Seed of the random starts and of all noise
@@ -83,6 +86,8 @@ enum Movement {
     UpperBody,
     /// The full body, before two phones 37° apart whose masks are too wide
     Squats,
+    /// A walk, squats, signals and boxing with the prior of likely poses, before three cameras
+    Exercise,
 }
 
 /// How motion is carried on, and every choice of a frame's fit.
@@ -107,11 +112,13 @@ fn methods() -> Vec<MotionMethod> {
         lag: None,
     };
     let kalman = Motion::Kalman(KalmanOptions::default());
+    let steered = Motion::Kalman(KalmanOptions { steers: true, ..KalmanOptions::default() });
     vec![
         method("Report 2004, from the last pose", Preset::Report, Motion::Still, false),
         method("Robust, from the last pose", Preset::Robust, Motion::Still, false),
         method("Robust, constant velocity", Preset::Robust, Motion::Velocity, false),
         method("Robust, Kalman", Preset::Robust, kalman, false),
+        method("Robust, Kalman that steers", Preset::Robust, steered, false),
         MotionMethod {
             lag: Some(LAG),
             ..method("Robust, Kalman, 5 frames late", Preset::Robust, kalman, true)
@@ -138,6 +145,9 @@ struct AtSpeed {
     #[serde(flatten)]
     errors: ErrorStatistics,
     frames: usize,
+    /// Of a Kalman filter: 1 where it errs as it says.
+    nis: Option<f64>,
+    nees: Option<f64>,
 }
 
 impl Experiment for Speeds {
@@ -157,13 +167,17 @@ impl Experiment for Speeds {
             for &speed in speeds {
                 run.progress(done, total)?;
                 done += 1;
-                let mut errors = Vec::new();
+                let (mut errors, mut credibility) = (Vec::new(), Credibility::default());
                 for start in 0..starts {
                     let seed = self.seed.wrapping_add(start as u64);
-                    errors.extend(self.follow(&model, &cameras, method, [frames, speed], seed, run)?);
+                    let (of_start, sum) =
+                        self.follow(&model, &cameras, method, [frames, speed], seed, run)?;
+                    errors.extend(of_start);
+                    credibility += sum;
                 }
                 let (statistics, frames) = (ErrorStatistics::of(&errors).unwrap_or_default(), errors.len());
-                found.push(AtSpeed { speed, errors: statistics, frames });
+                let (nis, nees) = (credibility.nis(), credibility.nees());
+                found.push(AtSpeed { speed, errors: statistics, frames, nis, nees });
             }
             ways.push(TrackedMethod { name: method.name.clone(), speeds: found });
         }
@@ -180,6 +194,8 @@ impl Experiment for Speeds {
                 ("joint error, mm: mean", &|(_, found)| number(found.errors.mean_mm, 2)),
                 ("95 %", &|(_, found)| number(found.errors.p95_mm, 2)),
                 ("max", &|(_, found)| number(found.errors.max_mm, 1)),
+                ("NIS", &|(_, found)| found.nis.map_or_else(String::new, |nis| number(nis, 2))),
+                ("NEES", &|(_, found)| found.nees.map_or_else(String::new, |nees| number(nees, 2))),
             ],
         )
     }
@@ -195,6 +211,7 @@ impl Experiment for Speeds {
             title: match self.movement {
                 Movement::UpperBody => "Upper body followed through noisy masks: worst frame",
                 Movement::Squats => "Squats followed through masks that are too wide: worst frame",
+                Movement::Exercise => "Exercises followed through noisy masks: worst frame",
             }
             .to_owned(),
             subtitle: format!(
@@ -222,9 +239,18 @@ impl Speeds {
                 (self.widened_px, self.search) = (2.0, WhenToSearch::WhenPoor);
                 (builtin::full_body(), squats::cameras(self.size_px)?, [100, 2], vec![1, 2, 4])
             }
+            Movement::Exercise => {
+                (self.cameras, self.size_px) = (exercise::MOST_CAMERAS, [120, 160]);
+                let cameras = exercise::cameras(self.cameras, self.size_px)?;
+                (builtin::full_body(), cameras, [240, 2], vec![1, 2])
+            }
         };
         if self.methods.is_empty() {
-            self.methods = methods().split_off(usize::from(self.movement == Movement::Squats));
+            self.methods = methods().split_off(usize::from(self.movement != Movement::UpperBody));
+            if self.movement == Movement::Exercise {
+                let prior = LearntPrior::new(prior_file::people());
+                self.methods.iter_mut().for_each(|method| method.fit.prior = Some(prior.clone()));
+            }
         }
         self.frames.get_or_insert(frames);
         self.starts.get_or_insert(starts);
@@ -232,7 +258,7 @@ impl Speeds {
         Ok((Arc::new(model), cameras))
     }
 
-    /// Mean joint errors of one track, frame by frame, millimetres.
+    /// Mean joint errors of one track, frame by frame, millimetres, and whether its filter erred as it said.
     fn follow(
         &self,
         model: &Arc<Model>,
@@ -241,14 +267,16 @@ impl Speeds {
         [frames, speed]: [usize; 2],
         seed: u64,
         run: &Run,
-    ) -> Result<Vec<f64>> {
+    ) -> Result<(Vec<f64>, Credibility)> {
         let rate = match self.movement {
             Movement::UpperBody => upper_body::FRAME_RATE,
             Movement::Squats => squats::FRAME_RATE / speed as f64,
+            Movement::Exercise => exercise::FRAME_RATE,
         };
         let truth = |frame: usize| match self.movement {
             Movement::UpperBody => upper_body::motion(model, frame * speed),
             Movement::Squats => squats::pose(model, frame as f64 / rate),
+            Movement::Exercise => exercise::pose(model, (frame * speed) as f64 / rate),
         };
         let truths: Vec<Pose> = (0..frames).map(truth).collect();
         let mut random = Pcg64Mcg::seed_from_u64(seed);
@@ -271,8 +299,12 @@ impl Speeds {
         if method.smooth {
             track = smoothed(&track, method.lag)?;
         }
-        let poses = track.frames.values().map(|estimate| &estimate.pose);
-        Ok(poses.zip(&truths).map(|(pose, truth)| mean_joint_error_mm(model, pose, truth)).collect())
+        let (mut errors, mut credibility) = (Vec::new(), Credibility::default());
+        for (estimate, truth) in track.frames.values().zip(&truths) {
+            errors.push(mean_joint_error_mm(model, &estimate.pose, truth));
+            credibility += Credibility::of_frame(model, estimate, truth);
+        }
+        Ok((errors, credibility))
     }
 }
 

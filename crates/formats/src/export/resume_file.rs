@@ -291,7 +291,10 @@ mod tests {
                 last_resort: Patience { wait: 1, waited: 4 },
                 has_start: true,
                 filter: Some(FilterMemory {
-                    noise: KalmanOptions { measurement_deviation: 312.0 / 7.0, ..KalmanOptions::default() },
+                    noise: KalmanOptions {
+                        measurement_deviation: Some(312.0 / 7.0),
+                        ..KalmanOptions::default()
+                    },
                     pose: pose.clone(),
                     belief: belief(1.0),
                 }),

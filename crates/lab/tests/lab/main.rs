@@ -4,6 +4,7 @@
 
 mod builtin_take;
 mod clocks;
+mod credibility;
 mod errata;
 mod given_masks;
 mod learnt_plates;

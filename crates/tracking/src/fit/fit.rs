@@ -136,14 +136,25 @@ impl Fit {
     }
 
     /// Takes the last stage up again from where the fit stands, with what the motion so far says of the pose in place of the
-    /// pull to the start: the iterated Kalman update, begun at the frame's own fit.
+    /// pull to the start and of all priors but the joints' limits: the iterated Kalman update, begun at the frame's own fit.
     pub(crate) fn go_on_with(&mut self, motion: MotionPrior) {
+        self.stage = self.options.stages.len() - 1;
+        self.carry(motion);
+        self.termination = None;
+    }
+
+    /// The same fit with what the motion so far says from its first iteration on: the iterated Kalman update from the prediction.
+    pub(crate) fn steered_by(mut self, motion: MotionPrior) -> Self {
+        self.carry(motion);
+        (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.solver.rms);
+        self
+    }
+
+    fn carry(&mut self, motion: MotionPrior) {
         self.options.proximal_weight = 0.0;
         self.constraints.motion = Some(Arc::new(motion));
         self.constraints.free = None;
-        self.stage = self.options.stages.len() - 1;
         self.begin_anew();
-        self.termination = None;
     }
 
     /// The same fit with what the pictures say beside their silhouettes: pulls at limbs, from here on. The stage that it
@@ -262,6 +273,11 @@ impl Fit {
     /// in tangent columns and as if every pixel were sampled, by the current stage's measure.
     pub fn frame_equations(&mut self) -> NormalEquations {
         self.objective.frame_equations(&self.solver.point)
+    }
+
+    /// Normal equations of what is measured where the fit stands ([`Objective::measured_equations`]).
+    pub(crate) fn measured_equations(&mut self) -> NormalEquations {
+        self.objective.measured_equations(&self.solver.point)
     }
 
     /// What it did so far; not ended means cancelled.

@@ -132,15 +132,34 @@ impl Objective {
     pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
         let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
         self.look(pose);
-        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
+        self.add_measured(&mut equations);
+        self.add_rest(pose, Parameters::Tangent, &mut equations);
+        self.add_limits(pose, Parameters::Tangent, &mut equations);
+        self.as_if_all_were_sampled(equations)
+    }
+
+    /// Silhouettes and cues at the pose that was looked at last, in tangent columns.
+    fn add_measured(&mut self, equations: &mut NormalEquations) {
+        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, equations);
         equations.cost = self.silhouette_cost;
-        self.add_cues(Parameters::Tangent, &mut equations);
-        self.add_anatomy(pose, Parameters::Tangent, &mut equations);
+        self.add_cues(Parameters::Tangent, equations);
+    }
+
+    fn as_if_all_were_sampled(&self, mut equations: NormalEquations) -> NormalEquations {
         let pixels = (self.stage.stride * self.stage.stride) as f64;
         equations.jtj *= pixels;
         equations.jtr *= pixels;
         equations.cost *= pixels;
         equations
+    }
+
+    /// JᵀJ, Jᵀρ and cost of what is measured: silhouettes and cues, no prior of any kind. In tangent columns and as if every pixel
+    /// were sampled.
+    pub fn measured_equations(&mut self, pose: &Pose) -> NormalEquations {
+        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
+        self.look(pose);
+        self.add_measured(&mut equations);
+        self.as_if_all_were_sampled(equations)
     }
 
     /// What a frame says by itself ([`frame_equations`](Self::frame_equations)), and what motion files say of the pose, by part of
@@ -199,14 +218,17 @@ impl Objective {
         }
     }
 
-    /// What bodies do: limbs untwisted, joints within their limits.
-    fn add_anatomy(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
-        let (options, model, unit) = (&self.options, &self.model, self.prior_unit());
-        if options.rest_weight > 0.0 {
-            pose_prior::add_rest(equations, parameters, model, pose, unit * options.rest_weight);
+    fn add_rest(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
+        let weight = self.prior_unit() * self.options.rest_weight;
+        if weight > 0.0 {
+            pose_prior::add_rest(equations, parameters, &self.model, pose, weight);
         }
-        if options.limit_weight > 0.0 {
-            pose_prior::add_limits(equations, parameters, model, pose, unit * options.limit_weight);
+    }
+
+    fn add_limits(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
+        let weight = self.prior_unit() * self.options.limit_weight;
+        if weight > 0.0 {
+            pose_prior::add_limits(equations, parameters, &self.model, pose, weight);
         }
     }
 
@@ -263,13 +285,18 @@ impl LeastSquares for Objective {
         self.world.add_to(&self.kinematics, parameters, &mut self.map, equations);
         self.add_cues(parameters, equations);
         self.add_proximal(pose, equations);
-        self.add_anatomy(pose, parameters, equations);
+        // What motion says of a pose knows already how bodies rest and which poses are likely.
+        let is_free = self.constraints.motion.is_none();
+        if is_free {
+            self.add_rest(pose, parameters, equations);
+        }
+        self.add_limits(pose, parameters, equations);
         let (model, kinematics) = (&*self.model, &self.kinematics);
         if let Some(pairs) = &self.pairs {
             let (weight, columns) = (unit * self.options.interpenetration_weight, &mut self.map.columns);
             interpenetration::add(equations, parameters, model, kinematics, pairs, weight, columns);
         }
-        if let Some(prior) = &self.prior {
+        if let Some(prior) = self.prior.as_ref().filter(|_| is_free) {
             prior.add(equations, parameters, model, kinematics, unit);
         }
         let at = ResidualPoint { model, pose, kinematics, parameters, unit };

@@ -240,6 +240,12 @@ impl FrameInformation {
         Direction { value, relative, is_null: false, step, root_move, joint_moves, deviation, shares }
     }
 
+    /// How the pixels of all its cameras err.
+    pub(crate) fn noise_of_all(&self) -> Noise {
+        let all: Vec<usize> = (0..self.cameras.len()).collect();
+        self.noise(&all, &self.spectrum(&all))
+    }
+
     /// σ and κ of the module's header.
     fn noise(&self, cameras: &[usize], spectrum: &Spectrum) -> Noise {
         let (mut cost, mut weight) = (0.0, 0.0);

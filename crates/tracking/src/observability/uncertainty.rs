@@ -59,6 +59,14 @@ impl JointUncertainty {
         self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 
+    /// eᵀ Cov⁻¹ e of the error e from where the joint truly is: χ² of three degrees of freedom if the covariance is honest. `None`
+    /// where the covariance is certain of a direction.
+    #[must_use]
+    pub fn error_squared(&self, truth: DVec3) -> Option<f64> {
+        let error = Vector3::from((truth - self.at).to_array());
+        Some(error.dot(&self.covariance.cholesky()?.solve(&error)))
+    }
+
     /// Standard deviations as a camera sees the joint, metres: in the worst direction across its sight ray, and along it.
     /// Infinite where nothing bounds it.
     #[must_use]

@@ -4,6 +4,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::accelerations::Accelerations;
 use super::direction::BodyDirection;
 use super::mixture::{StudentComponent, StudentMixture};
 use crate::numbers::Brief;
@@ -50,6 +51,8 @@ pub struct PosePrior {
     pub source: String,
     /// Its parts.
     pub parts: Vec<PriorPart>,
+    /// How much joints' velocities change; `None` where that was not learnt.
+    pub accelerations: Option<Accelerations>,
 }
 
 /// Why numbers are not a prior.
@@ -74,6 +77,8 @@ pub enum PriorError {
          lower triangle of a positive definite covariance of {size} rows"
     )]
     Step { part: String, size: usize },
+    #[error("`accelerations.{joint}` is {}; expected a number above 0", Brief(*.value))]
+    Acceleration { joint: &'static str, value: f64 },
 }
 
 impl PriorPart {
@@ -139,6 +144,17 @@ impl PosePrior {
         if parts.is_empty() || parts.len() > MOST_PARTS {
             return Err(PriorError::Parts { found: parts.len() });
         }
-        Ok(Self { source: source.to_owned(), parts })
+        Ok(Self { source: source.to_owned(), parts, accelerations: None })
+    }
+
+    /// The same that knows how much joints' velocities change.
+    ///
+    /// # Errors
+    /// The first that is no number above 0.
+    pub fn with_accelerations(self, accelerations: Accelerations) -> Result<Self, PriorError> {
+        match accelerations.wrong() {
+            Some((joint, value)) => Err(PriorError::Acceleration { joint, value }),
+            None => Ok(Self { accelerations: Some(accelerations), ..self }),
+        }
     }
 }

@@ -13,6 +13,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
+use super::accelerations::Accelerations;
 use super::direction::{BodyDirection, BodyPoints};
 use super::mixture::{StudentComponent, StudentMixture, lower_triangle, symmetric};
 use super::statistics::{PosePrior, PriorError, PriorPart, StepStatistics};
@@ -75,7 +76,7 @@ pub enum TrainError {
     Prior(#[from] PriorError),
 }
 
-/// Learns poses and steps. The same clips give the same prior.
+/// Learns poses, steps and accelerations. The same clips give the same prior.
 ///
 /// # Errors
 /// If there are too few poses or an option is out of range.
@@ -105,7 +106,11 @@ pub fn train(clips: &[Clip], options: &TrainOptions, source: &str) -> Result<Pos
         add(&format!("right {name}"), directions.to_vec(), components, step)?;
         add(&format!("left {name}"), left, mirrored, left_step)?;
     }
-    Ok(PosePrior::new(source, parts)?)
+    let prior = PosePrior::new(source, parts)?;
+    Ok(match Accelerations::learn(clips) {
+        Some(accelerations) => prior.with_accelerations(accelerations)?,
+        None => prior,
+    })
 }
 
 fn check(clips: &[Clip], options: &TrainOptions) -> Result<(), OptionError> {

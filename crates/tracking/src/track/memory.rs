@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::beam::{Beam, Rival};
 use super::estimate::FrameEstimate;
 use super::lost::UsualCost;
-use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, Predicted};
+use super::motion::{FrameBelief, KalmanOptions, Motion, MotionError, MotionModel, Predicted};
 use super::patience::{CONFUSION, LAST_RESORT, Patience, RESEEDING};
 use super::tracker::{Tracker, watched};
 use crate::body::{Model, Parameters, Pose, PoseError};
@@ -231,7 +231,7 @@ impl WaitingFrame {
 pub(super) fn waiting_again(
     known: Vec<FrameEstimate>,
     waiting: Vec<WaitingFrame>,
-    noise: KalmanOptions,
+    motion: &MotionModel,
     frame_seconds: f64,
 ) -> Vec<FrameEstimate> {
     let mut before: Option<(usize, Pose, Belief)> = None;
@@ -239,7 +239,7 @@ pub(super) fn waiting_again(
         let WaitingFrame { frame, pose, belief, goes_on } = waiting;
         let foretold = before.take().filter(|_| goes_on).map(|(last, pose, belief)| {
             let seconds = (frame as f64 - last as f64) * frame_seconds;
-            Predicted::after(&noise, &pose, &belief, seconds)
+            Predicted::after(motion.clone(), &pose, &belief, seconds)
         });
         before = belief.clone().map(|belief| (frame, pose.clone(), belief));
         let believed =

@@ -1,16 +1,20 @@
 //! How motion is carried from frame to frame.
 //!
-//! [`KalmanOptions`] joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
+//! This joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
 //! [`Pose::retract`], differences are [`Pose::local`], both in tangent columns.
+
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::body::{Parameters, Pose};
-use crate::filter::{Belief, ConstantVelocity, FilterError, Innovation, update};
+use crate::body::{Model, Parameters, Pose};
+use crate::filter::{Belief, ConstantVelocity, FilterError, Innovation, count_once, update};
 use crate::fit::Preset;
 use crate::numbers::Brief;
+use crate::optimize::NormalEquations;
+use crate::prior::Accelerations;
 use crate::residual::motion_prior::MotionPrior;
 
 /// How a frame's fit learns from the frames before.
@@ -34,24 +38,34 @@ impl Motion {
     }
 }
 
-/// Noise of the filter.
+/// Noise of the filter, and how it is used.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct KalmanOptions {
-    /// √R: deviation of a pixel's residual, grey levels. Model and silhouette err together over whole edges, so it is
-    /// larger than one pixel's own noise.
-    pub measurement_deviation: f64,
-    /// √q of joints: what a velocity changes in a second, rad/s^1.5.
+    /// √R: what a pixel's deviation would be if independent pixels erred as much in the pose, grey levels. `None`: what each frame's
+    /// own residuals say.
+    pub measurement_deviation: Option<f64>,
+    /// √q of joints: what a velocity changes in a second, rad/s^1.5. Where the prior of poses knows how joints move
+    /// ([`Accelerations`](crate::prior::Accelerations)), theirs count, as many times larger as this is than the default.
     pub turn_acceleration: f64,
-    /// √q of the root, m/s^1.5.
+    /// √q of the root, m/s^1.5; likewise.
     pub move_acceleration: f64,
     /// τ: seconds after which 1/e is left of a velocity. What is not seen must not go on for ever.
     pub memory: f64,
+    /// Whether a frame's fit begins at the prediction and carries it from its first iteration on. Else it is free, and the
+    /// prediction weighs in where it ended.
+    pub steers: bool,
 }
 
 impl Default for KalmanOptions {
     fn default() -> Self {
-        Self { measurement_deviation: 200.0, turn_acceleration: 8.0, move_acceleration: 2.0, memory: 0.3 }
+        Self {
+            measurement_deviation: None,
+            turn_acceleration: 3.0,
+            move_acceleration: 0.5,
+            memory: 0.3,
+            steers: false,
+        }
     }
 }
 
@@ -72,7 +86,7 @@ impl KalmanOptions {
     /// A deviation that is not finite and above 0: a filter without noise is certain for ever.
     pub fn check(&self) -> Result<(), MotionError> {
         let fields = [
-            ("measurement_deviation", self.measurement_deviation, "grey levels"),
+            ("measurement_deviation", self.measurement_deviation.unwrap_or(1.0), "grey levels"),
             ("turn_acceleration", self.turn_acceleration, "rad/s^1.5"),
             ("move_acceleration", self.move_acceleration, "m/s^1.5"),
             ("memory", self.memory, "seconds"),
@@ -114,6 +128,8 @@ pub struct Seen {
     pub products: DMatrix<f64>,
     /// Jᵀρ, tangent columns.
     pub pull: DVector<f64>,
+    /// R, squared grey levels.
+    pub variance: f64,
 }
 
 /// Why a filter begins at a frame instead of going on from the one before.
@@ -139,33 +155,91 @@ pub struct Predicted {
     /// Since the frame before; negative when tracking backwards.
     pub seconds: f64,
     /// By which it was foretold.
+    pub motion: MotionModel,
+}
+
+/// What is foretold of a frame with what is always known of poses.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Foretold {
+    /// By motion alone.
+    predicted: Predicted,
+    pub(super) mean: Pose,
+    belief: Belief,
+}
+
+/// How a body's joints move: the filter's noise, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionModel {
+    /// The filter's noise.
     pub noise: KalmanOptions,
+    /// √q of each tangent column, if the noise's accelerations are the default.
+    accelerations: Arc<DVector<f64>>,
+}
+
+impl MotionModel {
+    /// Of a body, by the accelerations that were learnt, if any were.
+    #[must_use]
+    pub fn new(noise: KalmanOptions, model: &Model, learnt: Option<&Accelerations>) -> Self {
+        let KalmanOptions { turn_acceleration, move_acceleration, .. } = KalmanOptions::default();
+        let name = |column: usize| model.limbs()[model.rotation_owners()[column / 3 - 1]].name.as_str();
+        let one = |column: usize, _| match learnt {
+            Some(learnt) if column < 3 => learnt.root,
+            Some(learnt) => learnt.of_limb(name(column)),
+            None if column < 3 => move_acceleration,
+            None => turn_acceleration,
+        };
+        let n = Parameters::Tangent.columns(model.rotation_count());
+        Self { noise, accelerations: Arc::new(DVector::from_fn(n, one)) }
+    }
+
+    /// The same joints with other noise.
+    pub(super) fn with_noise(&self, noise: KalmanOptions) -> Self {
+        Self { noise, ..self.clone() }
+    }
+
+    pub(super) fn constant_velocity(&self) -> ConstantVelocity {
+        let (default, noise) = (KalmanOptions::default(), &self.noise);
+        let n = self.accelerations.len();
+        let of_moves = noise.move_acceleration / default.move_acceleration;
+        let of_turns = noise.turn_acceleration / default.turn_acceleration;
+        let acceleration = self.accelerations.component_mul(&columns(n, of_moves, of_turns));
+        ConstantVelocity { acceleration, memory: noise.memory }
+    }
 }
 
 impl Predicted {
     /// What the belief predicts this many seconds after its frame.
-    pub(super) fn after(noise: &KalmanOptions, pose: &Pose, belief: &Belief, seconds: f64) -> Self {
-        let (step, belief) = noise.model(belief.columns()).predict(belief, seconds);
+    pub(super) fn after(motion: MotionModel, pose: &Pose, belief: &Belief, seconds: f64) -> Self {
+        let (step, belief) = motion.constant_velocity().predict(belief, seconds);
         let mean = pose.retract(Parameters::Tangent, step.as_slice());
-        Self { mean, belief, seconds, noise: *noise }
+        Self { mean, belief, seconds, motion }
     }
 
-    /// What it says of a frame's pose.
+    /// With what is always known of poses: its information and its pull at the mean, tangent columns.
     ///
     /// # Errors
     /// The covariance is certain of a direction.
-    pub(super) fn prior(&self) -> Result<MotionPrior, FilterError> {
+    pub(super) fn knowing(self, known: &NormalEquations) -> Result<Foretold, FilterError> {
+        let (step, belief) = count_once(&self.belief, &known.jtj, &known.jtr)?;
+        let mean = self.mean.retract(Parameters::Tangent, step.as_slice());
+        Ok(Foretold { predicted: self, mean, belief })
+    }
+}
+
+impl Foretold {
+    /// What it says of a frame's pose, with R of the frame.
+    ///
+    /// # Errors
+    /// The covariance is certain of a direction.
+    pub(super) fn prior(&self, variance: f64) -> Result<MotionPrior, FilterError> {
         let information = self.belief.pose_information().ok_or(FilterError::Certain)?;
-        let variance = self.noise.measurement_deviation.powi(2);
         Ok(MotionPrior { mean: self.mean.clone(), information, variance })
     }
 }
 
-impl KalmanOptions {
-    /// The motion model of a body with n tangent columns.
-    pub(super) fn model(&self, n: usize) -> ConstantVelocity {
-        let acceleration = columns(n, self.move_acceleration, self.turn_acceleration);
-        ConstantVelocity { acceleration, memory: self.memory }
+impl From<Predicted> for Foretold {
+    fn from(predicted: Predicted) -> Self {
+        Self { mean: predicted.mean.clone(), belief: predicted.belief.clone(), predicted }
     }
 }
 
@@ -180,52 +254,39 @@ pub(super) fn start_belief(n: usize) -> Belief {
     Belief::at_rest(&pose, &columns(n, START_MOVE_VELOCITY, START_TURN_VELOCITY))
 }
 
-impl KalmanOptions {
+impl FrameBelief {
     /// What is believed after a frame of this pose; `seen` is `None` where there was nothing to see. Without a prediction the filter
     /// begins, for the reason given.
-    pub(super) fn learn(
-        &self,
-        pose: &Pose,
-        seen: Option<Seen>,
-        predicted: Result<Predicted, Begins>,
-    ) -> FrameBelief {
-        let products = seen.as_ref().map(|seen| &seen.products);
-        let learned = match predicted {
-            Ok(predicted) => self
-                .go_on(pose, products, predicted)
-                .unwrap_or_else(|error| self.begin(pose, products, Begins::Broken(error))),
-            Err(begins) => self.begin(pose, products, begins),
+    pub(super) fn learnt(pose: &Pose, seen: Option<Seen>, foretold: Result<Foretold, Begins>) -> Self {
+        let learnt = match foretold {
+            Ok(foretold) => Self::going_on(pose, seen.as_ref(), foretold)
+                .unwrap_or_else(|error| Self::beginning(pose, seen.as_ref(), Begins::Broken(error))),
+            Err(begins) => Self::beginning(pose, seen.as_ref(), begins),
         };
-        FrameBelief { seen, ..learned }
+        Self { seen, ..learnt }
     }
 
-    fn go_on(
-        &self,
-        pose: &Pose,
-        products: Option<&DMatrix<f64>>,
-        predicted: Predicted,
-    ) -> Result<FrameBelief, FilterError> {
-        let step = DVector::from_vec(pose.local(&predicted.mean));
-        let (belief, innovation) = match products {
-            Some(products) => {
-                let variance = self.measurement_deviation.powi(2);
-                let (belief, innovation) = update::update(&predicted.belief, &step, products, variance)?;
+    fn going_on(pose: &Pose, seen: Option<&Seen>, foretold: Foretold) -> Result<Self, FilterError> {
+        let Foretold { predicted, mean, belief } = foretold;
+        let (belief, innovation) = match seen {
+            Some(Seen { products, variance, .. }) => {
+                let step = DVector::from_vec(pose.local(&mean));
+                let (belief, innovation) = update::update(&belief, &step, products, *variance)?;
                 (belief, Some(innovation))
             }
-            None => (predicted.belief.clone(), None),
+            None => (belief, None),
         };
-        Ok(FrameBelief { belief, predicted: Some(predicted), innovation, begins: None, seen: None })
+        Ok(Self { belief, predicted: Some(predicted), innovation, begins: None, seen: None })
     }
 
-    fn begin(&self, pose: &Pose, products: Option<&DMatrix<f64>>, begins: Begins) -> FrameBelief {
+    fn beginning(pose: &Pose, seen: Option<&Seen>, begins: Begins) -> Self {
         let n = Parameters::Tangent.columns(pose.rotations.len());
         let start = start_belief(n);
-        let variance = self.measurement_deviation.powi(2);
         // Where even this cannot be learned, what is believed is what a start is.
-        let belief = products
-            .and_then(|products| update::update(&start, &DVector::zeros(n), products, variance).ok())
+        let belief = seen
+            .and_then(|seen| update::update(&start, &DVector::zeros(n), &seen.products, seen.variance).ok())
             .map_or(start, |(belief, _)| belief);
-        FrameBelief { belief, predicted: None, innovation: None, begins: Some(begins), seen: None }
+        Self { belief, predicted: None, innovation: None, begins: Some(begins), seen: None }
     }
 }
 
@@ -239,7 +300,7 @@ mod tests {
         assert_eq!(good.check(), Ok(()));
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e200, 1e-200] {
             for (options, field) in [
-                (KalmanOptions { measurement_deviation: bad, ..good }, "measurement_deviation"),
+                (KalmanOptions { measurement_deviation: Some(bad), ..good }, "measurement_deviation"),
                 (KalmanOptions { turn_acceleration: bad, ..good }, "turn_acceleration"),
                 (KalmanOptions { move_acceleration: bad, ..good }, "move_acceleration"),
                 (KalmanOptions { memory: bad, ..good }, "memory"),

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::estimate::{FrameEstimate, Track};
 use super::memory::{WaitingFrame, waiting_again};
-use super::motion::KalmanOptions;
+use super::motion::MotionModel;
 use crate::body::{Parameters, Pose};
 use crate::filter::{Belief, FilterError, smoother};
 
@@ -108,17 +108,17 @@ impl Smoother {
         self.waiting.iter().map(one).collect()
     }
 
-    /// The smoother again that these frames waited in, with a filter of this noise at this frame rate. `known` is what else is
+    /// The smoother again that these frames waited in, with a filter of this motion at this frame rate. `known` is what else is
     /// known of them, in the same order.
     #[must_use]
     pub fn with_waiting(
         mut self,
         known: Vec<FrameEstimate>,
         waiting: Vec<WaitingFrame>,
-        noise: KalmanOptions,
+        motion: &MotionModel,
         frame_rate: f64,
     ) -> Self {
-        self.waiting = waiting_again(known, waiting, noise, 1.0 / frame_rate).into();
+        self.waiting = waiting_again(known, waiting, motion, 1.0 / frame_rate).into();
         self
     }
 
@@ -187,7 +187,7 @@ fn smoothed_by(
         return Ok(Some((here.pose.clone(), filtered.clone())));
     };
     let difference = DVector::from_vec(pose.local(&predicted.mean));
-    let model = predicted.noise.model(filtered.columns());
+    let model = predicted.motion.constant_velocity();
     let (step, belief) =
         smoother::smooth(&model, filtered, &predicted.belief, &belief, &difference, predicted.seconds)
             .map_err(|error| SmoothingError::Filter { frame: here.frame, error })?;
@@ -198,13 +198,13 @@ fn smoothed_by(
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::track::motion::{Begins, Predicted, Seen};
+    use crate::track::motion::{Begins, FrameBelief, KalmanOptions, Predicted, Seen};
     use nalgebra::DMatrix;
 
     /// A limb that the filter follows through these frames of a movement.
     fn followed(frames: &[usize]) -> Vec<FrameEstimate> {
         let model = builtin::single_limb();
-        let noise = KalmanOptions::default();
+        let motion = MotionModel::new(KalmanOptions::default(), &model, None);
         let mut found: Vec<FrameEstimate> = Vec::new();
         for &frame in frames {
             let seconds = frame as f64 / 30.0;
@@ -212,11 +212,12 @@ mod tests {
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
             let foretold = |before: &FrameEstimate| {
                 let (belief, since) = (before.belief.as_ref().unwrap(), frame as f64 - before.frame as f64);
-                Predicted::after(&noise, &before.pose, &belief.belief, since * (1.0 / 30.0))
+                Predicted::after(motion.clone(), &before.pose, &belief.belief, since * (1.0 / 30.0)).into()
             };
             let predicted = found.last().map(foretold).ok_or(Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
-            let belief = noise.learn(&pose, Some(Seen { products, pull: DVector::zeros(6) }), predicted);
+            let seen = Seen { products, pull: DVector::zeros(6), variance: 100.0 * 100.0 };
+            let belief = FrameBelief::learnt(&pose, Some(seen), predicted);
             found.push(FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, pose) });
         }
         found
@@ -291,7 +292,7 @@ mod tests {
             let mut again = Smoother::new(lag).with_waiting(
                 known.collect(),
                 waiting.clone(),
-                KalmanOptions::default(),
+                &MotionModel::new(KalmanOptions::default(), &builtin::single_limb(), None),
                 30.0,
             );
             assert_eq!(again.waiting.len(), 120 - before.len());

@@ -9,7 +9,7 @@ use super::estimate::{FrameEstimate, iou, overlaps};
 use super::extent;
 use super::lost::{Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
-use super::motion::{Begins, FrameBelief, Motion, MotionError, Predicted, Seen};
+use super::motion::{Begins, Foretold, FrameBelief, KalmanOptions, Motion, MotionError, Predicted, Seen};
 use super::patience::{LAST_RESORT, Patience};
 use super::trust::Beside;
 use crate::belief::{self, Conflicts};
@@ -166,6 +166,11 @@ impl Tracker {
     /// The pose that a frame's fit will start from: where the motion leads until then; at rest where no start is known.
     #[must_use]
     pub fn start_of(&self, frame: usize) -> Pose {
+        if self.steering().is_some()
+            && let Ok(foretold) = self.predict(frame)
+        {
+            return foretold.mean;
+        }
         let Some(last) = &self.last else { return self.first_start() };
         last.leads_to(self.seconds_between(last.frame, frame))
     }
@@ -224,7 +229,7 @@ impl Tracker {
         } else if begins {
             self.fit_widely(&views, &start, cancel)
         } else {
-            self.follow(&views, start.clone(), cancel)
+            self.follow(&views, start.clone(), predicted.as_ref().ok(), cancel)
         };
         let mut attempt = match attempt {
             Ok(attempt) => attempt,
@@ -304,7 +309,7 @@ impl Tracker {
         &mut self,
         frame: usize,
         attempt: Attempt,
-        mut predicted: Result<Predicted, Begins>,
+        mut predicted: Result<Foretold, Begins>,
         views: &[FitView],
         cancel: &CancelToken,
     ) -> FrameEstimate {
@@ -312,21 +317,26 @@ impl Tracker {
         let Attempt { mut fit, mut summary, hypotheses, mut overlap, lost, mut conflicts, modes } = attempt;
         self.usual.remember(summary.final_rms, lost);
         let fitted = summary.pose.clone();
+        let mut variance = 0.0;
         if lost.is_none()
-            && let Ok(foretold) = &predicted
+            && let Motion::Kalman(options) = &self.motion
         {
-            match foretold.prior() {
-                Ok(prior) => {
-                    fit.go_on_with(prior);
-                    conflicts = None;
-                    summary = fit.run(cancel, |_| {});
-                    overlap = self.overlaps(&summary.pose, views);
+            variance = self.variance(options, &fit, views);
+            if let Ok(foretold) = &predicted {
+                match self.weigh(&mut fit, foretold, variance, views, cancel) {
+                    Ok(weighed) => variance = weighed,
+                    Err(error) => predicted = Err(Begins::Broken(error)),
                 }
-                Err(error) => predicted = Err(Begins::Broken(error)),
+                conflicts = None;
+                summary = fit.summary();
+                overlap = self.overlaps(&summary.pose, views);
             }
         }
-        let equations = || lost.is_none().then(|| fit.frame_equations());
-        let belief = self.believe(&summary.pose, equations, predicted);
+        let seen = || {
+            let NormalEquations { jtj, jtr, .. } = fit.measured_equations();
+            Seen { products: jtj, pull: jtr, variance }
+        };
+        let belief = self.believe(&summary.pose, || lost.is_none().then(seen), predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
         let signs = if self.judges {
             let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
@@ -362,12 +372,11 @@ impl Tracker {
     fn believe(
         &mut self,
         pose: &Pose,
-        seen: impl FnOnce() -> Option<NormalEquations>,
-        predicted: Result<Predicted, Begins>,
+        seen: impl FnOnce() -> Option<Seen>,
+        predicted: Result<Foretold, Begins>,
     ) -> Option<FrameBelief> {
         let Motion::Kalman(noise) = self.motion else { return None };
-        let seen = seen().map(|own| Seen { products: own.jtj, pull: own.jtr });
-        let learned = noise.learn(pose, seen, predicted);
+        let learned = FrameBelief::learnt(pose, seen(), predicted);
         self.filter = Some(FilterMemory { noise, pose: pose.clone(), belief: learned.belief.clone() });
         Some(learned)
     }
@@ -378,7 +387,7 @@ impl Tracker {
         frame: usize,
         pose: Pose,
         views: &[FitView],
-        predicted: Result<Predicted, Begins>,
+        predicted: Result<Foretold, Begins>,
         because: Lost,
     ) -> FrameEstimate {
         let names = || views.iter().map(|view| view.camera.name().to_owned()).collect();
@@ -399,11 +408,23 @@ impl Tracker {
         estimate
     }
 
-    /// Fits a frame near the one before, without the widest stages.
-    fn follow(&self, views: &[FitView], start: Pose, cancel: &CancelToken) -> Result<Attempt, FitError> {
+    /// Fits a frame near the one before, without the widest stages; by what was foretold of it, where that is to steer.
+    fn follow(
+        &self,
+        views: &[FitView],
+        start: Pose,
+        foretold: Option<&Foretold>,
+        cancel: &CancelToken,
+    ) -> Result<Attempt, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, views, &start);
-        self.attempt(Fit::new(model, views.to_vec(), start, options)?, Vec::new(), views, cancel)
+        let mut fit = Fit::new(model, views.to_vec(), start, options)?;
+        if let Some((options, foretold)) = self.steering().zip(foretold)
+            && let Ok(prior) = foretold.prior(self.variance(options, &fit, views))
+        {
+            fit = fit.steered_by(prior);
+        }
+        self.attempt(fit, Vec::new(), views, cancel)
     }
 
     /// Looks for the body in the visual hull, and fits it there. Where silhouettes do not tell front from back it looks as
@@ -418,7 +439,7 @@ impl Tracker {
         let faces = sides.map(|sides| sides.ahead);
         let choices = WithoutStartOptions { faces, ..WithoutStartOptions::for_fit(&self.options) };
         let found = search::without_start(&self.model, views, &choices, cancel)?;
-        let attempt = self.follow(views, found.pose().clone(), cancel)?;
+        let attempt = self.follow(views, found.pose().clone(), None, cancel)?;
         Ok(Attempt { hypotheses: found.hypotheses, ..attempt })
     }
 
@@ -446,14 +467,25 @@ impl Tracker {
     }
 
     /// What the Kalman filter foretells of a frame, or why it begins there.
-    fn predict(&self, frame: usize) -> Result<Predicted, Begins> {
+    fn predict(&self, frame: usize) -> Result<Foretold, Begins> {
         let last = self.last.as_ref().ok_or(Begins::First)?;
         if last.lost {
             return Err(Begins::AfterLoss);
         }
         let seconds = self.seconds_between(last.frame, frame);
-        let FilterMemory { noise, pose, belief } = self.filter.as_ref().ok_or(Begins::First)?;
-        Ok(Predicted::after(noise, pose, belief, seconds))
+        let (FilterMemory { pose, belief, .. }, motion) =
+            self.filter.as_ref().zip(self.motion_model()).ok_or(Begins::First)?;
+        let predicted = Predicted::after(motion, pose, belief, seconds);
+        let known = self.known(&predicted.mean);
+        predicted.knowing(&known).map_err(Begins::Broken)
+    }
+
+    /// The filter's options, if it steers.
+    fn steering(&self) -> Option<&KalmanOptions> {
+        match &self.motion {
+            Motion::Kalman(options) => Some(options).filter(|options| options.steers),
+            _ => None,
+        }
     }
 
     /// Negative backwards.

@@ -16,7 +16,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::estimate::Track;
-use super::motion::{KalmanOptions, start_belief};
+use super::motion::{KalmanOptions, MotionModel, start_belief};
 use crate::body::Pose;
 use crate::filter::{Belief, Innovation, tangent};
 
@@ -54,6 +54,12 @@ struct Measured {
     variances: DVector<f64>,
 }
 
+/// All frames, and how the joints of their body move.
+struct Measurements<'a> {
+    frames: Vec<Measured>,
+    motion: &'a MotionModel,
+}
+
 /// The noise by which a track that a Kalman filter followed is most likely. `None` where fewer than ten frames go on from
 /// the one before.
 #[must_use]
@@ -62,6 +68,14 @@ pub fn tune(track: &Track, from: KalmanOptions) -> Option<Tuned> {
     if measured.iter().filter(|frame| frame.since.is_some()).count() < FEWEST_FRAMES {
         return None;
     }
+    let beliefs = || track.frames.values().filter_map(|frame| frame.belief.as_ref());
+    let motion = beliefs().find_map(|belief| Some(&belief.predicted.as_ref()?.motion))?;
+    // One R for all frames, which begins as their mean where each had its own.
+    let variances: Vec<f64> = beliefs().filter_map(|belief| Some(belief.seen.as_ref()?.variance)).collect();
+    let mean = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
+    let deviation = Some(from.measurement_deviation.unwrap_or(mean));
+    let from = KalmanOptions { measurement_deviation: deviation, ..from };
+    let measured = Measurements { frames: measured, motion };
     let (likelihood_before, before) = score(&measured, &from);
     let mut best = scaled(&measured, from);
     for factor in FACTORS {
@@ -95,10 +109,10 @@ pub fn tune(track: &Track, from: KalmanOptions) -> Option<Tuned> {
 }
 
 /// The noise at its most likely common size, and the logarithm of the likelihood.
-fn scaled(measured: &[Measured], noise: KalmanOptions) -> (KalmanOptions, f64) {
+fn scaled(measured: &Measurements, noise: KalmanOptions) -> (KalmanOptions, f64) {
     let by = score(measured, &noise).1.ratio().unwrap_or(1.0).sqrt();
     let noise = KalmanOptions {
-        measurement_deviation: noise.measurement_deviation * by,
+        measurement_deviation: noise.measurement_deviation.map(|deviation| deviation * by),
         move_acceleration: noise.move_acceleration * by,
         turn_acceleration: noise.turn_acceleration * by,
         ..noise
@@ -141,15 +155,17 @@ fn measurements(track: &Track) -> Vec<Measured> {
 }
 
 /// The logarithm of the likelihood but for a constant, and νᵀ S⁻¹ ν, of all frames that go on.
-fn score(measured: &[Measured], noise: &KalmanOptions) -> (f64, Innovation) {
+fn score(measured: &Measurements, noise: &KalmanOptions) -> (f64, Innovation) {
     let (mut likelihood, mut sum) = (0.0, Innovation::default());
     // The mean as a step from the frame's fitted pose, and what is believed about it.
     let mut state: Option<(DVector<f64>, Belief)> = None;
-    for frame in measured {
+    let model = measured.motion.with_noise(*noise).constant_velocity();
+    let variance = noise.measurement_deviation.unwrap_or_default().powi(2);
+    for frame in &measured.frames {
         let n = frame.directions.nrows();
         let (mean, prior, counts) = match (&frame.since, state.take()) {
             (Some((seconds, step)), Some((mean, belief))) => {
-                let (onwards, belief) = noise.model(n).predict(&belief, *seconds);
+                let (onwards, belief) = model.predict(&belief, *seconds);
                 let foretold = tangent::compose(&tangent::compose(&-step, &mean), &onwards);
                 (foretold, belief, true)
             }
@@ -157,7 +173,6 @@ fn score(measured: &[Measured], noise: &KalmanOptions) -> (f64, Innovation) {
         };
         let innovation = &frame.offset - frame.directions.tr_mul(&mean);
         let to_seen = prior.covariance.columns(0, n) * &frame.directions;
-        let variance = noise.measurement_deviation.powi(2);
         let spread = frame.directions.tr_mul(&to_seen.rows(0, n))
             + DMatrix::from_diagonal(&(&frame.variances * variance));
         let Some(factor) = spread.cholesky() else { return (f64::NEG_INFINITY, sum) };
@@ -185,19 +200,20 @@ mod tests {
     use super::*;
     use crate::body::{Parameters, builtin};
     use crate::track::motion::{Predicted, Seen};
-    use crate::track::{Begins, FrameEstimate};
+    use crate::track::{Begins, FrameBelief, FrameEstimate};
 
     /// A limb that moves by a known noise and is measured with a known noise: both are found again, from far off.
     #[test]
     fn known_noise_is_found_again() {
         let truth = KalmanOptions {
-            measurement_deviation: 50.0,
+            measurement_deviation: Some(50.0),
             turn_acceleration: 4.0,
             move_acceleration: 0.7,
             memory: 0.4,
+            steers: false,
         };
         let given = KalmanOptions {
-            measurement_deviation: 200.0,
+            measurement_deviation: Some(200.0),
             turn_acceleration: 1.0,
             move_acceleration: 3.0,
             ..truth
@@ -207,6 +223,7 @@ mod tests {
             DVector::from_fn(size, |_, _| (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>())
         };
         let model = builtin::single_limb();
+        let [moves, supposed] = [truth, given].map(|noise| MotionModel::new(noise, &model, None));
         let products = DMatrix::from_diagonal_element(6, 6, 1e7);
         let mut last: Option<(Pose, Belief)> = None;
         let (mut pose, mut velocity) = (Pose::rest(&model), DVector::zeros(6));
@@ -214,23 +231,24 @@ mod tests {
         for frame in 0..400 {
             let seconds = if frame % 3 == 0 { 0.1 } else { 1.0 / 30.0 };
             let nothing = Belief { velocity, covariance: DMatrix::zeros(12, 12) };
-            let (step, noise) = truth.model(6).predict(&nothing, seconds);
+            let (step, noise) = moves.constant_velocity().predict(&nothing, seconds);
             let drawn = noise.covariance.cholesky().unwrap().l() * normal(12);
             pose = pose.retract(Parameters::Tangent, (step + drawn.rows(0, 6)).as_slice());
             velocity = noise.velocity + drawn.rows(6, 6);
-            let error = normal(6) * (truth.measurement_deviation / 1e7f64.sqrt());
+            let error = normal(6) * (50.0 / 1e7f64.sqrt());
             let measured = pose.retract(Parameters::Tangent, error.as_slice());
-            let foretold = |(pose, belief): &(_, _)| Predicted::after(&given, pose, belief, seconds);
+            let foretold =
+                |(pose, belief): &(_, _)| Predicted::after(supposed.clone(), pose, belief, seconds).into();
             let predicted = last.as_ref().map(foretold).ok_or(Begins::First);
-            let seen = Seen { products: products.clone(), pull: DVector::zeros(6) };
-            let belief = given.learn(&measured, Some(seen), predicted);
+            let seen = Seen { products: products.clone(), pull: DVector::zeros(6), variance: 200.0 * 200.0 };
+            let belief = FrameBelief::learnt(&measured, Some(seen), predicted);
             last = Some((measured.clone(), belief.belief.clone()));
             let estimate = FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, measured) };
             track.frames.insert(frame, estimate);
         }
         let tuned = tune(&track, given).unwrap();
         for (name, found, expected) in [
-            ("R", tuned.noise.measurement_deviation, truth.measurement_deviation),
+            ("R", tuned.noise.measurement_deviation.unwrap(), 50.0),
             ("turns", tuned.noise.turn_acceleration, truth.turn_acceleration),
             ("moves", tuned.noise.move_acceleration, truth.move_acceleration),
         ] {
