@@ -211,8 +211,23 @@ mod tests {
         let prior = read_or_built_in(Path::new(PEOPLE)).unwrap();
         let names: Vec<&str> = prior.parts.iter().map(|part| part.name.as_str()).collect();
         assert_eq!(names, ["trunk", "right arm", "left arm", "right leg", "left leg"]);
-        assert!(prior.source.contains("mocap.cs.cmu.edu"));
+        assert!(prior.source.contains("mocap.cs.cmu.edu") && prior.accelerations.is_some());
         assert!(read_or_built_in(Path::new("no such file")).is_err());
+    }
+
+    /// Files of before accelerations were learnt have none.
+    #[test]
+    fn accelerations_survive_and_one_that_is_none_is_named() {
+        let text = include_str!("../fuzz/corpus/prior/0-leg.json");
+        let read = |text: &str| parse(Path::new("p.json"), text.as_bytes());
+        let without = read(text).unwrap();
+        assert_eq!(without.accelerations, None);
+        let with = without.with_accelerations(people().accelerations.unwrap()).unwrap();
+        let text = to_text(&with).unwrap();
+        assert_eq!(read(&text).unwrap(), with);
+        let message = read(&text.replace("\"calf\":", "\"calf\":-")).unwrap_err().to_string();
+        assert!(message.contains("line 3") && message.contains("`accelerations.calf` is"), "{message}");
+        assert!(read(&text.replace("\"calf\"", "\"calves\"")).is_err());
     }
 
     #[test]

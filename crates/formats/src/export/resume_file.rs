@@ -323,6 +323,8 @@ mod tests {
         let resume = sample();
         let text = to_text(&resume);
         assert_eq!(read(&text).unwrap(), resume);
+        // Filters did not steer once.
+        assert_eq!(read(&text.replace(",\"steers\":false", "")).unwrap(), resume);
         let mut bare = resume;
         bare.smoothing = None;
         bare.memory.filter = None;
