@@ -71,7 +71,7 @@ mod tests {
         let due: Vec<usize> = (0..30)
             .filter(|frame| fading.is_due_fading(frame % 2 == 0 || *frame > 20, LAST_RESORT))
             .collect();
-        assert_eq!(due, [0, 2, 6, 10, 16, 21, 24]);
+        assert_eq!(due, [0, 2, 6, 10, 14, 18, 21, 26]);
         (0..40).for_each(|_| assert!(!fading.is_due_fading(false, LAST_RESORT)));
         assert!(fading.is_due_fading(true, LAST_RESORT), "forgotten");
         let mut sooner = Patience::default();
