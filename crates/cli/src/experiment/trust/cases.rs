@@ -7,7 +7,7 @@ use backlit_formats::{Footage, FootageError};
 use backlit_lab::synthetic::figure::{Build, Figure};
 use backlit_lab::synthetic::masks::{silhouette, widened};
 use backlit_lab::synthetic::occlusions::Occlusion;
-use backlit_lab::synthetic::people::{BREADTH, PEOPLE};
+use backlit_lab::synthetic::people::{BREADTH, PEOPLE, Person};
 use backlit_lab::synthetic::{capsules, exercise, motion, studio, upper_body};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
@@ -229,37 +229,54 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
                 }
             }
         }
-        for (at, drawn) in [Drawn::Capsules, Drawn::Wide, Drawn::Clothed].into_iter().enumerate() {
-            for (third, size_px) in AROUND_PX.into_iter().enumerate() {
-                let is_held_out = (build + at + third) % 2 == 1;
-                let [width, height] = size_px;
-                all.push(Simulated {
-                    name: format!("four cameras around, {width} × {height}, {}", person.name),
-                    model: model.clone(),
-                    cameras: studio::pinholes(size_px)?,
-                    pose: movement(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
-                    rate: motion::FRAME_RATE,
-                    seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
-                    every: 1,
-                    drawn,
-                    turned: None,
-                    is_held_out,
-                });
-                all.push(Simulated {
-                    name: format!("exercises, 3 cameras, {height} × {width}, {}", person.name),
-                    model: model.clone(),
-                    cameras: exercise::cameras(exercise::MOST_CAMERAS, [height, width])?,
-                    pose: movement(exercise::pose),
-                    rate: exercise::FRAME_RATE,
-                    seconds: (2.0 * seconds).min(exercise::SECONDS),
-                    every: 4,
-                    drawn,
-                    turned: None,
-                    is_held_out: !is_held_out,
-                });
-            }
+        all.extend(clear(build, person, &model, seconds)?);
+    }
+    all.extend(upper_bodies(seconds)?);
+    all.into_par_iter().map(Simulated::case).collect()
+}
+
+/// A person amid four cameras and before three, in pictures of two sizes.
+fn clear(build: usize, person: &'static Person, model: &Arc<Model>, seconds: f64) -> Result<Vec<Simulated>> {
+    let movement = |pose: fn(&Model, f64) -> Pose| -> Movement {
+        Box::new(move |model, seconds| person.standing(pose(model, seconds)))
+    };
+    let mut all = Vec::new();
+    for (at, drawn) in [Drawn::Capsules, Drawn::Wide, Drawn::Clothed].into_iter().enumerate() {
+        for (third, size_px) in AROUND_PX.into_iter().enumerate() {
+            let is_held_out = (build + at + third) % 2 == 1;
+            let [width, height] = size_px;
+            all.push(Simulated {
+                name: format!("four cameras around, {width} × {height}, {}", person.name),
+                model: model.clone(),
+                cameras: studio::pinholes(size_px)?,
+                pose: movement(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
+                rate: motion::FRAME_RATE,
+                seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
+                every: 1,
+                drawn,
+                turned: None,
+                is_held_out,
+            });
+            all.push(Simulated {
+                name: format!("exercises, 3 cameras, {height} × {width}, {}", person.name),
+                model: model.clone(),
+                cameras: exercise::cameras(exercise::MOST_CAMERAS, [height, width])?,
+                pose: movement(exercise::pose),
+                rate: exercise::FRAME_RATE,
+                seconds: (2.0 * seconds).min(exercise::SECONDS),
+                every: 4,
+                drawn,
+                turned: None,
+                is_held_out: !is_held_out,
+            });
         }
     }
+    Ok(all)
+}
+
+/// The upper body before two to four cameras, in pictures of two sizes.
+fn upper_bodies(seconds: f64) -> Result<Vec<Simulated>> {
+    let mut all = Vec::new();
     let upper = Arc::new(builtin::upper_body());
     for (at, count) in [2, 3, upper_body::MOST_CAMERAS].into_iter().enumerate() {
         for (third, size_px) in UPPER_PX.into_iter().enumerate() {
@@ -280,7 +297,7 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
             });
         }
     }
-    all.into_par_iter().map(Simulated::case).collect()
+    Ok(all)
 }
 
 /// A take as it is, from far starts without a search, by each camera and each two alone, and by few of its frames.
