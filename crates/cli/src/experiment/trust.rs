@@ -1,7 +1,7 @@
-//! Tracks that are made to fail, and what the tracker tells of each limb: how many of the wrong ones are told, how many of the
+//! Tracks that are made to fail, and some that are clear, and what the tracker tells of each limb: how many of the wrong ones are told, how many of the
 //! right ones are doubted, and how large errors are beside those that are told.
 //!
-//! Simulated movements hide limbs from two telephones, and two or three cameras see exercises. A take with keypoints is tracked
+//! Simulated movements hide limbs from two telephones, two or three cameras see exercises, and bodies amid cameras are clear. A take with keypoints is tracked
 //! from starts that are far off, by few of its cameras, and by few of its frames. A joint is wrong where it is more than 250 mm
 //! off, and right within 100 mm. Half of the tracks are held out: nothing is learnt from them, and what is told is judged on them.
 

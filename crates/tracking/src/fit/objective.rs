@@ -130,19 +130,20 @@ impl Objective {
     /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, cues, rest and limits, without any pull to another
     /// pose. In tangent columns and as if every pixel were sampled.
     pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
-        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
-        self.look(pose);
-        self.add_measured(&mut equations);
+        let mut equations = self.measured(pose);
         self.add_rest(pose, Parameters::Tangent, &mut equations);
         self.add_limits(pose, Parameters::Tangent, &mut equations);
         self.as_if_all_were_sampled(equations)
     }
 
-    /// Silhouettes and cues at the pose that was looked at last, in tangent columns.
-    fn add_measured(&mut self, equations: &mut NormalEquations) {
-        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, equations);
+    /// Silhouettes and cues of the pixels that are sampled, in tangent columns.
+    fn measured(&mut self, pose: &Pose) -> NormalEquations {
+        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
+        self.look(pose);
+        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
         equations.cost = self.silhouette_cost;
-        self.add_cues(Parameters::Tangent, equations);
+        self.add_cues(Parameters::Tangent, &mut equations);
+        equations
     }
 
     fn as_if_all_were_sampled(&self, mut equations: NormalEquations) -> NormalEquations {
@@ -156,9 +157,7 @@ impl Objective {
     /// JᵀJ, Jᵀρ and cost of what is measured: silhouettes and cues, no prior of any kind. In tangent columns and as if every pixel
     /// were sampled.
     pub fn measured_equations(&mut self, pose: &Pose) -> NormalEquations {
-        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
-        self.look(pose);
-        self.add_measured(&mut equations);
+        let equations = self.measured(pose);
         self.as_if_all_were_sampled(equations)
     }
 

@@ -6,30 +6,32 @@
 //! in the scene.
 
 use crate::body::{Kinematics, Model};
-use crate::fit::{Evidence, FitView};
-use crate::silhouette::Label;
+use crate::fit::FitView;
+use crate::silhouette::Overlap;
 
 /// Masks may show the subject this many times smaller than it is.
 const TOLERANCE: f64 = 3.0;
 
-/// Whether the end of a limb is farther away than the silhouettes allow, or no number.
-pub(super) fn is_beyond(model: &Model, kinematics: &Kinematics, views: &[FitView]) -> bool {
+/// Whether the end of a limb is farther away than the silhouettes allow, or no number. The overlaps are the views'.
+pub(super) fn is_beyond(
+    model: &Model,
+    kinematics: &Kinematics,
+    views: &[FitView],
+    overlaps: &[Option<Overlap>],
+) -> bool {
     let area_m2: f64 =
         model.limbs().iter().map(|limb| 2.0 * limb.radius * (limb.length + 2.0 * limb.radius)).sum();
     let reach_m: f64 = model.limbs().iter().map(|limb| limb.length).sum();
-    let is_beyond = |view: &FitView| {
-        let Evidence::Mask(mask) = &view.evidence else { return false };
-        let (camera, pixels) = (&*view.camera, mask.count(Label::Subject));
-        if pixels == 0 {
-            return false;
-        }
+    let is_beyond = |(view, overlap): (&FitView, &Option<Overlap>)| {
+        let Some(Overlap { agreement, missing, .. }) = overlap else { return false };
+        let (camera, pixels) = (&*view.camera, agreement + missing);
         let focal_px = camera.intrinsics().mean_focal_px();
         let deepest_m = TOLERANCE * focal_px * (area_m2 / pixels as f64).sqrt();
         let diagonal_px = (camera.width() as f64).hypot(camera.height() as f64);
         let farthest_m = deepest_m * (diagonal_px / focal_px).hypot(1.0) + reach_m;
         !kinematics.ends().iter().all(|end| end.distance(camera.centre()) <= farthest_m)
     };
-    views.iter().any(is_beyond)
+    views.iter().zip(overlaps).any(is_beyond)
 }
 
 #[cfg(test)]
@@ -39,6 +41,8 @@ mod tests {
     use super::*;
     use crate::body::{Pose, builtin};
     use crate::fixtures;
+    use crate::render::RendererKind;
+    use crate::track::estimate::overlaps;
 
     /// A body where its silhouettes are may be there, and three times as far; a hundred metres behind it or behind the camera it may
     /// not, and a root that is no number is nowhere.
@@ -54,7 +58,8 @@ mod tests {
             .into();
         let is_beyond_at = |by: DVec3| {
             let pose = Pose { root: truth.root + by, ..truth.clone() };
-            is_beyond(&model, &Kinematics::new(&model, &pose), &views)
+            let overlaps = overlaps(&model, &pose, RendererKind::Capsule, &views);
+            is_beyond(&model, &Kinematics::new(&model, &pose), &views, &overlaps)
         };
         for near in [DVec3::ZERO, DVec3::NEG_Y * 7.0, DVec3::NEG_X * 7.0] {
             assert!(!is_beyond_at(near), "{near}");

@@ -28,18 +28,6 @@ impl Patience {
         (self.wait > self.waited).then_some((self.wait as f64, "no more frames than it waited the last time"))
     }
 
-    /// The same for what is wanted now and then: where it is not wanted, the wait gets shorter by halves.
-    pub(super) fn is_due_fading(&mut self, is_wanted: bool, rarest: Rarest) -> bool {
-        if is_wanted {
-            return self.is_due(true, rarest);
-        }
-        if self.wait == 0 {
-            self.waited /= 2;
-        }
-        self.wait = self.wait.saturating_sub(1);
-        false
-    }
-
     /// Counts a frame. Where it is not wanted, the wait is forgotten.
     pub(super) fn is_due(&mut self, is_wanted: bool, (rarest, _): Rarest) -> bool {
         if !is_wanted {
@@ -51,6 +39,18 @@ impl Patience {
         } else {
             self.wait -= 1;
         }
+        false
+    }
+
+    /// The same for what is wanted now and then: where it is not wanted, the wait gets shorter by halves.
+    pub(super) fn is_due_fading(&mut self, is_wanted: bool, rarest: Rarest) -> bool {
+        if is_wanted {
+            return self.is_due(true, rarest);
+        }
+        if self.wait == 0 {
+            self.waited /= 2;
+        }
+        self.wait = self.wait.saturating_sub(1);
         false
     }
 }

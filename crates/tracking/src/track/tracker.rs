@@ -293,7 +293,7 @@ impl Tracker {
         let summary = fit.summary();
         let overlap = self.overlaps(&summary.pose, views);
         let kinematics = Kinematics::new(&self.model, &summary.pose);
-        let is_out = extent::is_beyond(&self.model, &kinematics, views);
+        let is_out = extent::is_beyond(&self.model, &kinematics, views, &overlap);
         let judge = || self.usual.judge(rms(&summary), iou(&overlap));
         let lost = if is_out { Some(Lost::OutOfScene) } else { judge() };
         Attempt { fit, summary, hypotheses, overlap, lost, conflicts: None, modes: Vec::new() }

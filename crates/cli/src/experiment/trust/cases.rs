@@ -95,6 +95,11 @@ impl FrameReader for CaseReader {
 /// The pose of a body at a time, seconds.
 type Movement = Box<dyn Fn(&Model, f64) -> Pose + Send + Sync>;
 
+/// Of a person who stands on the floor that the average adult stands on.
+fn movement(person: &'static Person, pose: fn(&Model, f64) -> Pose) -> Movement {
+    Box::new(move |model, seconds| person.standing(pose(model, seconds)))
+}
+
 /// What a simulated mask is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Drawn {
@@ -190,9 +195,6 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
     let mut all = Vec::new();
     for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
         let model = Arc::new(person.of(&builtin::full_body())?);
-        let movement = |pose: fn(&Model, f64) -> Pose| -> Movement {
-            Box::new(move |model, seconds| person.standing(pose(model, seconds)))
-        };
         let ways = [(0, Drawn::Wide, 1), (1, Drawn::Wide, 4), (0, Drawn::Clothed, 4)];
         for (third, drawn, every) in ways {
             let held_out = |other: usize| (build + third + other) % 2 == 1;
@@ -218,7 +220,7 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
                         name: format!("exercises, {count} cameras, {}", person.name),
                         model: model.clone(),
                         cameras: exercise::cameras(count, SIZE_PX)?,
-                        pose: movement(exercise::pose),
+                        pose: movement(person, exercise::pose),
                         rate: exercise::FRAME_RATE,
                         seconds: (2.0 * seconds).min(exercise::SECONDS),
                         every,
@@ -237,9 +239,6 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
 
 /// A person amid four cameras and before three, in pictures of two sizes.
 fn clear(build: usize, person: &'static Person, model: &Arc<Model>, seconds: f64) -> Result<Vec<Simulated>> {
-    let movement = |pose: fn(&Model, f64) -> Pose| -> Movement {
-        Box::new(move |model, seconds| person.standing(pose(model, seconds)))
-    };
     let mut all = Vec::new();
     for (at, drawn) in [Drawn::Capsules, Drawn::Wide, Drawn::Clothed].into_iter().enumerate() {
         for (third, size_px) in AROUND_PX.into_iter().enumerate() {
@@ -249,7 +248,7 @@ fn clear(build: usize, person: &'static Person, model: &Arc<Model>, seconds: f64
                 name: format!("four cameras around, {width} × {height}, {}", person.name),
                 model: model.clone(),
                 cameras: studio::pinholes(size_px)?,
-                pose: movement(|model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
+                pose: movement(person, |model, seconds| motion::pose(model, seconds * motion::FRAME_RATE)),
                 rate: motion::FRAME_RATE,
                 seconds: seconds.min(motion::FRAMES as f64 / motion::FRAME_RATE),
                 every: 1,
@@ -261,7 +260,7 @@ fn clear(build: usize, person: &'static Person, model: &Arc<Model>, seconds: f64
                 name: format!("exercises, 3 cameras, {height} × {width}, {}", person.name),
                 model: model.clone(),
                 cameras: exercise::cameras(exercise::MOST_CAMERAS, [height, width])?,
-                pose: movement(exercise::pose),
+                pose: movement(person, exercise::pose),
                 rate: exercise::FRAME_RATE,
                 seconds: (2.0 * seconds).min(exercise::SECONDS),
                 every: 4,
