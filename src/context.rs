@@ -48,6 +48,7 @@ use crate::session::playback::Playback;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::Selection;
 use backlit_jobs::Pool;
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
 use backlit_ui::drawing::Ghosts;
@@ -130,6 +131,16 @@ impl<'a> Context<'a> {
         };
         let of_pose = || self.runs().last_step_with_pose(frame, self.document().pose_at(frame));
         self.selection.step.or_else(going_on).or_else(of_pose)
+    }
+
+    /// Whether there is work that is in no file and that somebody may want back: a demonstration is made again by a click.
+    pub(crate) fn is_unsaved(&self) -> bool {
+        let is_wanted = match self.document().take {
+            Some(TakeSource::Demonstration(_)) => self.project.is_some(),
+            Some(_) => true,
+            None => false,
+        };
+        self.history.is_dirty() && is_wanted
     }
 
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the document's.

@@ -40,8 +40,7 @@ impl Inspector {
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
         self.state.lost_take = None;
         if let Some(kept) = self.features.recovery.news(&self.state.clock) {
-            let show = Command::Recovery(RecoveryCommand::Show);
-            self.state.notices.info(kept, Some(show));
+            self.state.notices.remind(kept, Command::Recovery(RecoveryCommand::Show));
         }
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(note, None);

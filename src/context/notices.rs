@@ -31,7 +31,7 @@ pub struct Notice {
     pub(crate) command: Option<Command>,
     /// When it was said, in seconds of the window's clock.
     pub(crate) said: f64,
-    /// When it goes, in seconds of the window's clock; never for errors.
+    /// When it goes, in seconds of the window's clock; `None` for errors and what waits for a decision.
     expires: Option<f64>,
     is_open: bool,
 }
@@ -49,6 +49,11 @@ impl Notices {
     /// Says something good to know.
     pub(crate) fn info(&mut self, text: impl Into<String>, command: Option<Command>) {
         self.push(Severity::Info, text.into(), command, Some(self.now + LIFETIME));
+    }
+
+    /// Says what waits for a decision: the card stays until it is closed.
+    pub(crate) fn remind(&mut self, text: impl Into<String>, command: Command) {
+        self.push(Severity::Info, text.into(), Some(command), None);
     }
 
     /// Says that something did not work.
@@ -129,21 +134,23 @@ pub(crate) fn broke_down(doing: &str, failure: &Failure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::command::RecoveryCommand;
 
     #[test]
     fn cards_go_by_themselves_and_errors_stay() {
         let mut notices = Notices::default();
         notices.info("Saved", None);
         notices.error("No such file");
+        notices.remind("Unsaved work is kept", Command::Recovery(RecoveryCommand::Show));
         notices.now = 1.0;
         assert_eq!(notices.tick(), Some(6.0));
-        assert_eq!(notices.cards().count(), 2);
+        assert_eq!(notices.cards().count(), 3);
         notices.now = 6.5;
         assert_eq!(notices.tick(), None);
         let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
-        assert_eq!(texts, ["No such file"]);
+        assert_eq!(texts, ["No such file", "Unsaved work is kept"]);
         notices.close(|notice| notice.severity == Severity::Error);
-        assert_eq!((notices.cards().count(), notices.all().len()), (0, 2));
+        assert_eq!((notices.cards().count(), notices.all().len()), (1, 3));
     }
 
     #[test]

@@ -91,12 +91,12 @@ fn divider(ui: &mut Ui) {
 fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
     let palette = theme::palette(ui);
     let Some(take) = &context.session.take else { return };
-    let dirty = if context.history.is_dirty() { " •" } else { "" };
+    let dirty = if context.is_unsaved() { " •" } else { "" };
     let project = context.project.map(|path| path.display().to_string());
     let hover = format!(
         "{}\n{}",
         project.unwrap_or_else(|| "Not saved to a project file yet".to_owned()),
-        if context.history.is_dirty() {
+        if context.is_unsaved() {
             "There is unsaved work; it is also kept for the next start."
         } else {
             "All work is saved."

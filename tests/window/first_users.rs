@@ -92,6 +92,25 @@ fn menus_stay_within_the_window() {
     }
 }
 
+/// Where there is room a menu shows all of its rows; its last one can be seen and clicked.
+#[test]
+fn menus_end_where_the_window_is_tall() {
+    let last =
+        ["Quit", "Next joint", "Camera 1 alone", "Choose camera", "Restart laboratory", "About Backlit"];
+    for (menu, last) in MENUS.into_iter().zip(last) {
+        let mut window = arm().sized(1366.0, 1000.0).open();
+        open_menu(&mut window, menu);
+        let areas: Vec<egui::Rect> = window.ctx.memory(|memory| {
+            let layers = memory.layer_ids().filter(|layer| layer.order == Order::Foreground);
+            layers.filter_map(|layer| memory.area_rect(layer.id)).collect()
+        });
+        let seen = window
+            .get_all_by_label_contains(last)
+            .any(|row| areas.iter().any(|area| area.contains_rect(row.rect())));
+        assert!(seen, "{menu} does not reach {last}: {areas:?}");
+    }
+}
+
 #[test]
 fn letters_grow_and_shrink_by_keys() {
     let mut window = debug();

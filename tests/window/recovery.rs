@@ -202,6 +202,26 @@ fn work_whose_take_is_gone_stays_on_offer() {
     assert_eq!(titles(&harness).len(), 2);
 }
 
+/// Over a take, too, what nine windows have left is seen by more than one at a time.
+#[test]
+fn of_nine_copies_as_many_are_seen_as_have_room() {
+    let folder = tempfile::tempdir().unwrap();
+    leave_two(folder.path());
+    let data = folder.path().join("data");
+    for number in 3..10 {
+        for ending in ["backlit", "about.json", "png"] {
+            let to = data.join(format!("unsaved-{number}.{ending}"));
+            std::fs::copy(data.join(format!("unsaved-1.{ending}")), to).unwrap();
+        }
+    }
+    let mut window = on_take(folder.path()).sized(1366.0, 1000.0).open();
+    click(&mut window, "Unsaved work…");
+    let below = window.get_by_label("Discard all").rect().top();
+    let rows = window.get_all_by_label_contains("Restore arm");
+    let seen = rows.filter(|row| row.rect().is_positive() && row.rect().bottom() < below).count();
+    assert!(seen >= 5, "{seen} of nine copies are seen");
+}
+
 #[test]
 fn without_a_picture_or_anything_beside_it_a_copy_is_still_offered() {
     let folder = tempfile::tempdir().unwrap();

@@ -162,7 +162,7 @@ mod tests {
     use backlit_tracking::cues::{Cue, LimbHold};
     use backlit_tracking::segment::SegmentOptions;
     use backlit_tracking::track::{Mode, WhenToSearch};
-    use glam::DVec3;
+    use glam::{DMat3, DVec3};
 
     use super::*;
     use crate::edit::Edit;
@@ -202,7 +202,10 @@ mod tests {
                 let cues = if limb > 2 { vec![Cue::Flow, Cue::Stereo] } else { Vec::new() };
                 LimbHold { limb, cameras: limb, by_silhouettes: limb == 2, cues }
             });
-            let rivals = vec![Mode { pose: document.start.as_ref().clone(), weight: 1.0 / 3.0 }];
+            let covariance = DMat3::from_diagonal(DVec3::new(1e-4, 2e-4, 9e-4));
+            let covariances = vec![covariance; document.model.limbs().len()];
+            let rival = document.start.as_ref().clone();
+            let rivals = vec![Mode { pose: rival, weight: 1.0 / 3.0, covariances }];
             Some(Arc::new(Told::new(&model, pose.clone(), trust.collect(), holds.collect(), rivals)))
         };
         let found = Arc::new(estimate);

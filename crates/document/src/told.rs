@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use backlit_tracking::belief::{LimbTrust, Verdict};
+use backlit_tracking::belief::{LimbTrust, Verdict, deviation_m};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::track::Mode;
@@ -54,6 +54,12 @@ impl Told {
     /// How many limbs are wrong in the mean of such frames: the sum of P(wrong) of those that are not believed.
     pub fn expected_wrong(&self) -> f64 {
         self.doubts.iter().map(|doubt| doubt.wrong).sum()
+    }
+
+    /// How far silhouettes leave the end of a limb to move in a rival pose, metres; `None` where that is not known.
+    pub fn deviation_m(&self, rival: &Pose, limb: usize) -> Option<f64> {
+        let mode = self.rivals.iter().find(|mode| are_same(&mode.pose, rival))?;
+        mode.covariances.get(limb).map(deviation_m)
     }
 
     /// The tracked pose and its rivals with their weights; empty where there are none.

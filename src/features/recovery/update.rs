@@ -5,7 +5,6 @@ use backlit_document::Document;
 use backlit_document::history::Version;
 use backlit_document::project::{ProjectError, write_project};
 use backlit_document::run::Run;
-use backlit_take::source::TakeSource;
 use egui::Ui;
 use std::path::Path;
 use std::sync::PoisonError;
@@ -65,12 +64,6 @@ impl UnsavedWork {
         let _ = self.picture.map(|picture| picture.write(path));
         Ok(())
     }
-}
-
-/// Whether there is anything unsaved that somebody may want back: a demonstration is made again by a click.
-fn is_worth_keeping(context: &Context<'_>) -> bool {
-    let source = context.document().take.as_ref();
-    context.history.is_dirty() && source.is_some_and(|source| !matches!(source, TakeSource::Demonstration(_)))
 }
 
 impl Feature for Recovery {
@@ -140,7 +133,7 @@ impl Recovery {
         }
         let Some(copies) = &mut self.copies else { return };
         let version = context.history.version();
-        if !is_worth_keeping(context) {
+        if !context.is_unsaved() {
             // A document that was just opened, or one that is in its file as it is.
             if self.written.take().is_some() {
                 copies.forget();
@@ -220,7 +213,7 @@ impl Recovery {
         self.task.forget();
         let writing = self.writing.clone();
         let _writing = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        if !is_worth_keeping(context) {
+        if !context.is_unsaved() {
             if self.written.is_some() {
                 copies.forget();
             }

@@ -65,8 +65,11 @@ fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     for (index, (pose, weight)) in modes.iter().enumerate() {
         let other = Kinematics::new(model, pose);
         let most = farthest_limb(&limbs_elsewhere(&other, &leading), &other, &leading);
-        let off =
-            most.map(|(limb, apart)| format!(": {} {} off", model.limbs()[limb].name, format::length(apart)));
+        let told = |limb| context.document().told.get(&frame)?.deviation_m(pose, limb);
+        let off = most.map(|(limb, apart)| {
+            let give_or_take = told(limb).map_or_else(String::new, |m| format!(" ± {}", format::length(m)));
+            format!(": {} {}{give_or_take} off", model.limbs()[limb].name, format::length(apart))
+        });
         let which = if index == 0 { "Tracked" } else { "Rival" };
         let name = format!("{which}, {}{}", whole_percent(*weight), off.unwrap_or_default());
         let is_shown = are_same(pose, shown);

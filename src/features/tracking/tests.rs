@@ -190,7 +190,7 @@ fn a_rival_pose_is_taken_and_taken_back() {
     let rotation = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
     // A pose that is set is normalised.
     pose.rotations[rotation] = glam::DQuat::from_rotation_x(1.0) * pose.rotations[rotation] * (1.0 + 1e-9);
-    let rivals = vec![Mode { pose: pose.clone(), weight: 0.3 }];
+    let rivals = vec![Mode { pose: pose.clone(), weight: 0.3, covariances: Vec::new() }];
     let found = app.document().estimates[&frame].clone();
     let told = Told::new(&model, tracked.clone(), Vec::new(), Vec::new(), rivals);
     app.state.edit(Edit::AddTrack(vec![(frame, found, Some(Arc::new(told)))]), None);

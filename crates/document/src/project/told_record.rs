@@ -7,6 +7,7 @@ use backlit_formats::json_text::unique_keys;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::{Cue, LimbHold};
 use backlit_tracking::track::Mode;
+use glam::DMat3;
 use serde::{Deserialize, Serialize};
 
 use super::ProjectProblem;
@@ -40,6 +41,38 @@ struct HoldRecord {
 struct RivalRecord {
     weight: f64,
     pose: PoseRecord,
+    /// By limb: xx, yy, zz, yz, xz, xy of its end, square metres.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
+    covariances: BTreeMap<String, [f64; 6]>,
+}
+
+impl RivalRecord {
+    fn of(model: &Model, rival: &Mode) -> Self {
+        let symmetric = |m: &DMat3| [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.x_axis.z, m.x_axis.y];
+        let named = model.limbs().iter().zip(&rival.covariances);
+        let covariances = named.map(|(limb, covariance)| (limb.name.clone(), symmetric(covariance)));
+        let pose = PoseRecord::of(model, &rival.pose);
+        Self { weight: rival.weight, pose, covariances: covariances.collect() }
+    }
+
+    fn read(self, model: &Model, field: &str) -> Result<Mode, ProjectProblem> {
+        check_numbers(field, &[("weight", Some(self.weight), 1.0)])?;
+        let pose = self.pose.pose(model, &format!("{field}.pose"))?;
+        let is_told = !self.covariances.is_empty();
+        let mut covariances = vec![DMat3::ZERO; if is_told { model.limbs().len() } else { 0 }];
+        for (name, [xx, yy, zz, yz, xz, xy]) in self.covariances {
+            let field = format!("{field}.covariances");
+            let limb = limb_index(model, &field, &name)?;
+            let own = [
+                ("xx", Some(xx), f64::INFINITY),
+                ("yy", Some(yy), f64::INFINITY),
+                ("zz", Some(zz), f64::INFINITY),
+            ];
+            check_numbers(&format!("{field}.{name}"), &own)?;
+            covariances[limb] = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        }
+        Ok(Mode { pose, weight: self.weight, covariances })
+    }
 }
 
 impl ToldRecord {
@@ -54,11 +87,7 @@ impl ToldRecord {
             pose: (found != Some(&told.pose)).then(|| pose(&told.pose)),
             trust: TrustRecord::of(model, &told.trust),
             held: told.holds.iter().map(hold).collect(),
-            rivals: told
-                .rivals
-                .iter()
-                .map(|rival| RivalRecord { weight: rival.weight, pose: pose(&rival.pose) })
-                .collect(),
+            rivals: told.rivals.iter().map(|rival| RivalRecord::of(model, rival)).collect(),
         }
     }
 
@@ -81,10 +110,8 @@ impl ToldRecord {
         }
         holds.sort_by_key(|hold| model.limbs()[hold.limb].rotation);
         let mut rivals = Vec::with_capacity(self.rivals.len());
-        for (index, RivalRecord { weight, pose }) in self.rivals.into_iter().enumerate() {
-            let field = format!("{field}.rivals[{index}]");
-            check_numbers(&field, &[("weight", Some(weight), 1.0)])?;
-            rivals.push(Mode { weight, pose: pose.pose(model, &format!("{field}.pose"))? });
+        for (index, rival) in self.rivals.into_iter().enumerate() {
+            rivals.push(rival.read(model, &format!("{field}.rivals[{index}]"))?);
         }
         Ok(Told::new(model, pose, trust, holds, rivals))
     }

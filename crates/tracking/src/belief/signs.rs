@@ -21,20 +21,15 @@
 //! | 22 | logarithm of the pixels that a metre of it has, the mean over cameras |
 
 use glam::DVec3;
-use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use super::conflict::Conflicts;
+use super::spread::{deviation_m, end_covariances, end_jacobians, left_out_shifts};
 use super::trust::Reason;
-use crate::body::{Kinematics, Model, Parameters, Sides};
+use crate::body::{Kinematics, Model, Sides};
 use crate::optimize::NormalEquations;
 use crate::residual::learnt_prior::PartEnergy;
 use crate::search::Chains;
 
-/// Deviation of a pixel's residual, grey levels: model and silhouette err together over whole edges.
-const PIXEL_DEVIATION: f64 = 200.0;
-/// What is known of a pose before it is seen: deviations of the root, metres, and of a rotation, radians.
-const ROOT_DEVIATION_M: f64 = 0.5;
-const TURN_DEVIATION: f64 = 0.8;
 /// The trunk may lean this far, radians.
 const LEANS: f64 = 1.2;
 /// An energy of this size is nothing odd.
@@ -120,9 +115,8 @@ pub(crate) fn signs(inputs: &TrustInputs<'_>) -> Vec<Signs> {
         energies.iter().find(of_part).map(|part| part.energy)
     };
     let trunk = energy_where(&|rotation| parts.trunk.contains(&rotation)).unwrap_or_default();
-    let ends: Vec<DMatrix<f64>> =
-        (0..model.limbs().len()).map(|limb| kinematics.end_jacobian(limb, Parameters::Tangent)).collect();
-    let deviations = end_deviations(&ends, inputs.equations);
+    let ends = end_jacobians(model, kinematics);
+    let covariances = end_covariances(&ends, inputs.equations);
     let shifts = left_out_shifts(&ends, inputs.equations, inputs.cameras);
     let missing = conflicts.missing_share().clamp(0.0, 1.0).sqrt();
     let cameras = conflicts.cameras.max(1) as f64;
@@ -169,7 +163,7 @@ pub(crate) fn signs(inputs: &TrustInputs<'_>) -> Vec<Signs> {
             unlikely(energy),
             unlikely(trunk),
             tilt,
-            (deviations[limb] + 1e-3).ln(),
+            (deviation_m(&covariances[limb]) + 1e-3).ln(),
             1.0 / cameras,
             inputs.rms.clamp(LEAST_RMS, 255.0).ln(),
             inputs.rivals.iter().map(elsewhere).sum::<f64>(),
@@ -186,39 +180,4 @@ pub(crate) fn signs(inputs: &TrustInputs<'_>) -> Vec<Signs> {
         ]
     };
     (0..model.limbs().len()).map(of_limb).collect()
-}
-
-/// What is known of the columns of a pose where these equations tell of it, and before: H/R + P₀⁻¹.
-fn information(jtj: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-    let mut information = jtj / (PIXEL_DEVIATION * PIXEL_DEVIATION);
-    for column in 0..information.nrows() {
-        let deviation = if column < 3 { ROOT_DEVIATION_M } else { TURN_DEVIATION };
-        information[(column, column)] += 1.0 / (deviation * deviation);
-    }
-    information.cholesky()
-}
-
-/// The deviation that a frame leaves to the end of every limb, metres: the root of the trace of K H⁻¹ Kᵀ, K the ends' Jacobians.
-fn end_deviations(ends: &[DMatrix<f64>], equations: &NormalEquations) -> Vec<f64> {
-    let factor = information(&equations.jtj);
-    let of_end = |end: &DMatrix<f64>| {
-        let spread = factor.as_ref().map(|factor| end.dot(&factor.solve(&end.transpose()).transpose()));
-        spread.map_or(1.0, |spread| spread.max(0.0).sqrt())
-    };
-    ends.iter().map(of_end).collect()
-}
-
-/// How far the end of every limb goes in one step where one camera is left out, metres, of the camera that moves it most: the
-/// influence of the camera (R. D. Cook, "Detection of influential observation in linear regression", 1977). Where the fit ended
-/// the pulls of all cameras and priors are in balance, so that without camera c the step is −(H − H꜀)⁻¹ g꜀.
-fn left_out_shifts(ends: &[DMatrix<f64>], all: &NormalEquations, cameras: &[NormalEquations]) -> Vec<f64> {
-    let mut shifts = vec![0.0_f64; ends.len()];
-    for camera in cameras.iter().filter(|camera| camera.jtj.trace() > 0.0 && cameras.len() > 1) {
-        let Some(factor) = information(&(&all.jtj - &camera.jtj)) else { continue };
-        let step = factor.solve(&(&camera.jtr / (PIXEL_DEVIATION * PIXEL_DEVIATION)));
-        for (shift, end) in shifts.iter_mut().zip(ends) {
-            *shift = shift.max((end * &step).norm());
-        }
-    }
-    shifts
 }

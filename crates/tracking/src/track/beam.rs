@@ -10,16 +10,17 @@
 //! that the silhouettes speak against ([`Conflicts`]), taken off and seeded again, and from poses that silhouettes confuse with
 //! one that people seldom take ([`rivals`]). Where nothing speaks against the pose there are no rivals.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::memory::LastFrame;
 use super::motion::Motion;
 use super::patience::{CONFUSION, Patience, RESEEDING};
 use super::tracker::Tracker;
-use crate::belief::{Conflicts, px_per_metre};
-use crate::body::{Model, Pose};
+use crate::belief::{self, Conflicts, px_per_metre};
+use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitView};
+use crate::optimize::NormalEquations;
 use crate::posing;
 use crate::render::BACKGROUND;
 use crate::residual::learnt_prior::PartEnergy;
@@ -77,11 +78,14 @@ pub struct Mode {
     pub pose: Pose,
     /// How likely it is, 0 to 1, among those that were carried.
     pub weight: f64,
+    /// By limb, the covariance that the frame leaves to its end in this pose, square metres.
+    pub covariances: Vec<DMat3>,
 }
 
 /// A hypothesis in the frame at hand.
 struct Contender {
     fit: Fit,
+    covariances: Vec<DMat3>,
     /// Nats behind the leading one.
     behind: f64,
     /// Where it was in the frame before; `None` for one that was just seeded.
@@ -109,8 +113,8 @@ impl Contest<'_> {
         if summary.is_broken() || self.cancel.is_cancelled() {
             return None;
         }
-        let (energy, _) = free_energy(&mut fit, &summary.pose, self.unit);
-        let here = energy - self.leading;
+        let FreeEnergy { nats, equations, .. } = free_energy(&mut fit, &summary.pose, self.unit);
+        let here = nats - self.leading;
         let is_same =
             |other: &Fit| search::farthest_m(&self.tracker.model, other.pose(), fit.pose()) < SAME_M;
         let behind = before + here;
@@ -122,7 +126,8 @@ impl Contest<'_> {
             Some(double) => drop(self.contenders.remove(double)),
             None => {}
         }
-        self.contenders.push(Contender { fit, behind, last });
+        let covariances = end_covariances(&self.tracker.model, &summary.pose, &equations);
+        self.contenders.push(Contender { fit, covariances, behind, last });
         Some(here)
     }
 }
@@ -141,7 +146,7 @@ impl Tracker {
         let pose = leader.pose().clone();
         let chains = troubled_chains(&self.model, conflicts);
         let unit = nat(views, pose.root);
-        let (leading, energies) = free_energy(leader, &pose, unit);
+        let FreeEnergy { nats: leading, energies, equations } = free_energy(leader, &pose, unit);
         let seeds = self.beam.reseeds.is_due_fading(!chains.is_empty(), RESEEDING);
         let is_odd = energies.iter().any(|part| part.energy > ODD);
         let confuses = is_odd && self.beam.confusions.is_due(true, CONFUSION);
@@ -150,7 +155,7 @@ impl Tracker {
             return (None, Vec::new());
         }
         let mut twins = if confuses { confused(&self.model, &pose, views, &energies) } else { Vec::new() };
-        twins.retain(|twin| free_energy(leader, twin, unit).0 - leading < HOPELESS);
+        twins.retain(|twin| free_energy(leader, twin, unit).nats - leading < HOPELESS);
         let mut contest = Contest { tracker: self, leader, unit, leading, contenders: Vec::new(), cancel };
         for Rival { last, behind } in rivals {
             let start = last.leads_to(self.seconds_between(last.frame, frame));
@@ -172,44 +177,55 @@ impl Tracker {
         if is_better {
             self.beam.reseeds = Patience::default();
         }
-        self.settle(frame, pose, contenders)
+        let leading = end_covariances(&self.model, &pose, &equations);
+        self.settle(frame, pose, leading, contenders)
     }
 
-    /// Ranks the contenders, and carries those that do not lead on.
+    /// Ranks the contenders, and carries those that do not lead on. The pose and its ends' covariances are the leading one's.
     fn settle(
         &mut self,
         frame: usize,
         pose: Pose,
+        covariances: Vec<DMat3>,
         mut contenders: Vec<Contender>,
     ) -> (Option<Fit>, Vec<Mode>) {
         contenders.sort_by(|a, b| a.behind.total_cmp(&b.behind));
         contenders.truncate(self.most_rivals);
-        let carried = |last: Option<&LastFrame>, pose: &Pose| {
+        let carried = |last: Option<&LastFrame>, pose: &Pose, behind: f64| {
             let from = last.filter(|last| last.frame != frame && self.motion != Motion::Still);
             let velocity = from.map(|last| last.velocity_to(pose, self.seconds_between(last.frame, frame)));
-            LastFrame { frame, pose: pose.clone(), lost: false, velocity }
+            Rival { last: LastFrame { frame, pose: pose.clone(), lost: false, velocity }, behind }
         };
         let takes_over = contenders.first().is_some_and(|first| first.behind < -AHEAD);
         let lead = if takes_over { contenders[0].behind } else { 0.0 };
-        let mut rivals = Vec::with_capacity(contenders.len());
+        let mut others = Vec::with_capacity(contenders.len());
+        let mut winner = None;
         if takes_over {
-            rivals.push(Rival { last: carried(self.last.as_ref(), &pose), behind: 0.0 });
+            winner = Some(contenders.remove(0).fit);
+            others.push((carried(self.last.as_ref(), &pose, -lead), covariances));
         }
-        let others = contenders.iter().skip(usize::from(takes_over));
-        rivals.extend(
-            others.map(|one| Rival { last: carried(one.last.as_ref(), one.fit.pose()), behind: one.behind }),
-        );
-        rivals.iter_mut().for_each(|rival| rival.behind -= lead);
-        rivals.retain(|rival| rival.behind <= BEHIND);
-        rivals.sort_by(|a, b| a.behind.total_cmp(&b.behind));
+        others.extend(contenders.into_iter().map(|Contender { fit, covariances, behind, last }| {
+            (carried(last.as_ref(), fit.pose(), behind - lead), covariances)
+        }));
+        others.retain(|(rival, _)| rival.behind <= BEHIND);
+        others.sort_by(|(a, _), (b, _)| a.behind.total_cmp(&b.behind));
         // The leading one is not behind itself.
-        let total = 1.0 + rivals.iter().map(|rival| (-rival.behind).exp()).sum::<f64>();
-        let mode =
-            |rival: &Rival| Mode { pose: rival.last.pose.clone(), weight: (-rival.behind).exp() / total };
-        let modes = rivals.iter().map(mode).collect();
-        self.beam.rivals = rivals;
-        (takes_over.then(|| contenders.swap_remove(0).fit), modes)
+        let total = 1.0 + others.iter().map(|(rival, _)| (-rival.behind).exp()).sum::<f64>();
+        let mode = |(rival, covariances): &(Rival, Vec<DMat3>)| Mode {
+            pose: rival.last.pose.clone(),
+            weight: (-rival.behind).exp() / total,
+            covariances: covariances.clone(),
+        };
+        let modes = others.iter().map(mode).collect();
+        self.beam.rivals = others.into_iter().map(|(rival, _)| rival).collect();
+        (winner, modes)
     }
+}
+
+/// What a frame leaves to the ends of a pose's limbs.
+fn end_covariances(model: &Model, pose: &Pose, equations: &NormalEquations) -> Vec<DMat3> {
+    let ends = belief::end_jacobians(model, &Kinematics::new(model, pose));
+    belief::end_covariances(&ends, equations)
 }
 
 /// How hard chains are looked for again: less than in a search, since it is done frame after frame.
@@ -217,11 +233,19 @@ fn seeding() -> SearchOptions {
     SearchOptions { directions: 60, beam: 16, proposals: 3, ..SearchOptions::default() }
 }
 
-/// The free energy of a pose in a frame, nats, and what motion files say of it.
-pub(super) fn free_energy(fit: &mut Fit, pose: &Pose, unit: f64) -> (f64, Vec<PartEnergy>) {
+/// What a frame says of a pose without any pull to another one.
+pub(super) struct FreeEnergy {
+    pub(super) nats: f64,
+    /// What motion files say of it.
+    energies: Vec<PartEnergy>,
+    equations: NormalEquations,
+}
+
+/// The free energy of a pose in a frame, with `unit` squared grey levels to a nat.
+pub(super) fn free_energy(fit: &mut Fit, pose: &Pose, unit: f64) -> FreeEnergy {
     let (equations, energies) = fit.free_equations(pose);
     let energy: f64 = energies.iter().map(|part| part.energy).sum();
-    (equations.cost / unit + 0.5 * PRIOR * energy, energies)
+    FreeEnergy { nats: equations.cost / unit + 0.5 * PRIOR * energy, energies, equations }
 }
 
 /// Poses that silhouettes confuse with this one, of the parts that are odd.

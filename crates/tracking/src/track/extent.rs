@@ -3,11 +3,13 @@
 //! A body of limbs with lengths l and radii r covers at most A = Σ 2 r (l + 2 r) square metres, so that one who covers a pixels of a
 //! camera of focal length f px stands no deeper than f √(A/a), give or take what masks and sizes are wrong ([`TOLERANCE`]).
 //! What is farther from a camera than that depth along the ray of a corner of its picture, and the body's reach, is nowhere
-//! in the scene.
+//! in the scene. A pose that is goes to where the silhouettes are ([`place`]).
+
+use glam::{DVec2, DVec3};
 
 use crate::body::{Kinematics, Model};
-use crate::fit::FitView;
-use crate::silhouette::Overlap;
+use crate::fit::{Evidence, FitView};
+use crate::silhouette::{Label, Overlap};
 
 /// Masks may show the subject this many times smaller than it is.
 const TOLERANCE: f64 = 3.0;
@@ -19,8 +21,7 @@ pub(super) fn is_beyond(
     views: &[FitView],
     overlaps: &[Option<Overlap>],
 ) -> bool {
-    let area_m2: f64 =
-        model.limbs().iter().map(|limb| 2.0 * limb.radius * (limb.length + 2.0 * limb.radius)).sum();
+    let area_m2 = area_m2(model);
     let reach_m: f64 = model.limbs().iter().map(|limb| limb.length).sum();
     let is_beyond = |(view, overlap): (&FitView, &Option<Overlap>)| {
         let Some(Overlap { agreement, missing, .. }) = overlap else { return false };
@@ -34,9 +35,32 @@ pub(super) fn is_beyond(
     views.iter().zip(overlaps).any(is_beyond)
 }
 
+/// The most that a body covers, square metres.
+fn area_m2(model: &Model) -> f64 {
+    model.limbs().iter().map(|limb| 2.0 * limb.radius * (limb.length + 2.0 * limb.radius)).sum()
+}
+
+/// Where somebody with these silhouettes stands, roughly: the mean over cameras of the point at the depth f √(A/a) on the ray of
+/// the silhouette's centroid. `None` where no mask has a subject.
+pub(super) fn place(model: &Model, views: &[FitView]) -> Option<DVec3> {
+    let of_view = |view: &FitView| {
+        let Evidence::Mask(mask) = &view.evidence else { return None };
+        let subject = mask.labels().iter().enumerate().filter(|(_, label)| **label == Label::Subject);
+        let pixel = |index: usize| DVec2::new((index % mask.width()) as f64, (index / mask.width()) as f64);
+        let (sum, count) =
+            subject.fold((DVec2::ZERO, 0.0), |(sum, count), (index, _)| (sum + pixel(index), count + 1.0));
+        let camera = &*view.camera;
+        let ray = camera.ray_in_world(sum / count)?;
+        let depth_m = camera.intrinsics().mean_focal_px() * (area_m2(model) / count).sqrt();
+        let ahead = camera.camera_from_world().rotation.transpose().z_axis;
+        Some(camera.centre() + ray * (depth_m / ray.dot(ahead)))
+    };
+    let points: Vec<DVec3> = views.iter().filter_map(of_view).filter(|point| point.is_finite()).collect();
+    (!points.is_empty()).then(|| points.iter().sum::<DVec3>() / points.len() as f64)
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
 
     use super::*;
     use crate::body::{Pose, builtin};
@@ -67,5 +91,7 @@ mod tests {
         for far in [DVec3::NEG_Y * 100.0, DVec3::Y * 100.0, DVec3::Z * 1e9, DVec3::NAN] {
             assert!(is_beyond_at(far), "{far}");
         }
+        let place = place(&model, &views).unwrap();
+        assert!(place.distance(truth.root) < 3.0 && !is_beyond_at(place - truth.root), "{place}");
     }
 }

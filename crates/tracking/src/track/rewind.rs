@@ -163,7 +163,7 @@ impl Tracker {
             PreparedFit::new(&self.model, views.to_vec(), poses[0], &options, |_, _, _| 0.0).ok()?;
         let mut fit = Fit::at_last_stage(self.model.clone(), prepared, options, poses[0]);
         let unit = nat(views, poses[0].root);
-        let energies = poses.map(|pose| free_energy(&mut fit, pose, unit).0);
+        let energies = poses.map(|pose| free_energy(&mut fit, pose, unit).nats);
         energies.iter().all(|energy| energy.is_finite()).then_some(energies)
     }
 }

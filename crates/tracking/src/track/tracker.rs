@@ -267,7 +267,14 @@ impl Tracker {
             attempt.modes = modes;
         }
         if attempt.lost == Some(Lost::OutOfScene) {
-            return Ok(self.lost(frame, start, &views, predicted, Lost::OutOfScene));
+            let kinematics = Kinematics::new(&self.model, &start);
+            let mut pose = start;
+            if extent::is_beyond(&self.model, &kinematics, &views, &self.overlaps(&pose, &views))
+                && let Some(root) = extent::place(&self.model, &views)
+            {
+                pose.root = root;
+            }
+            return Ok(self.lost(frame, pose, &views, predicted, Lost::OutOfScene));
         }
         Ok(self.keep(frame, attempt, predicted, &views, cancel))
     }

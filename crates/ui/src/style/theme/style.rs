@@ -59,6 +59,9 @@ fn text_styles() -> [(TextStyle, FontId); 10] {
     ]
 }
 
+/// Taller than any window, points.
+const MOST: f32 = 1e5;
+
 fn spacing() -> Spacing {
     Spacing {
         item_spacing: vec2(8.0, 4.0),
@@ -71,6 +74,9 @@ fn spacing() -> Spacing {
         slider_rail_height: 3.0,
         slider_width: 124.0,
         combo_width: 90.0,
+        // What opens over the window may be as tall as that: menus end, and do not scroll where there is room.
+        combo_height: MOST,
+        default_area_size: vec2(600.0, MOST),
         window_margin: Margin::same(12),
         menu_margin: Margin::same(6),
         menu_spacing: 2.0,
