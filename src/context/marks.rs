@@ -9,6 +9,7 @@ use backlit_tracking::observability::JointUncertainty;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_ui::drawing::{JointEllipse, JointId, Swaying, joint_ellipses};
 use backlit_ui::style::format;
+use glam::DVec3;
 
 /// What is drawn in a frame.
 #[derive(Debug, Clone, Default)]
@@ -104,6 +105,32 @@ pub(crate) struct DragMarks {
     pub(crate) twisted: Option<usize>,
     /// The pose in which the drag, or the last nudges, began: limits that are met since then are shown.
     pub(crate) from: Option<Arc<Pose>>,
+    /// Where a joint was put last.
+    pub(crate) placement: Option<Placement>,
+}
+
+/// Where a joint was put by drags in cameras' views. In other views it stays on the ray of the latest, until anything else
+/// moves it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Placement {
+    pub(crate) frame: usize,
+    pub(crate) joint: JointId,
+    /// In the world.
+    pub(crate) at: DVec3,
+    /// The cameras in whose views it was put there, the latest last.
+    pub(crate) cameras: Vec<usize>,
+}
+
+impl Placement {
+    /// Whether the joint of a frame is still there.
+    pub(crate) fn holds(&self, frame: usize, joint: JointId, at: DVec3) -> bool {
+        (frame, joint) == (self.frame, self.joint) && at.distance(self.at) < 1e-4
+    }
+
+    /// The cameras but one, the latest first.
+    pub(crate) fn cameras_but(&self, camera: usize) -> impl Iterator<Item = usize> {
+        self.cameras.iter().rev().copied().filter(move |&other| other != camera)
+    }
 }
 
 impl DragMarks {

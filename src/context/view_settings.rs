@@ -60,7 +60,7 @@ impl Default for ViewSettings {
             pixel_grid: true,
             axis: StateAxis::default(),
             size_handles: false,
-            hold_trunk: false,
+            hold_trunk: true,
             spheres: false,
             sphere_level: None,
             both_sides: true,

@@ -6,6 +6,7 @@ mod drag;
 mod dragged;
 mod joint;
 mod panel;
+mod placement;
 mod sizes;
 #[cfg(test)]
 mod tests;
@@ -15,7 +16,7 @@ use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
 use egui::Ui;
 
-use crate::context::marks::DragMarks;
+use crate::context::marks::{DragMarks, Placement};
 use crate::context::{Context, Requests};
 
 /// The feature.
@@ -23,6 +24,7 @@ use crate::context::{Context, Requests};
 pub(crate) struct Posing {
     dragging: Option<Dragging>,
     nudging: Option<Nudging>,
+    placement: Option<Placement>,
     clipboard: Clipboard,
 }
 
@@ -32,7 +34,10 @@ impl Posing {
         let nudging = self.nudging.as_ref().filter(|nudging| now - nudging.at < NUDGE_SECONDS);
         match &self.dragging {
             Some(dragging) => dragging.marks(),
-            None => DragMarks { from: nudging.map(|nudging| nudging.base.clone()), ..DragMarks::default() },
+            None => {
+                let from = nudging.map(|nudging| nudging.base.clone());
+                DragMarks { from, placement: self.placement.clone(), ..DragMarks::default() }
+            }
         }
     }
 

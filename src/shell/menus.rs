@@ -41,11 +41,45 @@ fn contents(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, menu: M
 }
 
 fn rows(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, menu: Menu) {
-    for command in Command::in_menu(menu) {
-        if is_hidden(command, context) {
-            continue;
+    let shown: Vec<Command> =
+        Command::in_menu(menu).filter(|command| !is_hidden(*command, context)).collect();
+    for commands in shown.chunk_by(|one, next| submenu(*one) == submenu(*next)) {
+        if begins_group(commands[0]) {
+            ui.separator();
         }
-        if begins_group(command) {
+        match submenu(commands[0]) {
+            Some(name) => {
+                ui.menu_button(name, |ui| {
+                    ui.set_min_width(230.0);
+                    each(ui, context, requests, commands);
+                });
+            }
+            None => each(ui, context, requests, commands),
+        }
+    }
+}
+
+/// The menu of a menu that a command stands in: what belongs together, so that a menu is no taller than a window.
+fn submenu(command: Command) -> Option<&'static str> {
+    match command {
+        Command::View(ViewCommand::Mode(_) | ViewCommand::Compare(_)) => Some("View mode"),
+        Command::View(ViewCommand::CameraAlone(_)) => Some("Camera alone"),
+        Command::Window(WindowCommand::Enlarge | WindowCommand::Shrink | WindowCommand::NormalSize) => {
+            Some("Size of letters")
+        }
+        Command::Fit(FitCommand::Refit(_)) => Some("Refit"),
+        Command::Fit(FitCommand::RunAgain(_)) => Some("Run again"),
+        Command::Convergence(_) => Some("Curves"),
+        Command::Observability(_) => Some("What cameras see"),
+        Command::Basin(_) => Some("Basin"),
+        Command::Beginning(_) => Some("Ways to begin"),
+        _ => None,
+    }
+}
+
+fn each(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, commands: &[Command]) {
+    for (index, &command) in commands.iter().enumerate() {
+        if index > 0 && begins_group(command) {
             ui.separator();
         }
         let text = match command {

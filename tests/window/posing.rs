@@ -10,8 +10,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec2;
 
 use crate::support::window::{
-    Window, WindowState, arm, built_in, centre, choose, click, grab, pointer, press, release, settle, undo,
-    wheel,
+    Window, WindowState, arm, built_in, centre, choose, click, drag, grab, pointer, press, release, settle,
+    undo, wheel,
 };
 
 const CAMERAS: [&str; 2] = ["Camera 1", "Camera 2"];
@@ -33,6 +33,23 @@ fn wrist_px(harness: &Window) -> DVec2 {
     let model = &harness.document().model;
     let wrist = Kinematics::new(model, &pose(harness)).ends()[1];
     harness.session().take.as_ref().unwrap().cameras[0].project(wrist).unwrap()
+}
+
+/// What was placed in one view stays there while the joint is dragged in another.
+#[test]
+fn a_joint_that_was_placed_in_one_view_stays_there_in_another() {
+    let mut window = arm().open();
+    drag(&mut window, "right wrist, Camera 1", vec2(-12.0, 25.0));
+    let placed = wrist_px(&window);
+    drag(&mut window, "right wrist, Camera 2", vec2(10.0, 40.0));
+    assert!(wrist_px(&window).distance(placed) < 0.5, "{} and {placed}", wrist_px(&window));
+    undo(&mut window);
+    undo(&mut window);
+    // Undone, nothing holds it.
+    let before = wrist_px(&window);
+    drag(&mut window, "right wrist, Camera 2", vec2(10.0, 40.0));
+    let moved = wrist_px(&window).distance(before);
+    assert!(moved > 2.0, "{moved} px");
 }
 
 #[test]

@@ -219,7 +219,8 @@ fn of_nine_copies_as_many_are_seen_as_have_room() {
     let below = window.get_by_label("Discard all").rect().top();
     let rows = window.get_all_by_label_contains("Restore arm");
     let seen = rows.filter(|row| row.rect().is_positive() && row.rect().bottom() < below).count();
-    assert!(seen >= 5, "{seen} of nine copies are seen");
+    let rows: Vec<_> = window.get_all_by_label_contains("Restore arm").map(|row| row.rect()).collect();
+    assert!(seen >= 5, "{seen} of nine copies are seen above {below}: {rows:?}");
 }
 
 #[test]

@@ -8,8 +8,8 @@ use backlit_ui::style::theme::data_colours::{AGREEMENT, GHOST, MISSING, SELECTED
 use backlit_ui::style::theme::{headline, size, space};
 use backlit_ui::widgets::{Grip, ValueSlider, checkbox, paint_text, within};
 use egui::{
-    Align, Align2, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind,
-    TextStyle, Ui, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, Layout, Painter, Rect, RichText, Role, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::pointer::{Action, Pointer};
@@ -75,7 +75,8 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &TileInput<'_>) {
     let row = number_row(ui, None, "IoU", &iou, font, colour);
     row.on_hover_text(IOU);
     ui.add_space(space::ROW);
-    bar(ui, &overlap);
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
+    paint_bar(ui.painter(), rect, &overlap);
     ui.add_space(space::ROW);
     let parts = [
         (AGREEMENT, "Agreement", overlap.agreement, "Pixels of the silhouette that the body covers"),
@@ -239,8 +240,7 @@ fn key_row(ui: &mut Ui, key: &str, act: &str) {
 }
 
 /// The shares of agreement, missing and spurious.
-fn bar(ui: &mut Ui, overlap: &Overlap) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
+pub(super) fn paint_bar(painter: &Painter, rect: Rect, overlap: &Overlap) {
     let parts = [(overlap.agreement, AGREEMENT), (overlap.missing, MISSING), (overlap.spurious, SPURIOUS)];
     let total: usize = parts.iter().map(|(count, _)| count).sum();
     let shown = parts.iter().filter(|(count, _)| *count > 0).count();
@@ -248,11 +248,8 @@ fn bar(ui: &mut Ui, overlap: &Overlap) {
     let mut left = rect.left();
     for (count, colour) in parts.into_iter().filter(|(count, _)| *count > 0) {
         let part = width * (count as f64 / total as f64) as f32;
-        ui.painter().rect_filled(
-            Rect::from_min_size(pos2(left, rect.top()), vec2(part, BAR)),
-            CornerRadius::same(1),
-            colour,
-        );
+        let part_rect = Rect::from_min_size(pos2(left, rect.top()), vec2(part, rect.height()));
+        painter.rect_filled(part_rect, CornerRadius::same(1), colour);
         left += part + BAR_GAP;
     }
 }

@@ -31,6 +31,9 @@ const TITLE_FROM: f32 = 236.0;
 /// Width of the button back to all views, with the space behind it.
 const BACK: f32 = 84.0;
 
+/// Height of the overlap's bar at the foot of a header, where no gutter has it.
+const OVERLAP_BAR: f32 = 3.0;
+
 /// Dashes around the badge of a camera without calibration.
 const DASH: f32 = 2.5;
 
@@ -48,6 +51,10 @@ pub(crate) fn show(ui: &mut Ui, layout: &TileLayout, input: &TileInput<'_>, even
     }
     if layout.gutter.is_none() {
         back.on_hover_ui(|ui| gutter::show_overlap(ui, input));
+        if let Some(overlap) = &input.overlap {
+            let bar = rect.with_min_y(rect.bottom() - OVERLAP_BAR);
+            gutter::paint_bar(ui.painter(), bar, overlap);
+        }
     }
 
     let has_link = rect.width() >= LINK_FROM;

@@ -255,9 +255,16 @@ fn likelier(context: &Context<'_>, kinematics: &Kinematics, pose: &Pose, camera:
     pulled.into_iter().filter_map(arrow).collect()
 }
 
-/// The sight ray of the joint that is dragged in another view.
+/// The sight ray of the joint that is dragged in another view, or was put in its place there.
 fn ray_in(context: &Context<'_>, kinematics: &Kinematics, index: usize, camera: &Camera) -> Option<SightRay> {
-    let (from, joint) = context.drag.dragged_joint().filter(|(from, _)| *from != index)?;
+    let dragged = context.drag.dragged_joint().filter(|(from, _)| *from != index);
+    let placed = || {
+        let (placement, selection) = (context.drag.placement.as_ref()?, context.selection);
+        let at = joint_position(placement.joint, context.shown_pose().root, kinematics)?;
+        let is_there = context.drag.is_dragging() || placement.holds(selection.frame, selection.joint, at);
+        placement.cameras_but(index).next().filter(|_| is_there).map(|from| (from, placement.joint))
+    };
+    let (from, joint) = dragged.or_else(placed)?;
     let from_camera = context.session.take.as_ref()?.cameras.get(from)?;
     let point = joint_position(joint, context.shown_pose().root, kinematics)?;
     sight_ray(from_camera, from, from_camera.project(point)?, from_camera.depth(point), camera)

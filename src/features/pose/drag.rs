@@ -6,16 +6,21 @@ use std::time::Duration;
 use backlit_document::edit::Edit;
 use backlit_document::history::Gesture;
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::Held;
 use backlit_ui::drawing::{Drag, DragEvent, JointId, joint_name};
 use backlit_ui::style::format;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::Posing;
-use super::dragged::{Dragged, dragged, joint_position, limit_sentence, words};
+use super::dragged::{Dragged, dragged, joint_position, limit_sentence, moved, words};
+use super::placement::on_ray;
 use crate::context::command_button::next_gesture;
-use crate::context::marks::DragMarks;
+use crate::context::marks::{DragMarks, Placement};
 use crate::context::{Context, Requests, SessionRequest};
+
+/// A joint is still where it was put in a view if it has moved by less there.
+const STILL_PX: f64 = 1.0;
 
 /// Nudges that follow each other within this many seconds are one.
 pub(super) const NUDGE_SECONDS: f64 = 2.0;
@@ -27,6 +32,8 @@ pub(super) struct Nudging {
     camera: usize,
     /// The pose in which the first of the nudges began, and how far they go from there.
     pub(super) base: Arc<Pose>,
+    /// Where the joint was put before, if it was there.
+    before: Option<Placement>,
     total_px: DVec2,
     /// The pose that they have led to.
     reached: Pose,
@@ -46,6 +53,10 @@ pub(super) struct Dragging {
     gesture: Gesture,
     /// What was dragged last, and how far.
     drag: Drag,
+    /// Where the joint was put before, in whichever view, if it is still there.
+    before: Option<Placement>,
+    /// The pose that the drag has led to.
+    reached: Option<Pose>,
 }
 
 impl Dragging {
@@ -58,22 +69,42 @@ impl Dragging {
             Drag::Body { .. } => (Some(JointId::Root), None),
             Drag::Length { .. } | Drag::Radius { .. } => (None, None),
         };
-        DragMarks { camera: Some(self.camera), joint, twisted, from: Some(self.base.clone()) }
+        let (camera, from) = (Some(self.camera), Some(self.base.clone()));
+        DragMarks { camera, joint, twisted, from, placement: self.before.clone() }
+    }
+
+    fn placing<'a>(&'a self, context: &'a Context<'a>) -> Option<Placing<'a>> {
+        let (body, joint) = (&*self.body, placed_by(self.drag)?);
+        Some(Placing { context, body, joint, camera: self.camera, before: self.before.as_ref() })
     }
 
     /// Asks for what the drag has led to.
-    fn request(&self, context: &Context<'_>, requests: &mut Requests) {
+    fn request(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let document = context.document();
         let camera = context.session.take.as_ref().and_then(|take| take.cameras.get(self.camera));
         let Some(camera) = camera else { return };
         let what = words(&self.body, self.drag);
         let pins: Vec<usize> = document.pins.iter().copied().collect();
         let held = Held { pins: &pins, trunk: context.views.hold_trunk };
-        let edit = match dragged(&self.body, held, &self.base, camera, self.drag) {
+        let placing = self.placing(context);
+        let found = match (&placing, self.drag) {
+            (Some(placing), Drag::Joint { target_px, .. }) => placing.dragged(held, &self.base, target_px),
+            (_, drag) => dragged(&self.body, held, &self.base, camera, drag),
+        };
+        let on_ray_of = match (&placing, self.drag) {
+            (Some(placing), Drag::Joint { target_px, .. }) => {
+                placing.on_ray(target_px).map(|(_, first)| first)
+            }
+            _ => None,
+        };
+        let edit = match found {
             Some(Dragged::Pose(pose)) => {
                 let reached = limit_sentence(&self.body, &self.base, &pose);
-                let how = format!("{what}, seen from camera {}. Esc puts it back.", self.camera + 1);
+                let ray = on_ray_of
+                    .map_or_else(String::new, |first| format!(", on the ray of camera {}", first + 1));
+                let how = format!("{what}, seen from camera {}{ray}. Esc puts it back.", self.camera + 1);
                 requests.status(reached.unwrap_or(how));
+                self.reached = Some(pose.clone());
                 Edit::SetPose { frame: context.selection.frame, pose, what }
             }
             Some(Dragged::Size { limb, length, radius }) => {
@@ -87,7 +118,68 @@ impl Dragging {
     }
 }
 
+/// The joint that a drag puts somewhere.
+const fn placed_by(drag: Drag) -> Option<JointId> {
+    match drag {
+        Drag::Joint { joint, .. } | Drag::Depth { joint, .. } => Some(joint),
+        _ => None,
+    }
+}
+
+/// A joint that is dragged to a pixel, and where it was put before.
+struct Placing<'a> {
+    context: &'a Context<'a>,
+    body: &'a Model,
+    joint: JointId,
+    /// In whose view it is dragged.
+    camera: usize,
+    before: Option<&'a Placement>,
+}
+
+impl Placing<'_> {
+    /// Where the ray of the latest place in another view is nearest to the pixel's, and whose ray that is.
+    fn on_ray(&self, px: DVec2) -> Option<(DVec3, usize)> {
+        let (before, cameras) = (self.before?, &self.context.session.take.as_ref()?.cameras);
+        let (dragged_in, mut others) = (cameras.get(self.camera)?, before.cameras_but(self.camera));
+        let first = others.next()?;
+        let others: Vec<&Camera> = others.filter_map(|other| Some(&**cameras.get(other)?)).collect();
+        Some((on_ray(cameras.get(first)?, &others, before.at, dragged_in, px)?, first))
+    }
+
+    /// What it makes of a pose.
+    fn dragged(&self, held: Held<'_>, base: &Pose, px: DVec2) -> Option<Dragged> {
+        let cameras = &self.context.session.take.as_ref()?.cameras;
+        let Some((at, _)) = self.on_ray(px) else {
+            let drag = Drag::Joint { joint: self.joint, target_px: px };
+            return dragged(self.body, held, base, cameras.get(self.camera)?, drag);
+        };
+        let pose = moved(self.body, held, base, self.joint, at);
+        pose.check(self.body).is_ok().then_some(Dragged::Pose(pose))
+    }
+
+    /// Where it is now. A place in another view stays where the joint is still seen there.
+    fn placement(&self, reached: &Pose) -> Option<Placement> {
+        let at = joint_position(self.body, reached, self.joint);
+        let cameras = &self.context.session.take.as_ref()?.cameras;
+        let is_still_there = |other: usize, before: DVec3| {
+            let [then, now] = [before, at].map(|point| cameras.get(other)?.project(point));
+            then.zip(now).is_some_and(|(then, now)| then.distance(now) < STILL_PX)
+        };
+        let before =
+            self.before.iter().flat_map(|before| before.cameras.iter().map(|&other| (other, before.at)));
+        let stays = before.filter(|&(other, at)| other != self.camera && is_still_there(other, at));
+        let cameras = stays.map(|(other, _)| other).chain([self.camera]).collect();
+        Some(Placement { frame: self.context.selection.frame, joint: self.joint, at, cameras })
+    }
+}
+
 impl Posing {
+    /// Where the joint was put before, if nothing else has moved it since.
+    fn placed(&self, context: &Context<'_>, joint: JointId, pose: &Pose) -> Option<Placement> {
+        let at = joint_position(&context.document().model, pose, joint);
+        self.placement.clone().filter(|placement| placement.holds(context.selection.frame, joint, at))
+    }
+
     /// Goes along with a drag in a camera's view. A modifier pressed on the way begins again from the pose that is
     /// reached: still one gesture.
     pub(crate) fn drag(
@@ -102,7 +194,9 @@ impl Posing {
                 let before = self.dragging.take();
                 let gesture = before.map_or_else(|| next_gesture(context.egui), |before| before.gesture);
                 let (base, body) = (Arc::new(context.shown_pose().clone()), context.document().model.clone());
-                let dragging = Dragging { camera, base, body, gesture, drag };
+                let placed = placed_by(drag).and_then(|joint| self.placed(context, joint, &base));
+                let mut dragging =
+                    Dragging { camera, base, body, gesture, drag, before: placed, reached: None };
                 dragging.request(context, requests);
                 self.dragging = Some(dragging);
             }
@@ -114,6 +208,10 @@ impl Posing {
             }
             DragEvent::End => {
                 if let Some(dragging) = self.dragging.take() {
+                    let placing = dragging.placing(context).zip(dragging.reached.as_ref());
+                    if let Some(placed) = placing.and_then(|(placing, reached)| placing.placement(reached)) {
+                        self.placement = Some(placed);
+                    }
                     let what = words(&dragging.body, dragging.drag);
                     requests.status(format!("{what}: done. Ctrl+Z takes it back."));
                 }
@@ -143,6 +241,7 @@ impl Posing {
             joint,
             camera,
             base: Arc::new(pose.clone()),
+            before: self.placed(context, joint, pose),
             total_px: DVec2::ZERO,
             reached: pose.clone(),
             gesture: next_gesture(context.egui),
@@ -153,10 +252,12 @@ impl Posing {
         let document = context.document();
         let (model, base) = (&document.model, &nudging.base);
         let Some(from_px) = view.project(joint_position(model, base, joint)) else { return };
-        let drag = Drag::Joint { joint, target_px: from_px + nudging.total_px };
         let pins: Vec<usize> = document.pins.iter().copied().collect();
         let held = Held { pins: &pins, trunk: context.views.hold_trunk };
-        let Some(Dragged::Pose(pose)) = dragged(model, held, base, view, drag) else { return };
+        let placing = Placing { context, body: model, joint, camera, before: nudging.before.as_ref() };
+        let target_px = from_px + nudging.total_px;
+        let Some(Dragged::Pose(pose)) = placing.dragged(held, base, target_px) else { return };
+        self.placement = placing.placement(&pose);
         let name = joint_name(model, joint);
         let DVec2 { x, y } = nudging.total_px;
         let moved = format!("Nudged {name} by {x:.0}, {y:.0} pixels in camera {}.", camera + 1);

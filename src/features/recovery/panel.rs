@@ -18,13 +18,27 @@ use crate::context::{Context, Decision, FeatureRequest, Requests};
 const WIDTH: f32 = 560.0;
 /// Side of the square that the picture lies in.
 const PICTURE: f32 = 112.0;
+/// What stands around the cards where they are over a take: title, buttons, margins.
+const AROUND: f32 = 200.0;
 /// What stands below the cards: buttons, and how to open something else.
 const BELOW: f32 = 150.0;
 
 impl Recovery {
     /// The cards, and what may be done with all of them; what the user has decided.
     pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> Option<Decision> {
-        let decision = cards(ui, &self.offered, context.clock);
+        let room = ui.available_height() - BELOW;
+        self.cards(ui, room, context, requests)
+    }
+
+    /// The same with cards that are `room` high together.
+    fn cards(
+        &self,
+        ui: &mut Ui,
+        room: f32,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) -> Option<Decision> {
+        let decision = cards(ui, &self.offered, context.clock, room.max(PICTURE + 2.0 * space::GROUP));
         if let Some(decision) = decision {
             requests.request(FeatureRequest::Recover(decision));
         }
@@ -35,7 +49,9 @@ impl Recovery {
     pub(super) fn show(&self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let modal = over(ui.ctx(), "unsaved work").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
-            self.ui(ui, context, requests)
+            // A card over the window is no taller than it was, unless it is told to be.
+            let room = ui.ctx().content_rect().height() - AROUND;
+            self.cards(ui, room, context, requests)
         });
         let stays = match modal.inner {
             None => true,
@@ -47,13 +63,13 @@ impl Recovery {
     }
 }
 
-fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock) -> Option<Decision> {
+fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock, room: f32) -> Option<Decision> {
     let palette = theme::palette(ui);
     let mut decision = None;
     ui.label(RichText::new("Unsaved work is kept").text_style(title()).color(palette.text));
     ui.add_space(space::WIDGET);
-    let room = (ui.available_height() - BELOW).max(PICTURE + 2.0 * space::GROUP);
-    ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+    let area = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
+    area.auto_shrink([false, true]).show(ui, |ui| {
         ui.vertical_centered(|ui| {
             for index in 0..offered.len() {
                 decision = card(ui, offered, index, clock).or(decision);

@@ -12,7 +12,7 @@ use egui::{
 pub(super) const STEPS: [(&str, &str); 7] = [
     (
         "Orange is subject the body misses, blue is body without subject",
-        "The bar beside camera 1 counts the pixels of both, and those that agree.",
+        "The bar of camera 1 counts the pixels of both, and those that agree.",
     ),
     (
         "Drag the right wrist onto the arm",
