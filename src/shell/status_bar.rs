@@ -65,7 +65,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     if let Some(run) = context.runs().newest_of(context.selection.frame)
         && run.ending.is_some()
     {
-        return format!("{}: {}. {}.", run.name, run.reached_text(), run.ending_text());
+        return format!("{}: {}. {}.", run.name, run.reached_text(context.runs().all()), run.ending_text());
     }
     if context.busy.loading {
         return "Reading the frame…".to_owned();

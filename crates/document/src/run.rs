@@ -97,6 +97,15 @@ pub struct RunChoices {
     pub branched_from: Option<StepRef>,
 }
 
+/// Where a run begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// Steps before it.
+    pub steps: usize,
+    /// What they left of the first start's cost, as a fraction.
+    pub fraction: f64,
+}
+
 /// A run of the fit on one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Run {
@@ -132,16 +141,37 @@ impl Run {
         self.measured_by.or_else(|| self.choices.fit.stages.last().copied())
     }
 
-    /// Number of accepted steps among the first `step` ones: the place in the plot.
+    /// Number of accepted steps among the first `step` ones.
     pub fn accepted_until(&self, step: usize) -> usize {
         self.steps.iter().take(step + 1).skip(1).filter(|step| step.iteration.accepted).count()
     }
 
-    /// The mismatch after a step, as a fraction of the start's.
+    /// What is left of the start's cost after a step, as a fraction. Each step takes away its share of the cost by the measure
+    /// of its own stage, so that what it says of itself is what the curve shows: where the ramp changes the curve goes on at
+    /// the height it had.
     pub fn fraction(&self, step: usize) -> Option<f64> {
-        let start = self.steps.first()?.mismatch;
-        let here = self.steps.get(step)?.mismatch;
-        (start > 0.0).then(|| here / start)
+        let taken = self.steps.get(..=step)?.iter().skip(1).filter(|step| step.iteration.accepted);
+        let is_of_something = self.steps.first()?.iteration.cost > 0.0;
+        is_of_something.then(|| taken.map(|step| 1.0 - step.actual_share().unwrap_or(0.0)).product())
+    }
+
+    /// Where the run begins among all of them: steps that led there and what they left of the first start's cost, those of the
+    /// runs that it branched from.
+    pub fn origin(&self, all: &[Self]) -> Origin {
+        // Earlier runs alone are branched from.
+        let parent = self.choices.branched_from.and_then(|from| {
+            let parent = all.iter().find(|run| run.number == from.run && run.number < self.number)?;
+            Some((parent, from.step))
+        });
+        parent.map_or(Origin { steps: 0, fraction: 1.0 }, |(parent, step)| {
+            let Origin { steps, fraction } = parent.origin(all);
+            Origin { steps: steps + step, fraction: fraction * parent.fraction(step).unwrap_or(1.0) }
+        })
+    }
+
+    /// What is left of the first start's cost after a step: of the run that this one, or the run before, branched from.
+    pub fn fraction_among(&self, all: &[Self], step: usize) -> Option<f64> {
+        Some(self.origin(all).fraction * self.fraction(step)?)
     }
 
     /// The index of the last step, 0 of a run that has not begun.
@@ -155,10 +185,10 @@ impl Run {
         self.ending.as_ref().map_or_else(so_far, RunEnding::text)
     }
 
-    /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.
-    pub fn reached_text(&self) -> String {
+    /// The figures it has reached: steps, what is left of the start's cost, and the RMS.
+    pub fn reached_text(&self, all: &[Self]) -> String {
         let mut text = format::counted(self.last_step(), "step");
-        if let Some(share) = self.fraction(self.last_step()) {
+        if let Some(share) = self.fraction_among(all, self.last_step()) {
             text += &format!(", {} of the start", format::percent(share));
         }
         if let Some(last) = self.steps.last() {
@@ -187,17 +217,24 @@ mod tests {
         RunStep { iteration, ..step }
     }
 
+    /// Half, then half again in a stage whose cost is counted anew: a quarter is left, whatever the costs; a branch goes on there.
     #[test]
-    fn rejected_steps_take_no_place_in_the_plot() {
-        let run = Run {
-            steps: vec![step(8.0, true), step(4.0, true), step(4.0, false), step(2.0, true)],
-            ..Run::default()
-        };
-        let places: Vec<usize> = (0..4).map(|step| run.accepted_until(step)).collect();
-        assert_eq!(places, [0, 1, 1, 2]);
-        assert_eq!((run.fraction(3), run.fraction(4)), (Some(0.25), None));
-        assert_eq!(run.reached_text(), "3 steps, 25.0 % of the start, RMS 2.0");
-        assert_eq!(run.ending_text(), "3 steps so far");
+    fn what_is_left_is_by_the_stages_and_goes_on_in_a_branch() {
+        let halved = |cost: f64| tried(cost, cost, cost, true);
+        let steps = vec![step(8.0, true), halved(4.0), tried(4.0, 6.0, 0.0, false), halved(50.0)];
+        let run = Run { number: 1, steps, ..Run::default() };
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|step| run.fraction(step)),
+            [Some(1.0), Some(0.5), Some(0.5), Some(0.25), None]
+        );
+        assert_eq!((0..4).map(|step| run.accepted_until(step)).collect::<Vec<_>>(), [0, 1, 1, 2]);
+        let mut branch = Run { number: 2, ..run.clone() };
+        branch.choices.branched_from = Some(StepRef { run: 1, step: 2 });
+        let all = [run, branch];
+        assert_eq!(all[1].origin(&all), Origin { steps: 2, fraction: 0.5 });
+        assert_eq!(all[1].fraction_among(&all, 3), Some(0.125));
+        assert_eq!(all[0].reached_text(&all), "3 steps, 25.0 % of the start, RMS 10.0");
+        assert_eq!(all[0].ending_text(), "3 steps so far");
     }
 
     #[test]

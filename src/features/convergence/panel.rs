@@ -1,7 +1,7 @@
 //! The convergence panel: a quantity of the fit against its steps, one curve a run, rejected steps as ×; the list of
 //! runs beside it, the steps of the run on the screen below, and a card beside the step under the pointer.
 
-use backlit_document::run::{Run, RunStep};
+use backlit_document::run::RunStep;
 use backlit_document::runs::StepRef;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{run_style, size, space};
@@ -208,7 +208,8 @@ fn show_read_out(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground
                         hint(ui, kind(step.step, record));
                     });
                 });
-                for (name, value) in rows(run, step.step, record) {
+                let left = run.fraction_among(context.runs().all(), step.step);
+                for (name, value) in rows(left, step.step, record) {
                     row(ui, name, &value);
                 }
             });
@@ -223,10 +224,10 @@ fn kind(index: usize, step: &RunStep) -> &'static str {
     }
 }
 
-fn rows(run: &Run, index: usize, step: &RunStep) -> Vec<(&'static str, String)> {
+fn rows(left: Option<f64>, index: usize, step: &RunStep) -> Vec<(&'static str, String)> {
     let share = |value: Option<f64>| value.map_or_else(|| format::MISSING.to_owned(), format::percent);
     let mut rows = vec![
-        ("Cost", format!("{}  {}", format::cost(step.mismatch), share(run.fraction(index)))),
+        ("Cost", format!("{}  {}", format::cost(step.iteration.cost), share(left))),
         ("RMS", format::number(step.rms, 2)),
     ];
     if index > 0 {

@@ -61,30 +61,32 @@ impl PlotFile {
 }
 
 /// What stands in a column of a run's step.
-type Field = fn(&Run, usize, &RunStep) -> String;
+type Field = fn(&Run, usize, &RunStep, &[Run]) -> String;
 
 /// The columns with their names.
 const COLUMNS: [(&str, Field); 20] = [
-    ("run", |run, _, _| run.number.to_string()),
-    ("name", |run, _, _| run.name.clone()),
-    ("choices", |run, _, _| run.detail.clone()),
-    ("frame", |run, _, _| run.frame.to_string()),
-    ("step", |_, index, _| index.to_string()),
-    ("stage", |run, _, step| run.stages.get(step.iteration.stage).cloned().unwrap_or_default()),
-    ("accepted", |_, _, step| step.iteration.accepted.to_string()),
-    ("mismatch", |_, _, step| step.mismatch.to_string()),
-    ("percent_of_start", |run, index, _| known(run.fraction(index).map(|share| 100.0 * share))),
-    ("rms", |_, _, step| step.rms.to_string()),
-    ("stage_cost", |_, _, step| step.iteration.cost.to_string()),
-    ("trial_cost", |_, _, step| step.iteration.trial_cost.to_string()),
-    ("fell", |_, _, step| step.iteration.actual_decrease.to_string()),
-    ("foretold", |_, _, step| step.iteration.predicted_decrease.to_string()),
-    ("damping", |_, _, step| step.iteration.damping.to_string()),
-    ("step_norm", |_, _, step| step.iteration.step_norm.to_string()),
-    ("seconds", |_, _, step| step.seconds.to_string()),
-    ("iou", |_, _, step| known(step.iou)),
-    ("joint_error_mm", |_, _, step| known(step.joint_error_mm)),
-    ("ending", |run, index, _| if index == run.last_step() { run.ending_text() } else { String::new() }),
+    ("run", |run, _, _, _| run.number.to_string()),
+    ("name", |run, _, _, _| run.name.clone()),
+    ("choices", |run, _, _, _| run.detail.clone()),
+    ("frame", |run, _, _, _| run.frame.to_string()),
+    ("step", |_, index, _, _| index.to_string()),
+    ("stage", |run, _, step, _| run.stages.get(step.iteration.stage).cloned().unwrap_or_default()),
+    ("accepted", |_, _, step, _| step.iteration.accepted.to_string()),
+    ("mismatch", |_, _, step, _| step.mismatch.to_string()),
+    ("percent_of_start", |run, index, _, all| {
+        known(run.fraction_among(all, index).map(|share| 100.0 * share))
+    }),
+    ("rms", |_, _, step, _| step.rms.to_string()),
+    ("stage_cost", |_, _, step, _| step.iteration.cost.to_string()),
+    ("trial_cost", |_, _, step, _| step.iteration.trial_cost.to_string()),
+    ("fell", |_, _, step, _| step.iteration.actual_decrease.to_string()),
+    ("foretold", |_, _, step, _| step.iteration.predicted_decrease.to_string()),
+    ("damping", |_, _, step, _| step.iteration.damping.to_string()),
+    ("step_norm", |_, _, step, _| step.iteration.step_norm.to_string()),
+    ("seconds", |_, _, step, _| step.seconds.to_string()),
+    ("iou", |_, _, step, _| known(step.iou)),
+    ("joint_error_mm", |_, _, step, _| known(step.joint_error_mm)),
+    ("ending", |run, index, _, _| if index == run.last_step() { run.ending_text() } else { String::new() }),
 ];
 
 fn known(value: Option<f64>) -> String {
@@ -93,14 +95,14 @@ fn known(value: Option<f64>) -> String {
 
 /// Every step of the runs as CSV, one row a step; mismatch and costs in squared grey levels, RMS in grey levels, the
 /// step in metres and radians together. `ending` is in a run's last row.
-pub(crate) fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
+pub(crate) fn csv(runs: &[Run]) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // A vector takes all that is written to it.
     let mut row = |fields: [String; COLUMNS.len()]| drop(writer.write_record(&fields));
     row(COLUMNS.map(|(name, _)| name.to_owned()));
     for run in runs {
         for (index, step) in run.steps.iter().enumerate() {
-            row(COLUMNS.map(|(_, field)| field(run, index, step)));
+            row(COLUMNS.map(|(_, field)| field(run, index, step, runs)));
         }
     }
     writer.into_inner().unwrap_or_default()
@@ -135,7 +137,7 @@ mod tests {
     fn every_step_has_a_row() {
         let mut run = crate::features::convergence::quantity::tests::run();
         run.name = "Robust, capsule".to_owned();
-        let bytes = csv([&run]);
+        let bytes = csv(std::slice::from_ref(&run));
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), run.steps.len());

@@ -9,8 +9,8 @@ use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
     PointMark, apart, cut_off, end_with_room, grid_marks, mark_points, run_line, still_plot,
 };
-use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
-use egui_plot::{GridMark, PlotPoint, PlotResponse, PlotTransform, PlotUi, VLine};
+use egui::{Color32, Pos2, Ui, Vec2, pos2, vec2};
+use egui_plot::{GridMark, PlotPoint, PlotResponse, PlotTransform, PlotUi, Span, VLine};
 
 use super::{ConvergencePreferences, CurvePoint, Quantity, points, quantity};
 
@@ -21,6 +21,10 @@ const FIGURES: f32 = 64.0;
 const NAMES: f32 = 190.0;
 /// What stands at the ends of curves keeps so far apart.
 const LABEL_SPACING: f32 = 14.0;
+/// How strong every other stage's band is.
+pub(super) const STAGE: f32 = 0.10;
+/// What is clear without being no colour, for which a plot would choose one.
+const CLEAR: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 1);
 /// Room around the curves, as a part of the axis of heights; it holds the ×.
 const BELOW: f64 = 0.05;
 const ABOVE: f64 = 0.09;
@@ -35,8 +39,8 @@ pub(super) struct Plot<'a> {
 pub(super) struct RunCurve<'a> {
     run: &'a Run,
     points: Vec<CurvePoint>,
-    /// Accepted steps before its start: those of the runs that it branched from.
-    begins_at: f64,
+    /// What was expected of its steps, where that is shown.
+    predicted: Vec<CurvePoint>,
 }
 
 /// Which ends the axes have, and how heights lie on theirs.
@@ -49,15 +53,10 @@ struct PlotScale {
 
 impl PlotScale {
     fn of(curves: &[RunCurve<'_>], preferences: ConvergencePreferences) -> Self {
-        let last =
-            |curve: &RunCurve<'_>| curve.begins_at + curve.run.accepted_until(curve.run.last_step()) as f64;
-        let steps = curves.iter().map(last).fold(0.0, f64::max);
-        let runs = || curves.iter().map(|curve| curve.run);
-        let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
-        let own = runs().flat_map(|run| points(run, preferences.quantity));
-        let has_predicted = preferences.quantity == Quantity::Decrease;
-        let predicted = runs().filter(|_| has_predicted).flat_map(quantity::predicted);
-        let values = own.chain(predicted).filter(is_drawn).map(|point| point.y);
+        let all = || curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.predicted));
+        let steps = all().map(|point| point.x).fold(0.0, f64::max);
+        let is_drawn = |point: &&CurvePoint| point.accepted || preferences.rejected;
+        let values = all().filter(is_drawn).map(|point| point.y);
         // A logarithm of shares near to one tells nothing.
         let is_log = preferences.is_log && !preferences.quantity.is_without_zero();
         let heights = if preferences.quantity.is_without_zero() {
@@ -111,10 +110,9 @@ impl<'a> Plot<'a> {
         current: Option<(&'a Run, usize)>,
     ) -> Self {
         let curve = |run: &'a Run| {
-            let begins_at = begins_at(runs, run) as f64;
-            let mut points = points(run, preferences.quantity);
-            points.iter_mut().for_each(|point| point.x += begins_at);
-            RunCurve { run, points, begins_at }
+            let has_predicted = preferences.quantity == Quantity::Decrease;
+            let predicted = if has_predicted { quantity::predicted(run, runs) } else { Vec::new() };
+            RunCurve { run, points: points(run, runs, preferences.quantity), predicted }
         };
         let curves: Vec<RunCurve<'_>> = runs.iter().filter(|run| run.is_shown).map(curve).collect();
         let scale = PlotScale::of(&curves, preferences);
@@ -136,6 +134,7 @@ impl<'a> Plot<'a> {
             .show(ui, |plot| {
                 plot.set_plot_bounds_x(bounds[0][0]..=bounds[0][1]);
                 plot.set_plot_bounds_y(bounds[1][0]..=bounds[1][1]);
+                self.stages(plot, palette, bounds[0][1]);
                 for curve in &self.curves {
                     let is_current = self.current.is_some_and(|(run, _)| run.number == curve.run.number);
                     draw(plot, curve, scale, is_current);
@@ -146,12 +145,33 @@ impl<'a> Plot<'a> {
         response
     }
 
+    /// The stages of the run on the screen, or of the only one, as bands.
+    fn stages(&self, plot: &mut PlotUi<'_>, palette: &Palette, last: f64) {
+        let is_shown = |curve: &&RunCurve<'_>| match self.current {
+            Some((run, _)) => run.number == curve.run.number,
+            None => self.curves.len() == 1,
+        };
+        let Some(curve) = self.curves.iter().find(is_shown) else { return };
+        let bands: Vec<&[CurvePoint]> = curve.points.chunk_by(|one, next| one.stage == next.stage).collect();
+        for (index, band) in bands.iter().enumerate().filter(|_| bands.len() > 1) {
+            // A step belongs to its stage; what leads to it does too.
+            let from = if index == 0 { band[0].x } else { band[0].x - 1.0 };
+            let is_last = index + 1 == bands.len();
+            let to = if is_last { last } else { band[band.len() - 1].x };
+            let fill = if index % 2 == 1 { palette.text3.gamma_multiply(STAGE) } else { CLEAR };
+            // A stage of a step or two leaves no room for a word.
+            let is_wide = to - from > 0.06 * last;
+            let word = curve.run.stages.get(band[0].stage).filter(|_| is_wide).map_or("", String::as_str);
+            let span = Span::new(word, from..=to.max(from)).fill(fill).border_color(CLEAR);
+            plot.span(span);
+        }
+    }
+
     fn playhead(&self, plot: &mut PlotUi<'_>, palette: &Palette) {
         let Some((run, step)) = self.current else { return };
         let Some(curve) = self.curves.iter().find(|curve| curve.run.number == run.number) else { return };
-        let x = curve.begins_at + run.accepted_until(step) as f64;
-        plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
         let Some(point) = curve.points.iter().find(|point| point.step == step) else { return };
+        plot.vline(VLine::new("", point.x).color(palette.accent_text).width(1.5));
         let at = vec![[point.x, self.scale.y(point.y)]];
         mark_points(plot, at, PointMark::Ring, palette.accent_text, mark::CURRENT_STEP_RADIUS);
     }
@@ -159,7 +179,7 @@ impl<'a> Plot<'a> {
     /// What stands at the end of each curve, moved apart where curves end together.
     fn labels(&self, ui: &Ui, transform: &PlotTransform, names: bool) {
         let frame = *transform.frame();
-        let mut ends: Vec<(Pos2, String, egui::Color32)> = self
+        let mut ends: Vec<(Pos2, String, Color32)> = self
             .curves
             .iter()
             .filter_map(|curve| {
@@ -188,10 +208,7 @@ impl<'a> Plot<'a> {
         for curve in &self.curves {
             let is_drawn = |point: &&CurvePoint| point.accepted || self.scale.preferences.rejected;
             for point in curve.points.iter().filter(is_drawn) {
-                let mut at = transform.position_from_point(&PlotPoint::new(point.x, self.scale.y(point.y)));
-                if !point.accepted {
-                    at = cross_at(point, self.scale, at, *transform.frame());
-                }
+                let at = transform.position_from_point(&PlotPoint::new(point.x, self.scale.y(point.y)));
                 let away = at - pointer;
                 // Time runs across: what lies beneath the pointer counts more than what lies beside it.
                 let distance = away.x.abs() * 3.0 + away.y.abs();
@@ -204,55 +221,24 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// Accepted steps before the start of a run: those until the step at which it branched off, and before that run.
-fn begins_at(runs: &[Run], run: &Run) -> usize {
-    let Some(from) = run.choices.branched_from else { return 0 };
-    // Earlier runs alone are branched from.
-    let parent = runs.iter().find(|other| other.number == from.run && other.number < run.number);
-    parent.map_or(0, |parent| begins_at(runs, parent) + parent.accepted_until(from.step))
-}
-
 fn draw(plot: &mut PlotUi<'_>, curve: &RunCurve<'_>, scale: PlotScale, is_current: bool) {
     let style = run_style(curve.run.colour);
     let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
-    if scale.preferences.quantity == Quantity::Decrease {
-        let said: Vec<[f64; 2]> = quantity::predicted(curve.run)
-            .iter()
-            .filter(|p| p.accepted)
-            .map(|point| {
-                let [x, y] = place(point);
-                [curve.begins_at + x, y]
-            })
-            .collect();
-        mark_points(plot, said, PointMark::Ring, style.colour, mark::CURRENT_STEP_RADIUS - 1.0);
-    }
-    let line: Vec<[f64; 2]> = curve.points.iter().filter(|point| point.accepted).map(place).collect();
+    let said = curve.predicted.iter().filter(|point| point.accepted).map(place).collect();
+    mark_points(plot, said, PointMark::Ring, style.colour, mark::CURRENT_STEP_RADIUS - 1.0);
     let width = if is_current { style.width + 0.25 } else { style.width };
-    run_line(plot, line.clone(), curve.run.colour, width);
-    mark_points(plot, line, PointMark::Dot, style.colour, mark::ACCEPTED_RADIUS);
+    let is_one = |one: &CurvePoint, next: &CurvePoint| {
+        !scale.preferences.quantity.is_of_stages() || one.stage == next.stage || one.step == 0
+    };
+    for line in curve.points.chunk_by(is_one) {
+        let line: Vec<[f64; 2]> = line.iter().filter(|point| point.accepted).map(place).collect();
+        run_line(plot, line.clone(), curve.run.colour, width);
+        mark_points(plot, line, PointMark::Dot, style.colour, mark::ACCEPTED_RADIUS);
+    }
     if scale.preferences.rejected {
-        let frame = plot.response().rect;
-        let crosses: Vec<[f64; 2]> = curve
-            .points
-            .iter()
-            .filter(|point| !point.accepted)
-            .map(|point| {
-                let screen = plot.screen_from_plot(PlotPoint::new(point.x, scale.y(point.y)));
-                let at = plot.plot_from_screen(cross_at(point, scale, screen, frame));
-                [at.x, at.y]
-            })
-            .collect();
+        let crosses = curve.points.iter().filter(|point| !point.accepted).map(place).collect();
         mark_points(plot, crosses, PointMark::Cross, style.colour, 0.5 * mark::REJECTED_SIZE);
     }
-}
-
-/// Where a rejected step's × stands: stacked upwards above the last accepted dot, unless it has a value of its own.
-fn cross_at(point: &CurvePoint, scale: PlotScale, on_screen: Pos2, frame: Rect) -> Pos2 {
-    if scale.preferences.quantity.is_of_trials() {
-        return on_screen;
-    }
-    let y = on_screen.y - mark::REJECTED_SPACING * point.stacked as f32;
-    pos2(on_screen.x, y.max(frame.top() + 0.5 * mark::REJECTED_SIZE))
 }
 
 #[cfg(test)]
@@ -268,13 +254,14 @@ mod tests {
             run
         };
         let first = Run { number: 1, is_shown: true, ..first.clone() };
-        let (last, accepted) = (first.last_step(), first.accepted_until(first.last_step()));
+        let last = first.last_step();
         let second = branch_of(2, &first, last);
         let third = branch_of(3, &second, 1);
         let runs = [first, second, third];
         let plot = Plot::of(&runs, ConvergencePreferences::default(), None);
-        let starts: Vec<f64> = plot.curves.iter().map(|curve| curve.points[0].x).collect();
-        assert_eq!(starts, [0.0, accepted as f64, (accepted + runs[1].accepted_until(1)) as f64]);
-        assert!(plot.scale.last_step >= starts[2] + accepted as f64);
+        let starts: Vec<(f64, f64)> =
+            plot.curves.iter().map(|curve| (curve.points[0].x, curve.points[0].y)).collect();
+        assert_eq!(starts, [(0.0, 100.0), (last as f64, 25.0), (last as f64 + 1.0, 12.5)]);
+        assert!(plot.scale.last_step >= starts[2].0 + last as f64);
     }
 }

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Quantity {
-    /// The mismatch in percent of the start's, as in the report's Fig. 5.1.
+    /// What is left of the start's cost, percent, as in the report's Fig. 5.1.
     #[default]
     Percent,
-    /// The mismatch, squared grey levels.
+    /// The cost, squared grey levels.
     Cost,
     /// Root of the mean squared residual, grey levels.
     Rms,
@@ -55,14 +55,13 @@ impl Quantity {
             Self::Percent => (
                 "Cost, % of start",
                 "Cost in % of the start",
-                "Squared mismatch of body and silhouettes, in percent of the start’s. All runs of a frame are measured by \
-                 the last ramp of the first of them",
+                "What is left of the start’s cost. Where the ramp changes, the curve goes on at the height it had; a branch \
+                 begins where its run was",
             ),
             Self::Cost => (
                 "Cost",
                 "Cost in squared grey levels",
-                "Squared mismatch of body and silhouettes. All runs of a frame are measured by the last ramp of the first \
-                 of them",
+                "What the fit lowers: squared mismatch of body and silhouettes by the ramp of each step’s stage, and its priors",
             ),
             Self::Rms => (
                 "RMS",
@@ -102,17 +101,22 @@ impl Quantity {
         matches!(self, Self::Iou)
     }
 
-    /// Whether a rejected step has a value of its own; else its mark stands above the step before it.
+    /// Whether a rejected step has a value of its own; else its mark stands as high as the step before it.
     pub(crate) const fn is_of_trials(self) -> bool {
         matches!(self, Self::StepNorm | Self::Damping | Self::Decrease)
     }
 
-    /// Its value at a step; `None` where it has none.
-    pub(crate) fn value(self, run: &Run, step: usize) -> Option<f64> {
+    /// Whether it is measured by the ramp of each step's stage, so that it means another thing in the next one.
+    pub(crate) const fn is_of_stages(self) -> bool {
+        matches!(self, Self::Cost)
+    }
+
+    /// Its value at a step of a run, among all runs; `None` where it has none.
+    pub(crate) fn value(self, run: &Run, all: &[Run], step: usize) -> Option<f64> {
         let record = run.steps.get(step)?;
         let value = match self {
-            Self::Percent => 100.0 * run.fraction(step)?,
-            Self::Cost => record.mismatch,
+            Self::Percent => 100.0 * run.fraction_among(all, step)?,
+            Self::Cost => record.iteration.cost,
             Self::Rms => record.rms,
             Self::Iou => record.iou?,
             Self::JointError => record.joint_error_mm?,
@@ -152,53 +156,46 @@ fn decimals(percent: f64) -> usize {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CurvePoint {
     pub(crate) step: usize,
-    /// Accepted steps up to here. A rejected trial of a quantity [of its own](Quantity::is_of_trials) lies between
-    /// the accepted ones.
+    /// Steps up to here, rejected ones too.
     pub(crate) x: f64,
     pub(crate) y: f64,
     pub(crate) accepted: bool,
-    /// How many rejected trials stand at this place up to this one, it included; 0 of an accepted step.
-    pub(crate) stacked: usize,
+    pub(crate) stage: usize,
 }
 
-/// The points of a run's curve, in the order of its steps.
-pub(crate) fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
-    points_of(run, quantity, |step| quantity.value(run, step))
+/// The points of a run's curve among all runs, in the order of its steps.
+pub(crate) fn points(run: &Run, all: &[Run], quantity: Quantity) -> Vec<CurvePoint> {
+    points_of(run, all, quantity, |step| quantity.value(run, all, step))
 }
 
 /// What the linear model said of every step, in percent of the cost before it.
-pub(crate) fn predicted(run: &Run) -> Vec<CurvePoint> {
+pub(crate) fn predicted(run: &Run, all: &[Run]) -> Vec<CurvePoint> {
     let share = |step: usize| run.steps[step].predicted_share().filter(|_| step > 0);
-    points_of(run, Quantity::Decrease, |step| share(step).map(|share| 100.0 * share))
+    points_of(run, all, Quantity::Decrease, |step| share(step).map(|share| 100.0 * share))
 }
 
-fn points_of(run: &Run, quantity: Quantity, value: impl Fn(usize) -> Option<f64>) -> Vec<CurvePoint> {
-    let mut points = Vec::with_capacity(run.steps.len());
-    let (mut x, mut stacked) = (0.0, 0_usize);
-    let mut last = None;
-    for (step, record) in run.steps.iter().enumerate() {
+fn points_of(
+    run: &Run,
+    all: &[Run],
+    quantity: Quantity,
+    value: impl Fn(usize) -> Option<f64>,
+) -> Vec<CurvePoint> {
+    let (begins_at, mut last) = (run.origin(all).steps, None);
+    let point = |(step, record): (usize, &RunStep)| {
         let accepted = step == 0 || record.iteration.accepted;
         if accepted {
-            (x, stacked) = (if step == 0 { 0.0 } else { x + 1.0 }, 0);
             last = value(step);
-        } else {
-            stacked += 1;
         }
         let y = if accepted || quantity.is_of_trials() { value(step) } else { last };
-        if let Some(y) = y {
-            let among = trials_at(run, step) as f64 + 1.0;
-            let between = if quantity.is_of_trials() { stacked as f64 / among } else { 0.0 };
-            points.push(CurvePoint { step, x: x + between, y, accepted, stacked });
-        }
-    }
-    points
-}
-
-/// Rejected trials in the row that a step belongs to.
-fn trials_at(run: &Run, step: usize) -> usize {
-    let is_rejected = |step: &&RunStep| !step.iteration.accepted;
-    let before = run.steps[1.min(step)..step].iter().rev().take_while(is_rejected).count();
-    before + run.steps[step..].iter().take_while(is_rejected).count()
+        Some(CurvePoint {
+            step,
+            x: (begins_at + step) as f64,
+            y: y?,
+            accepted,
+            stage: record.iteration.stage,
+        })
+    };
+    run.steps.iter().enumerate().filter_map(point).collect()
 }
 
 /// Ends of the axis of steps, so that a few more steps change nothing.
@@ -303,24 +300,21 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn rejected_steps_stand_above_costs_and_between_dampings() {
+    fn every_step_has_its_place_and_rejected_ones_the_height_before() {
         let run = run();
-        let at = |quantity| points(&run, quantity).into_iter().map(|p| (p.x, p.y, p.stacked));
+        let at = |quantity| points(&run, &[], quantity).into_iter().map(|p| (p.x, p.y));
         let percents: Vec<_> = at(Quantity::Percent).collect();
-        let expected = [(0.0, 100.0, 0), (1.0, 50.0, 0), (1.0, 50.0, 1), (1.0, 50.0, 2), (2.0, 25.0, 0)];
-        assert_eq!(percents, expected);
-        let norms: Vec<f64> = at(Quantity::StepNorm).map(|(x, ..)| x).collect();
-        let third = 1.0 / 3.0;
-        let expected = [1.0, 1.0 + third, 1.0 + 2.0 * third, 2.0];
-        assert!(norms.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{norms:?}");
+        assert_eq!(percents, [(0.0, 100.0), (1.0, 50.0), (2.0, 50.0), (3.0, 50.0), (4.0, 25.0)]);
+        let norms: Vec<f64> = at(Quantity::StepNorm).map(|(x, _)| x).collect();
+        assert_eq!(norms, [1.0, 2.0, 3.0, 4.0]);
     }
 
     #[test]
     fn decreases_are_of_the_cost_before() {
         let run = run();
-        let found: Vec<f64> = points(&run, Quantity::Decrease).iter().map(|point| point.y).collect();
+        let found: Vec<f64> = points(&run, &[], Quantity::Decrease).iter().map(|point| point.y).collect();
         assert_eq!(found, [50.0, -50.0, -50.0, 50.0]);
-        let predicted: Vec<f64> = predicted(&run).iter().map(|point| point.y).collect();
+        let predicted: Vec<f64> = predicted(&run, &[]).iter().map(|point| point.y).collect();
         assert_eq!(predicted, [30.0, 60.0, 60.0, 30.0]);
     }
 

@@ -62,13 +62,14 @@ impl Convergence {
             self.title(ui, requests, run, &response);
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 self.buttons(ui, context, requests, run);
-                let share = run.fraction(run.last_step());
+                let share = run.fraction_among(context.runs().all(), run.last_step());
                 let text = share.map_or_else(|| format::MISSING.to_owned(), format::percent);
                 ui.label(RichText::new(text).monospace().color(palette.text));
             });
         });
         let detail = format!("{}, frame {}", run.detail, run.frame);
-        let full = format!("{name}\n{detail}\n{}: {}", run.reached_text(), run.ending_text());
+        let full =
+            format!("{name}\n{detail}\n{}: {}", run.reached_text(context.runs().all()), run.ending_text());
         for text in [detail, run.ending_text()] {
             line(&mut inside, &text);
         }

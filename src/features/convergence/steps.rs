@@ -9,6 +9,7 @@ use egui::{
     Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
+use super::plot::STAGE;
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
 use crate::context::{Context, Requests, SessionRequest};
@@ -60,6 +61,17 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, wi
     }
     let palette = theme::palette(ui);
     let painter = ui.painter();
+    // Stages as bands, as in the plot: every other one is shaded.
+    let stages =
+        run.steps.get(1..).unwrap_or_default().chunk_by(|a, b| a.iteration.stage == b.iteration.stage);
+    let mut first = 1;
+    for (index, stage) in stages.enumerate() {
+        let band = Rect::from_x_y_ranges(x(first - 1)..=x(first + stage.len() - 1), rect.y_range());
+        first += stage.len();
+        if index % 2 == 1 {
+            painter.rect_filled(band, 0.0, palette.text3.gamma_multiply(STAGE));
+        }
+    }
     painter.rect_filled(rail, 1.5, palette.widget);
     if let Some(at) = at {
         painter.rect_filled(Rect::from_x_y_ranges(rail.left()..=x(at), rail.y_range()), 1.5, palette.accent);

@@ -115,8 +115,6 @@ pub mod mark {
     pub const ACCEPTED_RADIUS: f32 = 2.3;
     /// Side of a rejected step's cross in a plot.
     pub const REJECTED_SIZE: f32 = 6.6;
-    /// Distance between crosses stacked upward.
-    pub const REJECTED_SPACING: f32 = 9.0;
     /// Ring of the current step in a plot.
     pub const CURRENT_STEP_RADIUS: f32 = 4.5;
 }
