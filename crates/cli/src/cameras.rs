@@ -26,10 +26,9 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct CameraArguments {
-    /// Calibration: a file, or a folder with one in it
-    file: PathBuf,
-    /// Its other half, if lenses and places are in two files
-    other: Option<PathBuf>,
+    /// Calibration: a file, or a folder with one in it; several files, if each holds a camera, or lenses and places are apart
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// Print the cameras in Backlit's own format
     #[arg(long)]
     json: bool,
@@ -49,10 +48,7 @@ pub struct CameraArguments {
 
 pub(crate) fn run(arguments: &CameraArguments) -> anyhow::Result<()> {
     let options = CalibrationOptions { size: arguments.size, metres_per_unit: arguments.metres_per_unit };
-    let found = match &arguments.other {
-        Some(other) => calibration::load_pair(&arguments.file, other, options)?,
-        None => calibration::load(&arguments.file, options)?,
-    };
+    let found = calibration::load_all(&arguments.files, options)?;
     if let (Some(name), Some(out)) = (&arguments.to, &arguments.out) {
         let format = Format::from_name(name).unwrap_or(Format::Backlit);
         write(out, &to_text(&found.rig, format)?)?;
