@@ -145,11 +145,10 @@ impl Experiment for Basins {
             for (trial, (start, subject)) in self.given.iter().zip(&subjects).enumerate() {
                 run.progress(index * self.given.len() + trial, total)?;
                 let began = Instant::now();
-                let error_mm =
-                    self.choice.error_mm(subject, &start.start, &subject.reference, &run.cancel)?;
+                let error_mm = self.choice.error_mm(subject, &start.start, &subject.reference, &run.cancel);
                 seconds += began.elapsed().as_secs_f64();
                 run.check()?;
-                errors.entry(start.degrees).or_default().push(error_mm);
+                errors.entry(start.degrees).or_default().push(error_mm?);
             }
             let rate = |(degrees, errors)| (degrees, SuccessRate::of(errors, SUCCESS_MM));
             let rates: Vec<(u32, SuccessRate)> = errors.into_iter().map(rate).collect();

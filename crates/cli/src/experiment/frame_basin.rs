@@ -115,8 +115,9 @@ impl FrameArguments {
         let result = BasinResult::new(frame, conditions, options, subject).run(&run.cancel, |fits| {
             // Who is interrupted is told below.
             let _ = run.progress(fits.done, fits.total);
-        })?;
+        });
         run.end()?;
+        let result = result?;
         let (name, text) = match result.grid() {
             Some(grid) => ("basin-map", letters(&result, grid)),
             None => ("basin", table(&result)),

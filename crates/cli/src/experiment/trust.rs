@@ -147,7 +147,7 @@ impl Experiment for Trust {
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        let mut cases = cases::simulated(self.seconds)?;
+        let mut cases = cases::simulated(self.seconds, run)?;
         if let Some(take) = &self.take {
             cases.extend(cases::of_take(&*take_options::open(take)?)?);
         }

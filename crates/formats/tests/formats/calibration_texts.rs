@@ -331,7 +331,7 @@ fn a_file_of_each_camera_is_read() {
         |text| read("1.xml", text, SIZE),
         r#"
         <cols>4</cols> ⇒ <cols>3</cols> ⇒ 1.xml, line 7: `CameraMatrix.data` is 12 numbers
-        0. -1. 0. 1. ⇒ 0. -2. 0. 1. ⇒ 1.xml, line 3: camera "1"
+        0. -1. 0. 1. ⇒ 0. -2. 0. 1. ⇒ 1.xml, line 2: camera "1"
         "#,
     );
     let config = include_str!("../../fuzz/corpus/calibration_sized/config.xml");
