@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use anyhow::anyhow;
 use backlit_cli::interrupt::{self, Interrupted};
 use backlit_cli::output;
-use backlit_formats::images;
+use backlit_formats::{images, memory};
 use backlit_take::source::TakeSource;
 use backlit_tracking::processor;
 use clap::error::ErrorKind;
@@ -49,6 +49,10 @@ struct Cli {
     /// what the environment variable `BACKLIT_STATE` says, or none]
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    /// Gigabytes of memory that a take's pictures may need [0.1 to 10000] [default: what the environment variable
+    /// `BACKLIT_MEMORY` says, or 4]
+    #[arg(long, value_name = "GB", global = true, display_order = 1000, value_parser = gigabytes)]
+    memory: Option<f64>,
     /// What to do; without it the window opens.
     #[command(subcommand)]
     command: Option<Command>,
@@ -73,7 +77,7 @@ fn no_such_command(word: &Path) -> Option<clap::Error> {
     let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
     let message = format!(
         "\"{}\" is neither a command ({}) nor a take; see backlit --help\n",
-        word.display(),
+        output::told(&word.to_string_lossy()),
         names.join(", ")
     );
     Some(clap::Error::raw(ErrorKind::InvalidSubcommand, message))
@@ -86,11 +90,19 @@ const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
 pub fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return usage(&stray_word().unwrap_or(error)),
+        Err(error) => return usage(&stray_word().unwrap_or_else(|| as_told(error))),
     };
     if std::env::var_os(NARROW_VECTORS).is_some_and(|value| value == "256") {
         processor::use_narrow_vectors();
     }
+    let memory = match cli.memory.map_or_else(memory_variable, |memory| Ok(Some(memory))) {
+        Ok(memory) => memory,
+        Err(expected) => {
+            output::complain(&format!("error: {MEMORY_VARIABLE}: {expected}"));
+            return ExitCode::from(2);
+        }
+    };
+    memory.into_iter().for_each(memory::set_budget_gb);
     let result = match cli.command {
         None => open(cli.take.as_deref(), cli.state),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
@@ -109,12 +121,31 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// Says how many gigabytes a take's pictures may need, where no option does.
+const MEMORY_VARIABLE: &str = "BACKLIT_MEMORY";
+
+fn memory_variable() -> Result<Option<f64>, &'static str> {
+    let text = std::env::var_os(MEMORY_VARIABLE).filter(|text| !text.is_empty());
+    text.map(|text| gigabytes(&text.to_string_lossy())).transpose()
+}
+
+fn gigabytes(text: &str) -> Result<f64, &'static str> {
+    let number = text.trim().parse().ok().filter(|number| (0.1..=10_000.0).contains(number));
+    number.ok_or("expected gigabytes, 0.1 to 10000")
+}
+
 /// The complaint about a first argument that is no option, no command and no file, whatever follows it.
 fn stray_word() -> Option<clap::Error> {
     let first = std::env::args_os().nth(1)?;
     let is_known =
         first.to_string_lossy().starts_with('-') || Cli::command().find_subcommand(&first).is_some();
     if is_known { None } else { no_such_command(first.as_ref()) }
+}
+
+/// The same complaint about arguments that can be shown: it repeats them, whatever their letters and length.
+fn as_told(error: clap::Error) -> clap::Error {
+    let told = std::env::args_os().map(|argument| output::told(&argument.to_string_lossy()));
+    Cli::try_parse_from(told).err().unwrap_or(error)
 }
 
 /// Help goes to standard output, an error in the command to standard error.

@@ -56,7 +56,7 @@ pub(crate) struct ScreenshotArguments {
     /// Track the whole take first, so that the timeline shows it
     #[arg(long)]
     track: bool,
-    /// Pixels per point of the window [default: 1], or per pixel of the footage with --camera [default: 2]
+    /// Pixels per point of the window [0.5 to 4] [default: 1], or per pixel of the footage with --camera [0.25 to 8] [default: 2]
     #[arg(long, value_name = "SCALE", allow_negative_numbers = true)]
     scale: Option<f32>,
     /// Only the view of this camera, counted from 1 as on its badge, with its marks and legend
@@ -65,7 +65,7 @@ pub(crate) struct ScreenshotArguments {
     /// What the views show
     #[arg(long, value_parser = one_of(&MODES))]
     mode: Option<ViewMode>,
-    /// Width of a camera's picture, pixels; instead of --scale
+    /// Width of a camera's picture, pixels [16 to 16384]; instead of --scale
     #[arg(long, value_name = "PIXELS", requires = "camera", conflicts_with = "scale")]
     width: Option<u32>,
     /// A camera's picture as framed in the window, not the whole frame
@@ -83,7 +83,7 @@ pub(crate) struct ScreenshotArguments {
     /// Frames of a sequence of frames, first and last [default: all]
     #[arg(long, value_name = "FIRST..LAST", value_parser = frame_range, requires = "sequence")]
     frames: Option<[usize; 2]>,
-    /// Time that each picture of an animated file stays, milliseconds
+    /// Time that each picture of an animated file stays, milliseconds [10 to 10000]
     #[arg(long, value_name = "MS", default_value_t = 120, requires = "sequence")]
     delay: u32,
     /// An animated file ends with its last picture; without this it begins again

@@ -9,7 +9,7 @@ use backlit_tracking::camera::Camera;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::fit_options::above_zero;
+use super::numbers::within;
 use super::output::{self, number};
 use super::table::Table;
 
@@ -26,18 +26,17 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct CameraArguments {
-    /// Calibration: a file, or a folder with one in it
-    file: PathBuf,
-    /// Its other half, if lenses and places are in two files
-    other: Option<PathBuf>,
+    /// Calibration: a file, or a folder with one in it; several files, if each holds a camera, or lenses and places are apart
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// Print the cameras in Backlit's own format
     #[arg(long)]
     json: bool,
     /// Width and height of the pictures, for files that do not say them; other cameras are scaled to this size
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u64; 2]>,
-    /// Metres in one unit of a file that does not say its unit
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
+    /// Metres in one unit of a file that does not say its unit [0.000000001 to 1000000000]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(1e-9..=1e9_f64))]
     metres_per_unit: f64,
     /// Format to write
     #[arg(long, value_name = "FORMAT", requires = "out", value_parser = PossibleValuesParser::new(Format::ALL.map(Format::name)))]
@@ -49,10 +48,7 @@ pub struct CameraArguments {
 
 pub(crate) fn run(arguments: &CameraArguments) -> anyhow::Result<()> {
     let options = CalibrationOptions { size: arguments.size, metres_per_unit: arguments.metres_per_unit };
-    let found = match &arguments.other {
-        Some(other) => calibration::load_pair(&arguments.file, other, options)?,
-        None => calibration::load(&arguments.file, options)?,
-    };
+    let found = calibration::load_all(&arguments.files, options)?;
     if let (Some(name), Some(out)) = (&arguments.to, &arguments.out) {
         let format = Format::from_name(name).unwrap_or(Format::Backlit);
         write(out, &to_text(&found.rig, format)?)?;

@@ -20,6 +20,7 @@ use serde_json::Value;
 
 use super::evidence;
 use super::fit_options::{MODEL_HELP, SolverArguments};
+use super::numbers::within;
 use super::output::{self, object};
 use super::person;
 use super::table::Table;
@@ -45,8 +46,8 @@ pub struct FitArguments {
     /// Take: its folder or its take.toml; gives model, cameras and silhouettes
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
     take: Option<PathBuf>,
-    /// The take's frame, counted from 0
-    #[arg(long, value_name = "K", requires = "take", allow_negative_numbers = true)]
+    /// The take's frame, counted from 0 [0 to 999999]
+    #[arg(long, value_name = "K", requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     frame: Option<usize>,
     /// Body model.
     #[arg(long, required_unless_present = "take", help = MODEL_HELP)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
@@ -21,8 +21,9 @@ use backlit_tracking::search::start;
 use clap::Args;
 
 use super::fit_body_report;
-use super::fit_options::{Words, above_zero, one_of};
+use super::fit_options::{Words, one_of};
 use super::take_options::{self, FrameSpan, PartArguments};
+use crate::numbers::within;
 use crate::{output, progress};
 
 const AFTER_HELP: &str = "\
@@ -50,8 +51,8 @@ pub struct FitBodyArguments {
     /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
     frames: Option<FrameChoice>,
-    /// How many frames to take from a range
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    /// How many frames to take from a range [1 to 64]
+    #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = within(1..=64_u32))]
     count: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -76,15 +77,15 @@ pub struct FitBodyArguments {
     #[arg(long, value_parser = one_of(HOLDS), value_name = "KIND")]
     hold: Option<[bool; 2]>,
     /// How much the proportions of people count [default, for a body built as the built-in full one:
-    /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
-    #[arg(long, value_name = "FACTOR", value_parser = above_zero)]
+    /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20] [0.000001 to 1000000]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = within(1e-6..=1e6_f64))]
     proportions: Option<f64>,
     /// Make a body of spheres, about N in all: one tree for each limb, carved from the silhouettes and fitted to them; for
-    /// --renderer sphere-tree
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    /// --renderer sphere-tree [1 to 4096]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=4096_u32))]
     spheres: Option<u32>,
-    /// Levels of those trees
-    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", value_parser = clap::value_parser!(u32).range(1..=6))]
+    /// Levels of those trees [1 to 6]
+    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", allow_negative_numbers = true, value_parser = within(1..=6_u32))]
     levels: u32,
     /// Write the body to this file
     #[arg(long, value_name = "MODEL.toml")]
@@ -245,6 +246,9 @@ fn follow_and_fit(
     let first = grown.as_ref().map_or(FirstSizes::Scaled(size), FirstSizes::Known);
     let fit = fit_body(Arc::clone(model), frames.clone(), first, options, &cancel, told)?;
     spinner.finish_and_clear();
+    let is_finite =
+        fit.size.is_finite() && fit.girth.is_finite() && fit.sizes.iter().all(|size| size.found.is_finite());
+    ensure!(is_finite, "no finite sizes were found: the silhouettes of these frames do not show the body");
     let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
     Ok((BodyFit { model: fit.model.clone().renamed(&name), ..fit }, frames))
 }

@@ -8,6 +8,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 
+use crate::numbers::within;
+
 /// What `--model` takes.
 pub(crate) const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
 
@@ -24,8 +26,8 @@ pub(crate) fn solid_help() -> String {
 pub(crate) struct RendererArguments {
     #[arg(long, value_name = "SOLID", help = format!("{} [default: {}]", solid_help(), RendererKind::default()))]
     pub(crate) renderer: Option<RendererKind>,
-    /// With the sphere tree: equal spheres along each limb [default: the limb's own, else 1 + ⌈2·length/radius⌉]
-    #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
+    /// With the sphere tree: equal spheres along each limb [1 to 1024] [default: the limb's own, else 1 + ⌈2·length/radius⌉]
+    #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = within(1..=MAX_SPHERES as u16))]
     pub(crate) spheres: Option<u16>,
 }
 
@@ -83,12 +85,12 @@ pub(crate) struct SolverArguments {
     #[arg(long, value_parser = one_of(PARAMETERS))]
     pub(crate) parameters: Option<Parameters>,
     /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm, of a column's own entry if
-    /// that is larger [default: the preset's]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
+    /// that is larger [0 to 1000000000000] [default: the preset's]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = within(0.0..=1e12_f64))]
     pub(crate) damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages
-    /// [default: report 25, robust 60]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    /// [0 to 100000] [default: report 25, robust 60]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(0..=100_000_usize))]
     pub(crate) iterations: Option<usize>,
     /// Run all iterations, whatever the cost does
     #[arg(long)]
@@ -119,14 +121,4 @@ impl SolverArguments {
         options.run_all = self.no_stop;
         Ok(options)
     }
-}
-
-fn not_negative(text: &str) -> Result<f64, &'static str> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
-    number.ok_or("expected a finite number, 0 or more")
-}
-
-pub(crate) fn above_zero(text: &str) -> Result<f64, &'static str> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or("expected a number above 0")
 }

@@ -11,7 +11,8 @@ use backlit_tracking::cancel::CancelToken;
 use clap::Args;
 use serde_json::json;
 
-use super::fit_options::{Words, above_zero, one_of};
+use super::fit_options::{Words, one_of};
+use super::numbers::within;
 use super::output;
 use super::table::Table;
 
@@ -52,11 +53,11 @@ pub struct ImportArguments {
     /// The calibration, instead of looking for one
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Metres in one unit of a calibration that does not say its unit
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
+    /// Metres in one unit of a calibration that does not say its unit [0.000000001 to 1000000000]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(1e-9..=1e9_f64))]
     metres_per_unit: f64,
-    /// Frames a second [default: what the footage or the project says]
-    #[arg(long, value_name = "RATE", value_parser = above_zero)]
+    /// Frames a second [0.001 to 100000] [default: what the footage or the project says]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = within(1e-3..=100_000.0_f64))]
     fps: Option<f64>,
     /// How pictures of another size than the calibration's were made: scaled, letterboxed, cut-at-corner or cut-around
     #[arg(long, value_name = "HOW", value_parser = picture_size)]

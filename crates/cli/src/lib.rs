@@ -21,6 +21,7 @@ mod fit_options;
 mod follow_options;
 mod import;
 pub mod interrupt;
+mod numbers;
 mod observability;
 pub mod output;
 mod person;

@@ -16,6 +16,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::fit_options::SolverArguments;
+use super::numbers::within;
 use super::output::{self, object};
 use super::table::Table;
 use super::take_options::{self, StartArguments};
@@ -34,8 +35,8 @@ Examples:
 pub struct ObservabilityArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
-    /// The take's frame, counted from 0
-    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    /// The take's frame, counted from 0 [0 to 999999]
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     frame: usize,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use backlit_formats::text::shown;
+use backlit_formats::text::{cut_middle, shown};
 use serde::Serialize;
 
 /// A value for JSON whose keys keep the order in which they stand here.
@@ -44,9 +44,10 @@ pub(crate) fn print_result<T: Serialize>(
     if json { print_json(value) } else { print(&text()) }
 }
 
-/// A number with this many digits, or a dash.
+/// A number with this many digits, or a dash for one that is not known or not finite.
 pub(crate) fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
-    value.into().map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
+    let value = value.into().filter(|value| value.is_finite());
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
 }
 
 /// A factor as the change that it makes: "+3.0 %".
@@ -54,10 +55,17 @@ pub(crate) fn percent_change(factor: f64) -> String {
     format!("{:+.1} %", 100.0 * (factor - 1.0))
 }
 
-/// Prints a line on standard error. What it repeats of a file cannot steer the terminal.
+/// Prints a line on standard error, as [`told`].
 pub fn complain(line: &str) {
     // Where standard error is closed there is nobody to tell.
-    let _ = writeln!(stderr().lock(), "{}", shown(line));
+    let _ = writeln!(stderr().lock(), "{}", told(line));
+}
+
+/// A message as people read it: a line of about 400 letters at most, the beginning and the end of a longer one. What it repeats of
+/// a file or an argument cannot steer the terminal.
+#[must_use]
+pub fn told(message: &str) -> String {
+    cut_middle(&shown(message).to_string(), [200, 200])
 }
 
 /// Makes sure that a folder is there.

@@ -8,6 +8,7 @@ use backlit_tracking::prior::{TrainOptions, train};
 use clap::Args;
 use serde_json::json;
 
+use super::numbers::within;
 use super::output;
 use super::table::Table;
 
@@ -31,8 +32,8 @@ pub struct PriorArguments {
     /// File for what was learnt
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Components of the mixture that each part of the body gets
-    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().components)]
+    /// Components of the mixture that each part of the body gets [1 to 1000]
+    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().components, allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
     components: usize,
     /// What the motions are and whom to thank for them: kept in the file
     #[arg(long, value_name = "TEXT")]

@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use super::export::direction;
 use super::table::Table;
+use crate::numbers::within;
 use crate::{output, track_files};
 
 const AFTER_HELP: &str = "\
@@ -65,8 +66,8 @@ pub struct RecogniseArguments {
     /// kind of motion is said to be unknown
     #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
     leave_classes_out: bool,
-    /// With --test: add the noise of a tracker to the joints, this many millimetres (root mean square)
-    #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
+    /// With --test: add the noise of a tracker to the joints, this many millimetres (root mean square) [0 to 1000]
+    #[arg(long, value_name = "MM", requires = "test", allow_negative_numbers = true, value_parser = within(0.0..=1000.0_f64))]
     noise: Option<f64>,
     /// With --test: draw the confusion matrix
     #[arg(long, value_name = "FILE.svg", requires = "test")]
@@ -81,11 +82,6 @@ pub struct RecogniseArguments {
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
-}
-
-fn millimetres(text: &str) -> Result<f64, &'static str> {
-    let found = text.parse().ok().filter(|mm| (0.0..=1000.0).contains(mm));
-    found.ok_or("expected millimetres between 0 and 1000")
 }
 
 /// Learns, tests or names.

@@ -10,6 +10,7 @@ use clap::Args;
 use image::DynamicImage;
 
 use super::output;
+use super::progress;
 use super::take_options::{self, PartArguments};
 
 const AFTER_HELP: &str = "\
@@ -44,12 +45,15 @@ pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
         output::make_folder(&arguments.out.join(camera.name()))?;
     }
     calibration::backlit::write(&arguments.out.join("cameras.json"), &Rig::new(cameras)?)?;
+    let progress = progress::bar(frames.len());
     for frame in frames {
         for view in footage.fit_views(&indices, frame)? {
             let Evidence::Mask(mask) = &view.evidence else { continue };
             let path = arguments.out.join(view.camera.name()).join(format!("frame_{frame:06}.png"));
             images::write_png(&path, &DynamicImage::ImageLuma8(mask.to_gray()))?;
         }
+        progress.inc(1);
     }
+    progress.finish_and_clear();
     Ok(())
 }

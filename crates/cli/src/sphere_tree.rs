@@ -8,6 +8,7 @@ use backlit_sphere_tree::{MAX_LEVELS, MAX_SPHERES, SphereTree, TreeOptions};
 use backlit_tracking::body_spheres::{SkinOptions, body_of_skin, body_of_tree};
 use clap::Args;
 
+use super::numbers::within;
 use super::output;
 use super::table::Table;
 
@@ -34,11 +35,11 @@ pub struct SphereTreeArguments {
     /// counts those of all limbs
     #[arg(long)]
     skinned: bool,
-    /// Most spheres of the last level
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=MAX_SPHERES as i64))]
+    /// Most spheres of the last level [1 to 4096]
+    #[arg(long, value_name = "N", default_value_t = 512, allow_negative_numbers = true, value_parser = within(1..=MAX_SPHERES as u32))]
     spheres: u32,
-    /// Levels, the coarsest first
-    #[arg(long, value_name = "L", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=MAX_LEVELS as i64))]
+    /// Levels, the coarsest first [1 to 12]
+    #[arg(long, value_name = "L", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=MAX_LEVELS as u32))]
     levels: u32,
     /// File to write: a tree (.json), or a body of one limb (.toml) for --renderer sphere-tree
     #[arg(long, value_name = "FILE.json|BODY.toml")]

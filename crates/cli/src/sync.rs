@@ -10,6 +10,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::json;
 
+use super::numbers::within;
 use super::output;
 use super::table::Table;
 use super::take_options;
@@ -34,20 +35,15 @@ pub struct SyncArguments {
     /// Write the offsets into take.toml
     #[arg(long)]
     write: bool,
-    /// Most time between the starts of two cameras, seconds [default: as far as they overlap by three tenths]
-    #[arg(long, value_name = "SECONDS")]
+    /// Most time between the starts of two cameras, seconds [0 to 1000000] [default: as far as they overlap by three tenths]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = within(0.0..=1e6_f64))]
     within: Option<f64>,
-    /// Most frames that are looked at; a longer take is thinned evenly
-    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, value_parser = some_frames)]
+    /// Most frames that are looked at; a longer take is thinned evenly [1 to 1000000]
+    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, allow_negative_numbers = true, value_parser = within(1..=1_000_000_usize))]
     frames: usize,
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
-}
-
-fn some_frames(text: &str) -> Result<usize, String> {
-    let frames: usize = text.parse().map_err(|_error| format!("\"{text}\" is not a whole number"))?;
-    if frames > 0 { Ok(frames) } else { Err("expected 1 or more".to_owned()) }
 }
 
 pub(crate) fn run(arguments: &SyncArguments) -> anyhow::Result<()> {

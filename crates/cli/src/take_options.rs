@@ -18,6 +18,7 @@ use clap::Args;
 use clap::error::ErrorKind;
 use serde::Serialize;
 
+use crate::numbers::within;
 use crate::{output, person};
 
 /// Which part of a take.
@@ -27,8 +28,8 @@ pub(crate) struct PartArguments {
     /// Frames A to B, without B: A..B, A.., ..B; or with B: A..=B; or one frame K [default: all]
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub(crate) frames: Option<FrameSpan>,
-    /// Use only every Kth frame
-    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Use only every Kth frame [1 to 1000000]
+    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=1_000_000_u32))]
     pub(crate) every: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -103,11 +104,11 @@ pub(crate) struct StartArguments {
     /// [default: the take's own start, else reference, else found from the silhouettes]
     #[arg(long, value_name = "POSE")]
     pub(crate) start: Option<PathBuf>,
-    /// Noise on the start: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
+    /// Noise on the start: an angle for every rotation and a distance for the root, e.g. 5deg,3cm [0 to 180deg, 0 to 100m]
     #[arg(long, value_name = "ANGLE,DISTANCE", allow_hyphen_values = true)]
     pub(crate) start_noise: Option<StartNoise>,
-    /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    /// Seed of the noise [0 to 4294967295]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
     pub(crate) seed: u64,
 }
 
@@ -192,8 +193,8 @@ pub(crate) struct ReferenceArguments {
     /// puts the markers before the cameras]
     #[arg(long, value_name = "AXES", requires = "reference", allow_hyphen_values = true, value_parser = axes)]
     reference_axes: Option<Axes>,
-    /// Which frame number of the file is frame 0 of the take [default: that of the first row; for a CSV, 0]
-    #[arg(long, value_name = "N", requires = "reference")]
+    /// Which frame number of the file is frame 0 of the take [0 to 1000000000] [default: that of the first row; for a CSV, 0]
+    #[arg(long, value_name = "N", requires = "reference", allow_negative_numbers = true, value_parser = within(0..=1_000_000_000_u64))]
     reference_first: Option<u64>,
     /// Where the keypoints' tool puts its markers beside the joints, as --learn-placement has written it; the line "placed" is by it
     /// [default: that of the take, else learnt in frames that are not judged]
@@ -277,6 +278,10 @@ fn note(remark: &str) {
     output::complain(&format!("note: {remark}"));
 }
 
+/// Starts are turned and moved no farther.
+const MOST_NOISE_RAD: f64 = std::f64::consts::PI;
+const MOST_NOISE_M: f64 = 100.0;
+
 /// How far a start is moved away.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct StartNoise {
@@ -290,13 +295,14 @@ impl FromStr for StartNoise {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        const EXPECTED: &str =
-            "expected an angle in deg or rad, a comma and a distance in mm, cm or m: 5deg,3cm";
+        const EXPECTED: &str = "expected an angle in deg or rad, up to half a turn, a comma and a distance in mm, cm or m, up \
+             to 100 m: 5deg,3cm";
         let (angle, distance) = text.split_once(',').ok_or(EXPECTED)?;
         let degree = 1_f64.to_radians();
         let angle_rad = quantity(angle, &[("deg", degree), ("rad", 1.0)]).ok_or(EXPECTED)?;
         let distance_m = quantity(distance, &[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]).ok_or(EXPECTED)?;
-        Ok(Self { angle_rad, distance_m })
+        let is_near = angle_rad <= MOST_NOISE_RAD && distance_m <= MOST_NOISE_M;
+        if is_near { Ok(Self { angle_rad, distance_m }) } else { Err(EXPECTED) }
     }
 }
 
@@ -330,7 +336,9 @@ mod tests {
         let noise = |text: &str| text.parse::<StartNoise>().ok().map(|n| (n.angle_rad, n.distance_m));
         assert_eq!(noise("180deg, 3cm"), Some((std::f64::consts::PI, 0.03)));
         assert_eq!(noise("0.5rad,20mm"), Some((0.5, 0.02)));
-        for text in ["5,3", "5deg", "5deg,3", "5deg,-3cm", "nandeg,3cm", "3cm,5deg"] {
+        for text in
+            ["5,3", "181deg,3cm", "5deg,1e9m", "5deg", "5deg,3", "5deg,-3cm", "nandeg,3cm", "3cm,5deg"]
+        {
             assert_eq!(noise(text), None, "{text}");
         }
     }

@@ -40,7 +40,8 @@ fn row(
 
 /// All targets.
 pub(crate) fn all() -> Vec<Target> {
-    let sized = [kept("calibration_yaml", false), kept("calibration_json", false)].concat();
+    let sized =
+        ["calibration_yaml", "calibration_json", "calibration_sized"].map(|name| kept(name, false)).concat();
     vec![
         row("model", Text, BODY, 1000, texts::model),
         row("pose", Text, POSE, 1000, texts::pose),

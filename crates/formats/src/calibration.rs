@@ -123,6 +123,30 @@ pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration> {
     load_from(&DiskFiles, path, options)
 }
 
+/// Reads a calibration whose cameras are in several files, as `OpenCap` and `OpenPose` write one each; two files may also be
+/// [the lenses and the places](load_pair).
+pub fn load_all(paths: &[PathBuf], options: CalibrationOptions) -> Result<Calibration> {
+    let parts = |path: &PathBuf| match content(path, &DiskFiles.read(path, MAX_BYTES)?, options)? {
+        Content::Partial(parts) => Ok(parts),
+        Content::Rig(rig) => Ok(PartialCameras::of_rig(&rig)),
+    };
+    match paths {
+        [] => Err(FileError::new(Path::new(""), FileProblem::Missing)),
+        [one] => load(one, options),
+        [first, ..] => {
+            let found = paths.iter().map(parts).collect::<Result<Vec<_>>>()?;
+            if let ([one, other], [a, b]) = (paths, found.as_slice())
+                && (a.lacks_lenses() || b.lacks_lenses())
+            {
+                return load_pair(one, other, options);
+            }
+            let mut all = PartialCameras::new(None);
+            found.into_iter().for_each(|parts| all.add(parts, options));
+            all.calibration(first, options)
+        }
+    }
+}
+
 /// Reads a calibration whose lenses and places are in two files. It is an error if no camera has both.
 pub fn load_pair(intrinsics: &Path, extrinsics: &Path, options: CalibrationOptions) -> Result<Calibration> {
     let parts = |path: &Path| {
@@ -146,7 +170,11 @@ pub fn read_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions
     Ok(load_from(files, path, options)?.rig)
 }
 
-fn load_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Calibration> {
+pub(crate) fn load_from(
+    files: &dyn TakeFiles,
+    path: &Path,
+    options: CalibrationOptions,
+) -> Result<Calibration> {
     if !files.exists(path)
         && let Some(inside) = IN_FOLDER.iter().map(|name| path.join(name)).find(|inside| files.exists(inside))
     {

@@ -9,12 +9,13 @@ use backlit_tracking::track::MemoryError;
 use thiserror::Error;
 
 use crate::masks::MaskProblem;
+use crate::memory::MemoryShort;
 use crate::mesh::MeshProblem;
-use crate::text::{Safe, cut, shown};
+use crate::text::{Safe, cut, cut_middle, shown};
 use crate::video::VideoProblem;
 
 /// Longest text of what is wrong with a file, letters: a message is read, not searched.
-const LONGEST: usize = 480;
+const LONGEST: usize = 400;
 
 /// What comes of a file.
 pub type Result<T, E = FileError> = std::result::Result<T, E>;
@@ -62,7 +63,7 @@ impl FileError {
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Letters that are written out are longer than they were.
-        f.write_str(&cut_path(&shown(&self.path.to_string_lossy()).to_string(), [80, 160]))?;
+        f.write_str(&cut_middle(&shown(&self.path.to_string_lossy()).to_string(), [80, 160]))?;
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
         }
@@ -141,7 +142,7 @@ pub enum FileProblem {
     Rig { error: RigError },
     #[error(
         "cannot be recognised as a calibration; expected backlit-cameras JSON, a file of OpenCV, Pose2Sim, Anipose, \
-         Caliscope, FreeMoCap, Qualisys, Vicon, EasyMocap, COLMAP, Kalibr, ROS or OpenCap, transforms.json, or JSON of \
+         Caliscope, FreeMoCap, OpenPose, Qualisys, Vicon, EasyMocap, COLMAP, Kalibr, ROS or OpenCap, transforms.json, or JSON of \
          camera matrices"
     )]
     UnknownCalibration,
@@ -158,6 +159,8 @@ pub enum FileProblem {
         MAX_PIXELS >> 20
     )]
     PictureTooLarge { found: [usize; 2] },
+    #[error("the pictures and backgrounds of its {cameras} cameras {error}, or set `reduction`")]
+    PicturesTooLarge { cameras: usize, error: MemoryShort },
     #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
     PictureSize { found: [usize; 2], expected: [usize; 2] },
 }
@@ -205,17 +208,7 @@ impl fmt::Display for TextFormat {
 
 /// The path of a field.
 fn in_short(path: &str) -> String {
-    cut_path(&shown(path).to_string(), [50, 50])
-}
-
-/// The beginning and the end of a long path, with these counts of letters.
-fn cut_path(path: &str, [begins, ends]: [usize; 2]) -> String {
-    let count = path.chars().count();
-    if count <= begins + ends + 1 {
-        return path.to_owned();
-    }
-    let head: String = path.chars().take(begins).collect();
-    head + "…" + &path.chars().skip(count - ends).collect::<String>()
+    cut_middle(&shown(path).to_string(), [50, 50])
 }
 
 struct InField<'a>(Option<&'a str>);

@@ -18,6 +18,7 @@ pub mod import;
 pub mod json_text;
 pub mod keypoints;
 pub mod masks;
+pub mod memory;
 pub mod mesh;
 pub mod model_file;
 pub mod motion;

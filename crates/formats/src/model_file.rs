@@ -140,7 +140,7 @@ radius = 0.1
             radius = 0.1\n ⇒ radius = 0.1\nparent = "a" ⇒ line 8: limb "a": `parent` = "a" makes a cycle: a → a
             radius = 0.1 ⇒ radius = nan ⇒ line 7: limb "a": `radius` is NaN
             radius = 0.1 ⇒ radius = "x" ⇒ line 7: `limb[0].radius` is "x"; expected a number
-            radius = 0.1 ⇒ ⇒ missing field `radius`
+            radius = 0.1 ⇒ ⇒ line 3: `limb.radius` is missing; expected a value
             radius = 0.1 ⇒ radius = 0.0 ⇒ body.toml, line 7: limb "a": `radius`
             radius = 0.1 ⇒ radius = -1 ⇒ limb "a": `radius`
             radius = 0.1 ⇒ radius = inf ⇒ limb "a": `radius`

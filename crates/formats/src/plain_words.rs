@@ -42,6 +42,11 @@ pub(crate) fn problem(format: TextFormat, field: Option<String>, message: &str) 
     if let (Some((found, expected)), Some(field)) = (mismatch(&message), &field) {
         return FileProblem::Field { field: field.clone(), found, expected };
     }
+    let missing = message.strip_prefix("missing field `").and_then(|rest| rest.split_once('`'));
+    if let Some((name, _)) = missing {
+        let whole = field.map_or_else(|| name.to_owned(), |field| format!("{field}.{name}"));
+        return FileProblem::field(whole, "missing", "a value");
+    }
     FileProblem::Syntax { format, field, message: plain(&message) }
 }
 

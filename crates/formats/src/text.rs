@@ -70,6 +70,17 @@ pub fn cut(text: &str) -> SafeText<'_> {
     SafeText { text, most: MOST_SHOWN }
 }
 
+/// The beginning and the end of a long text, with these counts of letters.
+#[must_use]
+pub fn cut_middle(text: &str, [begins, ends]: [usize; 2]) -> String {
+    let count = text.chars().count();
+    if count <= begins + ends + 1 {
+        return text.to_owned();
+    }
+    let head: String = text.chars().take(begins).collect();
+    head + "…" + &text.chars().skip(count - ends).collect::<String>()
+}
+
 /// A text that can be shown; see [`shown`] and [`cut`].
 #[derive(Debug, Clone, Copy)]
 pub struct SafeText<'a> {

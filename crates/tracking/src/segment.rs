@@ -20,7 +20,7 @@ mod shadow;
 mod subtraction;
 mod threshold;
 
-pub use background::{Background, BackgroundError};
+pub use background::{Background, BackgroundError, BackgroundSums};
 pub use dont_know::DontKnowOptions;
 pub use learning::{LearningFrame, LearningOptions, LearntPlate, learn_plate};
 pub use options::{BETA, SegmentOptions};

@@ -31,6 +31,7 @@ use serde::Serialize;
 use self::of_take::AcquiredTake;
 use super::arguments::OutputArguments;
 use super::{Experiment, Run, check_least};
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -59,17 +60,17 @@ impl Arguments {
 /// Simulated people.
 #[derive(Debug, Args, Serialize)]
 struct AcquiredPeople {
-    /// How many of the six builds
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
+    /// How many of the six builds [1 to 6]
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = within(1..=6_u32))]
     people: u32,
-    /// Moments of the built-in movement (its frames, 0 to 59); in the first, nothing is known of the person
-    #[arg(long, value_name = "K,…", value_delimiter = ',')]
+    /// Moments of the built-in movement (its frames, 0 to 59); in the first, nothing is known of the person [0 to 59]
+    #[arg(long, value_name = "K,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0.0..=59.0_f64))]
     moments: Option<Vec<f64>>,
-    /// Frames that are tracked with every body
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    /// Frames that are tracked with every body [0 to 10000]
+    #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true, value_parser = within(0..=10_000_u32))]
     tracked: u32,
-    /// Seed of the poses that fits of sizes begin with
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    /// Seed of the poses that fits of sizes begin with [0 to 4294967295]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
 }
 
@@ -354,6 +355,7 @@ impl<'a> Someone<'a> {
             let truth = self.person.standing(motion::pose(&self.body, moment));
             let views = see(&self.body, &truth, &self.cameras)?;
             let pose = tracker.track_frame(frame, views, &run.cancel)?.pose;
+            run.check()?;
             errors.extend(self.joints(&body.model, &pose, &truth));
         }
         Ok(Some(mean_mm(&errors)))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
+use backlit_formats::memory;
 use backlit_formats::starts_file::{self, Start};
 use backlit_lab::experiment::starts::Draw;
 use backlit_plot::{Axis, Drawn, Figure, Line};
@@ -20,24 +21,30 @@ use super::arguments::{OutputArguments, picture_size};
 use super::frame_basin::FrameArguments;
 use super::{Experiment, Run};
 use crate::fit_options::solid_help;
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
+
+/// Most starts of an angle.
+const MOST_STARTS: usize = 1000;
+/// Bytes of a pixel that a drawn scene keeps.
+const BYTES_A_PIXEL: u64 = 8;
 
 /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Numbers of cameras
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4])]
+    /// Numbers of cameras [1 to 64]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4], allow_negative_numbers = true, value_parser = within(1..=64_usize))]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10,
-    /// 15 and 20 cm of the root; with --take any whole degrees [default: all five]
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map")]
+    /// 15 and 20 cm of the root; with --take any whole degrees [1 to 180] [default: all five]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map", allow_negative_numbers = true, value_parser = within(1..=180_u32))]
     angles: Vec<u32>,
-    /// Starts of every angle; or a file of starts with their truth and masks, of which all are taken
+    /// Starts of every angle [1 to 1000]; or a file of starts with their truth and masks, of which all are taken
     #[arg(long, value_name = "N|FILE", default_value = "40", conflicts_with = "map")]
     starts: String,
-    /// Seed of poses, cameras and starts that are drawn
-    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map")]
+    /// Seed of poses, cameras and starts that are drawn [0 to 4294967295]
+    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map", allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36")]
@@ -138,11 +145,10 @@ impl Experiment for Basins {
             for (trial, (start, subject)) in self.given.iter().zip(&subjects).enumerate() {
                 run.progress(index * self.given.len() + trial, total)?;
                 let began = Instant::now();
-                let error_mm =
-                    self.choice.error_mm(subject, &start.start, &subject.reference, &run.cancel)?;
+                let error_mm = self.choice.error_mm(subject, &start.start, &subject.reference, &run.cancel);
                 seconds += began.elapsed().as_secs_f64();
                 run.check()?;
-                errors.entry(start.degrees).or_default().push(error_mm);
+                errors.entry(start.degrees).or_default().push(error_mm?);
             }
             let rate = |(degrees, errors)| (degrees, SuccessRate::of(errors, SUCCESS_MM));
             let rates: Vec<(u32, SuccessRate)> = errors.into_iter().map(rate).collect();
@@ -212,15 +218,35 @@ pub(super) fn starts_of(
 ) -> Result<(Vec<Start>, Option<Draw>)> {
     let (cameras, size_px, seed) = scenes;
     let wanted = |degrees: u32| angles.is_empty() || angles.contains(&degrees);
-    let Ok(count) = starts.parse() else {
+    let Some(count) = count_of(starts)? else {
         let mut found = starts_file::read(&PathBuf::from(starts))?;
         found.retain(|start| wanted(start.degrees));
         ensure!(!found.is_empty(), "{starts} has no start of --angles");
         return Ok((found, None));
     };
     let levels = if angles.is_empty() { LEVELS.to_vec() } else { levels_of(angles)? };
+    let [width, height] = size_px;
+    let pictures = count * levels.len() * cameras.iter().sum::<usize>();
+    memory::afford(BYTES_A_PIXEL * width * height * pictures as u64)
+        .context("--starts, --cameras and --size")?;
     let draw = Draw { starts: count, levels, cameras: cameras.to_vec(), size_px, seed };
     Ok((draw.draw()?, Some(draw)))
+}
+
+/// How many starts a word asks for; `None` where it names a file.
+///
+/// # Errors
+/// The number is out of range.
+pub(super) fn count_of(starts: &str) -> Result<Option<usize>> {
+    if !starts.bytes().all(|letter| letter.is_ascii_digit()) {
+        return Ok(None);
+    }
+    let count = starts.parse().ok().filter(|count| (1..=MOST_STARTS).contains(count));
+    Ok(Some(
+        count.with_context(|| {
+            format!("--starts: expected a whole number from 1 to {MOST_STARTS}, or a file")
+        })?,
+    ))
 }
 
 /// What this many cameras see of a start's truth.

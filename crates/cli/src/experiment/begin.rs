@@ -24,6 +24,7 @@ use super::arguments::{OutputArguments, picture_size};
 use super::basin::{levels_of, starts_of, views_of};
 use super::no_start::{KeypointFrame, error_mm, sets};
 use super::{Experiment, Run};
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -37,42 +38,42 @@ pub(crate) struct Arguments {
     /// Ways to begin: report, ramp, particles, templates, search
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', default_values_t = InitialisationMethod::COMPARED)]
     methods: Vec<InitialisationMethod>,
-    /// Numbers of cameras; with --take all sets of this many are tried
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2])]
+    /// Numbers of cameras; with --take all sets of this many are tried [1 to 64]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2], allow_negative_numbers = true, value_parser = within(1..=64_usize))]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10, 15 and 20 cm
-    /// of the root
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [10, 30])]
+    /// of the root [1 to 180]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [10, 30], allow_negative_numbers = true, value_parser = within(1..=180_u32))]
     angles: Vec<u32>,
-    /// Starts of every angle; or a file of starts with their truth and masks
+    /// Starts of every angle [1 to 1000]; or a file of starts with their truth and masks
     #[arg(long, value_name = "N|FILE", default_value = "10", conflicts_with = "take")]
     starts: String,
     /// Ignore the starts: nothing is known of the pose
     #[arg(long)]
     no_start: bool,
-    /// Seed of what is drawn
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    /// Seed of what is drawn [0 to 4294967295]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36", conflicts_with = "take")]
     size: [u64; 2],
-    /// Particles of the filter [default: 200 from a start, 400 without]
-    #[arg(long, value_name = "N")]
+    /// Particles of the filter [1 to 100000] [default: 200 from a start, 400 without]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=100_000_usize))]
     particles: Option<usize>,
-    /// Annealing layers of the filter
-    #[arg(long, value_name = "N")]
+    /// Annealing layers of the filter [1 to 100]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=100_usize))]
     layers: Option<usize>,
-    /// Places of the head that templates go on with; 1 as Mikić et al. do it
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    /// Places of the head that templates go on with; 1 as Mikić et al. do it [1 to 100]
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=100_usize))]
     heads: usize,
     /// Take with reference keypoints whose frames are used instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE")]
     take: Option<PathBuf>,
-    /// Frames of the take, counted from 0
-    #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take")]
+    /// Frames of the take, counted from 0 [0 to 999999]
+    #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     frames: Vec<usize>,
-    /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints, millimetres
-    #[arg(long, value_name = "MM", default_value_t = 25.0, requires = "take")]
+    /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints, millimetres [0 to 10000]
+    #[arg(long, value_name = "MM", default_value_t = 25.0, requires = "take", allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
     #[command(flatten)]
     output: OutputArguments,

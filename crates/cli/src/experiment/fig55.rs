@@ -21,6 +21,7 @@ use super::arguments::Starts;
 use super::measures::medians;
 use super::sequence::{SequenceArguments, SequenceMethod, ViewPictures};
 use super::{Experiment, Run, check_least};
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::track_report::Distances;
@@ -46,8 +47,8 @@ pub(crate) struct Followed<const WIDTH: u64, const HEIGHT: u64> {
     #[arg(skip)]
     #[serde(rename = "ways")]
     methods: Vec<SequenceMethod>,
-    /// Frames of the sequence, from its first
-    #[arg(long, value_name = "N", default_value_t = 50)]
+    /// Frames of the sequence, from its first [1 to 1000]
+    #[arg(long, value_name = "N", default_value_t = 50, allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
     #[serde(skip)]
     frames: usize,
     #[command(flatten)]

@@ -12,6 +12,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::follow_options::FollowArguments;
+use crate::numbers::within;
 use crate::output::{self, number};
 use crate::progress::each_frame;
 use crate::table::Table;
@@ -27,11 +28,11 @@ pub(crate) struct Arguments {
     /// Another body than the take's, as from fit-body: a file, or a built-in one by name
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// How many starts: seeds from --seed on
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    /// How many starts: seeds from --seed on [1 to 1000]
+    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true, value_parser = within(1..=1000_u64))]
     starts: u64,
-    /// A start has held if no joint of any frame is farther than this from its keypoint, millimetres
-    #[arg(long, value_name = "MM", default_value_t = 150.0)]
+    /// A start has held if no joint of any frame is farther than this from its keypoint, millimetres [0 to 10000]
+    #[arg(long, value_name = "MM", default_value_t = 150.0, allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
     #[command(flatten)]
     part: PartArguments,

@@ -17,6 +17,8 @@ use clap::Args;
 
 use super::Run;
 use super::arguments::OutputArguments;
+use super::basin::count_of;
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -42,8 +44,8 @@ pub(crate) struct FrameArguments {
     /// Take whose frame is used with all its cameras, instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE", conflicts_with_all = ["cameras", "size"])]
     pub(crate) take: Option<PathBuf>,
-    /// The frame, counted from 0
-    #[arg(long, value_name = "K", default_value_t = 0, requires = "take")]
+    /// The frame, counted from 0 [0 to 999999]
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     frame: usize,
     /// Turn this limb's joint alone, by the limb's name
     #[arg(long, value_name = "LIMB", requires = "take", conflicts_with = "map")]
@@ -53,11 +55,11 @@ pub(crate) struct FrameArguments {
     #[arg(long, value_name = "POSE", requires = "take")]
     about: Option<PathBuf>,
     /// How far the root is moved, centimetres, one for each angle, the last one for all that follow [default: 2, 5,
-    /// 10, 15 and 20 at 5, 10, 20, 30 and 45 degrees, half a centimetre a degree at others]
-    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take", conflicts_with = "map")]
+    /// 10, 15 and 20 at 5, 10, 20, 30 and 45 degrees, half a centimetre a degree at others] [0 to 1000]
+    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take", conflicts_with = "map", allow_negative_numbers = true, value_parser = within(0.0..=1000.0_f64))]
     root: Vec<f64>,
-    /// A fit has found its target when root and leaf joints are less than this off on average, millimetres
-    #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take")]
+    /// A fit has found its target when root and leaf joints are less than this off on average, millimetres [0 to 10000]
+    #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take", allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
     within: f64,
     /// Fit the same starts in other ways too, three at most: robust, report, or search, which is robust with a search
     /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
@@ -67,11 +69,11 @@ pub(crate) struct FrameArguments {
     /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
     #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", value_parser = two_angles, requires = "take")]
     map: Option<[(String, Angle); 2]>,
-    /// How far a map turns the angles to either side, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
+    /// How far a map turns the angles to either side, degrees [0.1 to 180]
+    #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map", allow_negative_numbers = true, value_parser = within(0.1..=180.0_f64))]
     farthest: f64,
-    /// Cells of a map across and up; with an odd number the pose itself is one of them
-    #[arg(long, value_name = "N", default_value_t = 11, requires = "map")]
+    /// Cells of a map across and up; with an odd number the pose itself is one of them [1 to 101]
+    #[arg(long, value_name = "N", default_value_t = 11, requires = "map", allow_negative_numbers = true, value_parser = within(1..=101_usize))]
     cells: usize,
 }
 
@@ -93,8 +95,7 @@ impl FrameArguments {
         choice: FitChoice,
         output: &OutputArguments,
     ) -> anyhow::Result<()> {
-        let count =
-            starts.parse().with_context(|| format!("--starts is {starts}; with --take expected a number"))?;
+        let count = count_of(starts)?.context("--starts: with --take expected a number")?;
         let footage = take_options::open(take)?;
         let (take, frame) = (footage.take(), self.frame);
         let frames = take.frame_count();
@@ -114,8 +115,9 @@ impl FrameArguments {
         let result = BasinResult::new(frame, conditions, options, subject).run(&run.cancel, |fits| {
             // Who is interrupted is told below.
             let _ = run.progress(fits.done, fits.total);
-        })?;
+        });
         run.end()?;
+        let result = result?;
         let (name, text) = match result.grid() {
             Some(grid) => ("basin-map", letters(&result, grid)),
             None => ("basin", table(&result)),

@@ -21,6 +21,7 @@ use serde::Serialize;
 
 use super::{Experiment, Run};
 use crate::interrupt::Interrupted;
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options::{self, PartArguments};
@@ -35,16 +36,16 @@ pub(crate) struct NoStart {
     #[arg(long, value_name = "MODEL")]
     #[serde(skip)]
     model: Option<String>,
-    /// Numbers of cameras; all sets of this many are tried
-    #[arg(long = "sets-of", value_name = "N,…", value_delimiter = ',', default_values_t = [2, 4])]
+    /// Numbers of cameras; all sets of this many are tried [1 to 64]
+    #[arg(long = "sets-of", value_name = "N,…", value_delimiter = ',', default_values_t = [2, 4], allow_negative_numbers = true, value_parser = within(1..=64_usize))]
     #[serde(rename = "cameras")]
     sets_of: Vec<usize>,
     #[arg(skip)]
     #[serde(rename = "frames")]
     frame_numbers: Vec<usize>,
     /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints,
-    /// millimetres
-    #[arg(long, value_name = "MM", default_value_t = 25.0)]
+    /// millimetres [0 to 10000]
+    #[arg(long, value_name = "MM", default_value_t = 25.0, allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
     #[command(flatten)]
     #[serde(skip)]

@@ -16,6 +16,7 @@ use clap::Args;
 use image::{GrayImage, Luma};
 use serde::Serialize;
 
+use crate::numbers::within;
 use crate::take_options::{self, PartArguments, StartArguments};
 
 /// Cameras, as in the report.
@@ -42,8 +43,8 @@ pub(crate) struct SequenceArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "take")]
     #[serde(skip)]
     cameras: Option<Vec<String>>,
-    /// Radius of the box over which the report's fit smooths its masks, pixels; 0: not at all
-    #[arg(long, value_name = "PX", default_value_t = 1)]
+    /// Radius of the box over which the report's fit smooths its masks, pixels; 0: not at all [0 to 100]
+    #[arg(long, value_name = "PX", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=100_usize))]
     #[serde(skip)]
     smoothing: usize,
     #[arg(skip)]

@@ -26,6 +26,7 @@ use serde::Serialize;
 
 use super::{Experiment, Run};
 use crate::interrupt::Interrupted;
+use crate::numbers::within;
 use crate::table::Table;
 
 /// Cameras and movement.
@@ -53,7 +54,7 @@ impl Setting {
 pub(crate) struct OwnSizes {
     #[arg(skip = vec![Setting::Around, Setting::Phones])]
     settings: Vec<Setting>,
-    /// By how much silhouettes are too wide, per cent of the person's breadth
+    /// By how much silhouettes are too wide, per cent of the person's breadth [0 to 50]
     #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent, default_value = "0,3,6")]
     widened: Vec<f64>,
     #[arg(skip = PEOPLE.len())]
@@ -61,15 +62,15 @@ pub(crate) struct OwnSizes {
     /// Frames that are followed.
     #[arg(skip = 60_usize)]
     frames: usize,
-    /// Only every Nth frame of the movement is seen
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
+    /// Only every Nth frame of the movement is seen [1 to 20]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=20_u32))]
     every: u32,
     #[arg(skip = 5.0_f64.to_radians())]
     start_angle_rad: f64,
     #[arg(skip = 0.03)]
     start_distance_m: f64,
-    /// Seed of the poses that tracks begin with
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    /// Seed of the poses that tracks begin with [0 to 4294967295]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// How much the proportions count in the first frame, and afterwards.
     #[arg(skip = [20.0, CLOTHED])]

@@ -15,6 +15,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Experiment, Run};
+use crate::numbers::within;
 use crate::output::number;
 use crate::take_options;
 
@@ -23,8 +24,8 @@ use crate::take_options;
 pub(crate) struct ShiftedTake {
     /// A take whose cameras are synchronous, to be shifted by whole frames
     take: PathBuf,
-    /// Frames that every other camera of a take is shifted by
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [0, 1, 7, -12, 20], allow_hyphen_values = true)]
+    /// Frames that every other camera of a take is shifted by [-100000 to 100000]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [0, 1, 7, -12, 20], allow_hyphen_values = true, value_parser = within(-100_000..=100_000_i64))]
     shifts: Vec<i64>,
 }
 

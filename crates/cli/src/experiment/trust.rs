@@ -29,6 +29,7 @@ use serde::Serialize;
 use self::cases::{Case, CaseReader};
 use self::counts::{Counts, RANGES, Told};
 use super::{Experiment, Run};
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 use crate::take_options;
@@ -43,27 +44,19 @@ pub(crate) struct Trust {
     #[arg(long, value_name = "TAKE")]
     #[serde(skip)]
     take: Option<PathBuf>,
-    /// Hypotheses that are carried from frame to frame
-    #[arg(long, value_name = "N", default_value_t = RIVALS + 1, value_parser = hypotheses)]
+    /// Hypotheses that are carried from frame to frame [1 to 16]
+    #[arg(long, value_name = "N", default_value_t = RIVALS + 1, allow_negative_numbers = true, value_parser = within(1..=16_usize))]
     hypotheses: usize,
     /// Track without the prior learnt from motion; it judges all the same
     #[arg(long)]
     without_prior: bool,
-    /// Seconds of every simulated movement
-    #[arg(long, value_name = "S", default_value_t = 2.0 * PERIOD, value_parser = seconds)]
+    /// Seconds of every simulated movement [0.1 to 20]
+    #[arg(long, value_name = "S", default_value_t = 2.0 * PERIOD, allow_negative_numbers = true, value_parser = within(0.1..=20.0_f64))]
     seconds: f64,
     /// Learn what is told from the half that is not held out, and write it to this file of source
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     learn: Option<PathBuf>,
-}
-
-fn hypotheses(text: &str) -> Result<usize, &'static str> {
-    text.parse().ok().filter(|count| (1..=16).contains(count)).ok_or("expected 1 to 16")
-}
-
-fn seconds(text: &str) -> Result<f64, &'static str> {
-    text.parse().ok().filter(|seconds| (0.1..=600.0).contains(seconds)).ok_or("expected 0.1 to 600 seconds")
 }
 
 #[derive(Debug, Serialize)]
@@ -154,7 +147,7 @@ impl Experiment for Trust {
     type Report = Report;
 
     fn run(&mut self, run: &Run) -> Result<Report> {
-        let mut cases = cases::simulated(self.seconds)?;
+        let mut cases = cases::simulated(self.seconds, run)?;
         if let Some(take) = &self.take {
             cases.extend(cases::of_take(&*take_options::open(take)?)?);
         }

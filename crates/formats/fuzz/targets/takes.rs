@@ -43,7 +43,11 @@ fn read_all(files: Vec<(&'static str, Vec<u8>)>) -> Result<(), String> {
             note(take.people(camera, frame).map(drop).map_err(|error| error.to_string()));
             note(footage.given_mask(camera, frame).map(drop).map_err(|error| error.to_string()));
         }
-        note(take.background(camera).map(drop).map_err(|error| error.to_string()));
+        note(
+            take.background(camera)
+                .and_then(|mut plates| plates.try_for_each(|plate| plate.map(drop)))
+                .map_err(|error| error.to_string()),
+        );
         note(take.plate_knowledge(camera).map(drop).map_err(|error| error.to_string()));
     }
     note(take.keypoint_order().map(drop).map_err(|error| error.to_string()));

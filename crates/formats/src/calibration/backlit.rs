@@ -219,7 +219,7 @@ mod tests {
             "width": 272 ⇒ "width": 0 ⇒ `width`
             "height": 480 ⇒ "height": 2147483648 ⇒ `height`
             "fx": 420.25 ⇒ "fx": null ⇒ line 8: `cameras[0].fx` is null; expected a number
-            "fx": 420.25, ⇒ ⇒ missing field `fx`
+            "fx": 420.25, ⇒ ⇒ .fx` is missing; expected a value
             "b" ⇒ "a" ⇒ camera name "a" is used twice
             "fy" ⇒ "f_y" ⇒ unknown field `f_y`
             "opencv" ⇒ "none" ⇒ `cameras[0].distortion.model` is "none" beside

@@ -6,7 +6,7 @@
 
 use super::opencv;
 use super::partial::PartialCameras;
-use super::tree::{Field, Tree};
+use super::tree::{Field, Tree, Value};
 use crate::{FileError, FileProblem, Result};
 
 /// Whether the tables are Caliscope's: of older releases only the port tells.
@@ -18,6 +18,20 @@ pub(super) fn is_one(node: &Tree) -> bool {
         })
     };
     node.get("cameras").is_some_and(is_array) || is_array(node)
+}
+
+/// Whether nothing stands under a key, or a word for nothing: TOML has none of its own.
+fn is_unknown(table: &Field<'_>, key: &str) -> bool {
+    let Some(found) = table.find(&[key]) else { return true };
+    match &found.node.value {
+        Value::Text(word) => ["", "null", "None", "nan"].contains(&word.as_str()),
+        Value::Plain(word) => word == "nan",
+        Value::List(items) => {
+            items.iter().all(|item| matches!(&item.value, Value::Plain(word) if word == "nan"))
+        }
+        Value::Null => true,
+        Value::Map(_) => false,
+    }
 }
 
 pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
@@ -37,7 +51,9 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
             parts.leave_out(name, "its lens is not calibrated");
         } else {
             table.need(&["distortions"], "the lens's coefficients")?;
-            parts.push(root.path, opencv::camera(&table, name)?)?;
+            let has_place = !["rotation", "translation"].iter().any(|key| is_unknown(&table, key));
+            let camera = if has_place { opencv::camera } else { opencv::without_place };
+            parts.push(root.path, camera(&table, name)?)?;
         }
     }
     if parts.cameras.is_empty() && parts.left_out.is_empty() {

@@ -2,8 +2,10 @@
 //!
 //! No key is fixed, so the usual spellings are known: of `calibration.cpp` before and after 2.4.10, `stereo_calib.cpp`
 //! (M1 D1 M2 D2 and R T: camera 2 from camera 1, which is the world), and of scripts. A file holds one camera, a map or
-//! a list of them, or a stereo pair. Left unread are `extrinsic_parameters`, the board's places, and R1 R2 P1 P2 Q,
+//! a list of them, or a stereo pair; of `OpenPose` one camera, named after the file. Left unread are `extrinsic_parameters`, the board's places, and R1 R2 P1 P2 Q,
 //! which belong to rectified pictures. Camera from world; the unit of length is not said; pixel centres at integers.
+
+use std::path::Path;
 
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use glam::{DMat3, DVec3};
@@ -17,12 +19,16 @@ use crate::{FileError, FileProblem, Result};
 const MATRIX: &str = "camera_matrix Camera_Matrix cameraMatrix CameraMatrix K intrinsic_matrix intrinsics intrinsic mtx matrix M \
     intrinsicMat";
 const LENS: &str = "distortion_coefficients Distortion_Coefficients distortion_coeffs distortion_params dist_coeffs distCoeffs \
-    dist_coeff distortions distortion dist D d DistCoeffs";
+    dist_coeff distortions distortion dist D d DistCoeffs DistortionCoeffs Distortion";
 const WIDTH: [&str; 4] = ["image_width", "image_Width", "width", "w"];
 const HEIGHT: [&str; 4] = ["image_height", "image_Height", "height", "h"];
 const SIZE: [&str; 5] = ["image_size", "imageSize", "size", "resolution", "img_size"];
-const ROTATION: [&str; 6] = ["R", "rotation", "rotation_matrix", "rvec", "Rot", "rotation_vector"];
-const TRANSLATION: [&str; 6] = ["t", "T", "tvec", "translation", "translation_vector", "trans"];
+const ROTATION: [&str; 9] =
+    ["R", "rotation", "rotation_matrix", "rvec", "Rot", "rotation_vector", "RotationValues", "RVec", "RVecs"];
+const TRANSLATION: [&str; 9] =
+    ["t", "T", "tvec", "translation", "translation_vector", "trans", "TranslationValues", "TVec", "TVecs"];
+/// What `OpenPose` calls the matrix of the lens; its `CameraMatrix` is the place, three rows [R t].
+const OPENPOSE: [&str; 1] = ["Intrinsics"];
 const FISHEYE: [&str; 3] = ["fisheye_model", "fisheye", "is_fisheye"];
 const FIRST: [[&str; 4]; 2] =
     [["M1", "K1", "cameraMatrix1", "camera_matrix_1"], ["M2", "K2", "cameraMatrix2", "camera_matrix_2"]];
@@ -46,7 +52,7 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
             parts.push(root.path, part)?;
         }
     } else if is_camera(root) {
-        parts.push(root.path, camera(root, &name_of(root, &stem(root.path)))?)?;
+        parts.push(root.path, camera(root, &name_of(root, &file_name(root.path)))?)?;
     } else if pose.is_some() {
         for index in 0..2 {
             let mut part = PartialCamera::new(["1", "2"][index], root.node.line);
@@ -69,8 +75,18 @@ pub(super) fn parts(root: &Field<'_>) -> Result<PartialCameras> {
     Ok(parts)
 }
 
+/// The name of a file; of a `config.xml`, which lies in a folder for each camera, the folder's.
+fn file_name(path: &Path) -> String {
+    let folder = path.parent().and_then(Path::file_name);
+    match (stem(path).as_str(), folder) {
+        ("config", Some(folder)) => folder.to_string_lossy().into_owned(),
+        (stem, _) => stem.to_owned(),
+    }
+}
+
 fn matrix_of<'a>(field: &Field<'a>) -> Option<Field<'a>> {
-    field.find(&MATRIX.split(' ').collect::<Vec<_>>())
+    let openpose = field.find(&OPENPOSE);
+    openpose.or_else(|| field.find(&MATRIX.split(' ').collect::<Vec<_>>()))
 }
 
 fn is_camera(field: &Field<'_>) -> bool {
@@ -88,18 +104,28 @@ fn name_of(field: &Field<'_>, otherwise: &str) -> String {
 
 /// One camera with its keys in a map.
 pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<PartialCamera> {
+    Ok(PartialCamera { place: place(field)?, ..without_place(field, name)? })
+}
+
+/// The same, wherever it stands.
+pub(super) fn without_place(field: &Field<'_>, name: &str) -> Result<PartialCamera> {
     let mut part = PartialCamera::new(name, field.node.line);
     part.size = size(field)?;
     part.lens = Some(match matrix_of(field) {
         Some(matrix) => (pinhole(&matrix)?, coefficients(field, &LENS.split(' ').collect::<Vec<_>>())?),
         None => flat(field)?,
     });
-    part.place = place(field)?;
     Ok(part)
 }
 
 /// Where the camera stands, if both numbers are there.
 pub(super) fn place(field: &Field<'_>) -> Result<Option<CameraFromWorld>> {
+    if field.find(&OPENPOSE).is_some() {
+        let Some(matrix) = field.find(&["CameraMatrix"]) else { return Ok(None) };
+        let [a, b, c, x, d, e, f, y, g, h, i, z] = matrix.array()?;
+        let rotation = DMat3::from_cols_array(&[a, d, g, b, e, h, c, f, i]);
+        return Ok(Some(CameraFromWorld { rotation, translation: DVec3::new(x, y, z) }));
+    }
     let (rotation, translation) = match (field.find(&ROTATION), field.find(&TRANSLATION)) {
         (None, None) => return Ok(None),
         (Some(rotation), None) if rotation.numbers().is_ok_and(|numbers| numbers.is_empty()) => {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
 use glam::{DMat3, DVec3};
 
 use super::{Calibration, CalibrationOptions, MAX_CAMERAS, SkippedCamera, rig};
@@ -70,6 +70,33 @@ impl PartialCameras {
         }
         self.cameras.push(camera);
         Ok(())
+    }
+
+    /// Whole cameras.
+    pub(super) fn of_rig(rig: &Rig) -> Self {
+        let of = |camera: &Camera| PartialCamera {
+            size: Some([camera.width() as u64, camera.height() as u64]),
+            lens: Some((Pinhole::Pixels(*camera.intrinsics()), *camera.distortion())),
+            place: Some(*camera.camera_from_world()),
+            ..PartialCamera::new(camera.name(), 1)
+        };
+        Self {
+            cameras: rig.cameras().iter().map(of).collect(),
+            left_out: Vec::new(),
+            metres_per_unit: Some(1.0),
+        }
+    }
+
+    /// Adds another file's cameras; lengths are metres then.
+    pub(super) fn add(&mut self, other: Self, options: CalibrationOptions) {
+        let unit = other.metres_per_unit.unwrap_or(options.metres_per_unit);
+        self.metres_per_unit = Some(1.0);
+        self.cameras.extend(other.cameras.into_iter().map(|camera| {
+            let place =
+                camera.place.map(|place| CameraFromWorld { translation: place.translation * unit, ..place });
+            PartialCamera { place, ..camera }
+        }));
+        self.left_out.extend(other.left_out);
     }
 
     pub(super) fn leave_out(&mut self, name: &str, reason: &str) {

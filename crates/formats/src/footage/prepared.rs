@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
-use backlit_tracking::segment::{Background, SegmentOptions, segment};
+use backlit_tracking::segment::{Background, BackgroundSums, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
@@ -60,32 +60,32 @@ impl PreparedTake {
         if let Some(learnt) = self.backgrounds.get(camera).and_then(OnceLock::get) {
             return Ok(learnt);
         }
-        let pictures = self.take.background(camera)?;
+        let mut pictures = self.take.background(camera)?.map(|picture| self.rectified(camera, &picture?));
         let name = || self.cameras[camera].name().to_owned();
-        let pictures: Vec<RgbImage> =
-            pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
         let failed = |error| FootageError::Background { camera: name(), error };
         let (mut always_subject, mut unknown) = (Vec::new(), Vec::new());
-        let background = match pictures.as_slice() {
-            [] => return Err(FootageError::NoBackground { camera: name() }),
-            [plate] => {
-                let background = Background::from_plate(plate);
-                match self.take.plate_knowledge(camera)? {
-                    None => background,
-                    Some(known) => {
-                        let known =
-                            self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
-                        let those = |wanted: Known| {
-                            let pixels = known.iter().enumerate().filter(move |(_, known)| **known == wanted);
-                            pixels.map(|(index, _)| index).collect()
-                        };
-                        (always_subject, unknown) = (those(Known::AlwaysSubject), those(Known::Nothing));
-                        let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
-                        background.with_known(&is_known).map_err(failed)?
-                    }
+        let first = pictures.next().ok_or_else(|| FootageError::NoBackground { camera: name() })??;
+        let background = if pictures.len() == 0 {
+            let background = Background::from_plate(&first);
+            match self.take.plate_knowledge(camera)? {
+                None => background,
+                Some(known) => {
+                    let known = self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
+                    let those = |wanted: Known| {
+                        let pixels = known.iter().enumerate().filter(move |(_, known)| **known == wanted);
+                        pixels.map(|(index, _)| index).collect()
+                    };
+                    (always_subject, unknown) = (those(Known::AlwaysSubject), those(Known::Nothing));
+                    let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
+                    background.with_known(&is_known).map_err(failed)?
                 }
             }
-            frames => Background::from_frames(frames).map_err(failed)?,
+        } else {
+            let mut sums = BackgroundSums::default();
+            sums.add(&first).map_err(failed)?;
+            drop(first);
+            pictures.try_for_each(|picture| sums.add(&picture?).map_err(failed))?;
+            sums.background().map_err(failed)?
         };
         Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject, unknown }))
     }

@@ -87,6 +87,8 @@ fn are_numbered(names: &[&str]) -> bool {
 const RECORDED: [&str; 6] = ["video", "synchronized", "images", "inputmedia", "recording", "footage"];
 /// Words of pictures and folders that show the scene without the subject.
 pub(super) const PLATES: [&str; 4] = ["background", "plate", "empty", "bg"];
+/// Words of videos that were taken to calibrate.
+const BOARDS: [&str; 5] = ["checker", "board", "calib", "intrinsic", "extrinsic"];
 /// How many folders up a name is looked for.
 const PARENTS: usize = 4;
 
@@ -122,13 +124,17 @@ impl FootageFiles {
     }
 }
 
+/// Names of the folders that a file lies in, the nearest first.
+pub(super) fn parents(path: &Path) -> Vec<String> {
+    let names = path.ancestors().skip(1).take(PARENTS).filter_map(Path::file_name);
+    names.map(|name| name.to_string_lossy().into_owned()).collect()
+}
+
 /// All videos and numbered pictures but plates.
 pub(super) fn footage_of(listing: &Listing) -> Vec<FootageCandidate> {
-    let parents = |path: &Path| -> Vec<String> {
-        let names = path.ancestors().skip(1).take(PARENTS).filter_map(Path::file_name);
-        names.map(|name| name.to_string_lossy().into_owned()).collect()
-    };
-    let videos = listing.videos.iter().map(|path| {
+    let has_others = !listing.videos.iter().all(|path| is_plate_video(path)) || !listing.sequences.is_empty();
+    let films = listing.videos.iter().filter(|path| !has_others || !is_plate_video(path));
+    let videos = films.map(|path| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let names = std::iter::once(stem).chain(parents(path)).collect();
         FootageCandidate { footage: FootageFiles::Video(path.clone()), names, group: group_of(path) }
@@ -143,7 +149,10 @@ pub(super) fn footage_of(listing: &Listing) -> Vec<FootageCandidate> {
             group: group_of(&sequence.folder),
         }
     });
-    videos.chain(sequences).collect()
+    let mut all: Vec<FootageCandidate> = videos.chain(sequences).collect();
+    // Of two videos of one camera, the one of a board is not the one that is meant.
+    all.sort_by_key(|one| BOARDS.iter().any(|word| one.names[0].to_lowercase().contains(word)));
+    all
 }
 
 fn group_of(path: &Path) -> PathBuf {
@@ -180,6 +189,12 @@ pub(super) fn best_group(cameras: &[&str], footage: &[FootageCandidate]) -> (Vec
 pub(super) fn is_plate(path: &Path) -> bool {
     let words = path.iter().rev().take(2).map(|part| part.to_string_lossy().to_lowercase());
     words.into_iter().any(|word| PLATES.iter().any(|plate| word.contains(plate)))
+}
+
+/// Whether a word of a video's own name says that it shows the scene without the subject.
+pub(super) fn is_plate_video(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+    stem.split(|letter: char| !letter.is_alphabetic()).any(|word| PLATES.contains(&word))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use image::RgbImage;
 
 use super::{ImportCamera, ImportError, ImportSurvey};
 use crate::keypoints::{self, Person};
+use crate::memory;
 use crate::plate::{self, Covered, MOST_FRAMES, Plate};
 
 /// Frames that tell how tall the person is in the picture.
@@ -91,7 +92,8 @@ pub(super) fn learn(
     camera: &ImportCamera,
     divisor: usize,
 ) -> Result<Plate, ImportError> {
-    let frames = spread(found, MOST_FRAMES);
+    let pixels = camera.camera.width() * camera.camera.height() / divisor.pow(2);
+    let frames = spread(found, memory::held(pixels, MOST_FRAMES));
     Ok(learn_from(camera, &frames, &Keypoints::of(camera)?, divisor)?.0)
 }
 

@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::camera::{Camera, CameraError};
+use backlit_tracking::camera::{Camera, CameraError, Rig};
 use thiserror::Error;
 
 use super::masks::{self, ImportMasks};
 use super::matching::{
-    FootageCandidate, FootageFiles, MatchedBy, PLATES, best_group, footage_of, is_plate, matched,
+    FootageCandidate, FootageFiles, MatchedBy, PLATES, best_group, footage_of, is_plate, is_plate_video,
+    matched, parents,
 };
 use super::pictures::{PictureSize, Pictures};
 use super::project::{self, Project};
 use super::scan::{Listing, scan};
-use crate::FileError;
-use crate::calibration::{self, CalibrationOptions};
+use crate::calibration::{self, Calibration, CalibrationOptions};
+use crate::{FileError, FileProblem};
 
 /// Most files that are tried as a calibration.
 const MOST_TRIED: usize = 200;
@@ -52,7 +53,7 @@ pub struct ImportCamera {
     pub pictures: Pictures,
     /// Frames per second, where the footage says it.
     pub frame_rate: Option<f64>,
-    /// A picture of the scene without the subject.
+    /// A picture or a video of the scene without the subject.
     pub plate: Option<PathBuf>,
     /// Silhouettes that were made elsewhere.
     pub masks: Option<ImportMasks>,
@@ -139,7 +140,10 @@ pub fn survey(paths: &[PathBuf], options: &ImportOptions) -> Result<ImportSurvey
     if footage.is_empty() {
         return Err(ImportError::NoFootage(pointed));
     }
-    let (calibration, cameras) = calibration_of(&listing, &footage, options, &pointed)?;
+    let (calibration, found) = calibration_of(&listing, &footage, options, &pointed)?;
+    let cameras = found.rig.cameras();
+    let mut left_out: Vec<(String, String)> =
+        found.left_out.iter().map(|left| (left.name.clone(), left.reason.clone())).collect();
     let names: Vec<&str> = cameras.iter().map(Camera::name).collect();
     let (own, matched_by) = best_group(&names, &footage);
     if own.iter().all(Option::is_none) {
@@ -150,7 +154,6 @@ pub fn survey(paths: &[PathBuf], options: &ImportOptions) -> Result<ImportSurvey
     let keypoints = keypoints_of(&listing, project, &names);
     let plates = plates_of(&listing, &names);
     let silhouettes = masks::of_cameras(&names, &masks);
-    let mut left_out = Vec::new();
     let mut found = Vec::new();
     for (index, camera) in cameras.iter().enumerate() {
         let Some(own) = own[index] else {
@@ -212,10 +215,10 @@ fn calibration_of(
     footage: &[FootageCandidate],
     options: &ImportOptions,
     pointed: &Path,
-) -> Result<(PathBuf, Vec<Camera>), ImportError> {
+) -> Result<(PathBuf, Calibration), ImportError> {
     let how = CalibrationOptions { size: None, metres_per_unit: options.metres_per_unit };
     if let Some(path) = &options.calibration {
-        return Ok((path.clone(), calibration::read(path, how)?.cameras().to_vec()));
+        return Ok((path.clone(), load_sized(path, how, footage)?));
     }
     let mut candidates: Vec<&PathBuf> = listing.calibrations.iter().collect();
     let likely = |path: &Path| {
@@ -223,10 +226,10 @@ fn calibration_of(
         LIKELY.iter().filter(|word| text.contains(*word)).count()
     };
     candidates.sort_by_key(|path| std::cmp::Reverse(likely(path)));
-    let (mut best, mut tried, mut single) = (None::<(usize, PathBuf, Vec<Camera>)>, Vec::new(), Vec::new());
+    let (mut best, mut tried, mut single) = (None::<(usize, PathBuf, Calibration)>, Vec::new(), Vec::new());
     for path in candidates.into_iter().take(MOST_TRIED) {
-        let rig = match calibration::read(path, how) {
-            Ok(rig) => rig,
+        let found = match load_sized(path, how, footage) {
+            Ok(found) => found,
             Err(error) => {
                 if likely(path) > 0 {
                     tried.push((path.clone(), error.to_string()));
@@ -234,28 +237,55 @@ fn calibration_of(
                 continue;
             }
         };
-        if let [camera] = rig.cameras() {
+        if let [camera] = found.rig.cameras() {
             single.push((path.clone(), camera.clone()));
         }
-        let names: Vec<&str> = rig.cameras().iter().map(Camera::name).collect();
+        let names: Vec<&str> = found.rig.cameras().iter().map(Camera::name).collect();
         let count = best_group(&names, footage).0.iter().flatten().count();
         if best.as_ref().is_none_or(|best| count > best.0) {
-            best = Some((count, path.clone(), rig.cameras().to_vec()));
+            best = Some((count, path.clone(), found));
         }
     }
-    let joined = of_folders(&single);
-    if joined.len() > best.as_ref().map_or(0, |best| best.0) {
-        return Ok((single.swap_remove(0).0, joined));
+    let joined = of_files(&single);
+    if joined.len() > best.as_ref().map_or(0, |best| best.0)
+        && let Ok(rig) = Rig::new(joined)
+    {
+        return Ok((single.swap_remove(0).0, Calibration { rig, left_out: Vec::new() }));
     }
-    best.map(|(_, path, cameras)| (path, cameras))
+    best.map(|(_, path, found)| (path, found))
         .ok_or_else(|| ImportError::NoCalibration { path: pointed.to_owned(), tried })
 }
 
-/// Calibrations of one camera each, in folders that are called as the cameras: as `OpenCap` writes them.
-fn of_folders(single: &[(PathBuf, Camera)]) -> Vec<Camera> {
+/// Reads a calibration. Where it does not say the pictures' size, that of the footage beside it or of its name counts, else that
+/// of any footage.
+fn load_sized(
+    path: &Path,
+    how: CalibrationOptions,
+    footage: &[FootageCandidate],
+) -> Result<Calibration, FileError> {
+    let error = match calibration::load(path, how) {
+        Err(error) if matches!(&*error.problem, FileProblem::Field { field, .. } if field.ends_with(".size")) => {
+            error
+        }
+        other => return other,
+    };
+    let is_beside = |one: &&FootageCandidate| one.footage.path().parent() == path.parent();
+    let is_of_name = |one: &&FootageCandidate| path.file_stem().is_some_and(|stem| *stem == *one.names[0]);
+    let own = footage.iter().find(is_of_name).or_else(|| footage.iter().find(is_beside));
+    let Some(own) = own.or(footage.first()) else { return Err(error) };
+    let picture = own.footage.open()?.picture(0)?;
+    let size = Some([u64::from(picture.width()), u64::from(picture.height())]);
+    calibration::load(path, CalibrationOptions { size, ..how })
+}
+
+/// Calibrations of one camera each, named after their folders, as `OpenCap` has them; or after themselves in one folder, as `OpenPose`
+/// has them.
+fn of_files(single: &[(PathBuf, Camera)]) -> Vec<Camera> {
     let mut cameras: Vec<Camera> = Vec::new();
+    let is_one_folder = single.windows(2).all(|pair| pair[0].0.parent() == pair[1].0.parent());
     for (path, camera) in single {
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        let folder = if is_one_folder { Some(camera.name().to_owned()) } else { folder };
         let size = [camera.width() as u64, camera.height() as u64];
         let named = folder.and_then(|name| {
             let place = *camera.camera_from_world();
@@ -287,14 +317,17 @@ fn keypoints_of(listing: &Listing, project: Project, cameras: &[&str]) -> Vec<Op
     own.into_iter().map(|own| own.map(|own| folders[own].clone())).collect()
 }
 
-/// For each camera its picture of the scene without the subject.
+/// For each camera its picture or video of the scene without the subject.
 fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
-    let plates: Vec<&PathBuf> = listing.pictures.iter().filter(|path| is_plate(path)).collect();
+    let pictures = listing.pictures.iter().filter(|path| is_plate(path));
+    let plates: Vec<&PathBuf> =
+        pictures.chain(listing.videos.iter().filter(|path| is_plate_video(path))).collect();
     let names: Vec<Vec<String>> = plates
         .iter()
         .map(|path| {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
-            vec![PLATES.iter().fold(stem, |stem, word| stem.replace(word, ""))]
+            let own = PLATES.iter().fold(stem, |stem, word| stem.replace(word, ""));
+            std::iter::once(own).chain(parents(path)).collect()
         })
         .collect();
     let (own, _) = matched(cameras, &names);

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::{Covered, MOST_FRAMES, Plate, spread};
-use crate::{FileError, Take, TakeError};
+use crate::{FileError, Take, TakeError, memory};
 
 /// A body is drawn stouter by so much to leave out clothes, hair and what the track is off by, metres.
 const MARGIN_M: f64 = 0.05;
@@ -53,9 +53,12 @@ pub fn plate_without_body(
     poses: &BTreeMap<usize, Pose>,
     cancel: &CancelToken,
 ) -> Result<Plate, PlateError> {
+    let no_camera = || TakeError::NoCamera { camera, count: take.rig().count() };
+    let seen_by = take.rig().cameras().get(camera).ok_or_else(no_camera)?;
+    let most = memory::held(seen_by.width() * seen_by.height(), MOST_FRAMES);
     let all: Vec<(&usize, &Pose)> = poses.iter().collect();
     let chosen: Vec<(usize, &Pose)> =
-        spread(all.len(), MOST_FRAMES).map(|index| (*all[index].0, all[index].1)).collect();
+        spread(all.len(), most).map(|index| (*all[index].0, all[index].1)).collect();
     let resized = |radius: &dyn Fn(f64) -> f64| {
         let sizes = |limb: usize| {
             let limb = &model.limbs()[limb];
@@ -64,8 +67,6 @@ pub fn plate_without_body(
         model.with_sizes(sizes).unwrap_or_else(|_| model.clone())
     };
     let (stout, core) = (resized(&|radius| radius + MARGIN_M), resized(&|radius| CORE * radius));
-    let no_camera = || TakeError::NoCamera { camera, count: take.rig().count() };
-    let seen_by = take.rig().cameras().get(camera).ok_or_else(no_camera)?;
     let (ideal, places) = (seen_by.without_distortion(), ideal_places(seen_by));
     let drawn = |body: &Model, pose: &Pose| -> Vec<bool> {
         let kinematics = Kinematics::new(body, pose);

@@ -137,18 +137,28 @@ impl Take {
     }
 
     /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
-    /// not rectified.
-    pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
+    /// not rectified. Each is decoded when it is asked for.
+    pub fn background(
+        &self,
+        camera: usize,
+    ) -> Result<impl ExactSizeIterator<Item = Result<RgbImage, TakeError>>, TakeError> {
         let footage = self.footage_of(camera)?;
-        let divisor = self.reduction as usize;
-        let pictures: Result<Vec<RgbImage>> = match &footage.background {
-            None => return Ok(Vec::new()),
+        let source = footage.background.as_ref();
+        let count = source.map_or(0, |source| match source {
+            BackgroundSource::Plate(_) => 1,
+            BackgroundSource::Frames(paths) => paths.len(),
+            BackgroundSource::Video { frames, .. } => frames.len(),
+        });
+        let picture = move |index: usize| match source {
+            Some(BackgroundSource::Plate(path)) => self.plate(camera, path),
+            Some(BackgroundSource::Frames(paths)) => self.plate(camera, &paths[index]),
             Some(BackgroundSource::Video { video, frames }) => {
-                frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
+                self.video_frame(camera, video, frames[index], self.reduction as usize)
             }
-            Some(pictures) => pictures.paths().into_iter().map(|path| self.plate(camera, path)).collect(),
+            None => Ok(RgbImage::default()),
         };
-        pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+        let failed = |error| TakeError::Background { camera: footage.camera.clone(), error };
+        Ok((0..count).map(move |index| picture(index).map_err(failed)))
     }
 
     /// The same take with these plates in the place of its own, by camera; the other cameras keep theirs. A plate that is not there,

@@ -18,7 +18,7 @@ use super::{
     BackgroundSource, CameraFootage, FramePattern, Joint, MAX_BACKGROUND_FRAMES, MAX_FRAMES, PatternError,
     Reference, TakeError, measurement,
 };
-use crate::calibration::{self, CalibrationOptions};
+use crate::calibration::{self, Calibration, CalibrationOptions};
 use crate::text::line_at;
 use crate::toml_text::{self, TomlStep};
 use crate::trc::Axes;
@@ -85,7 +85,7 @@ impl<'a> TakeReader<'a> {
         let path = self.footage.join(self.expand(&spec.cameras.calibration, "cameras.calibration")?);
         let options = CalibrationOptions { size: spec.cameras.size, metres_per_unit: spec.units.metres() };
         let all =
-            calibration::read_from(self.files, &path, options).map_err(|error| match &spec.footage {
+            calibration::load_from(self.files, &path, options).map_err(|error| match &spec.footage {
                 // Where even the cameras are missing, it is the footage that lies elsewhere.
                 Some(footage) if error.is_missing() => self.field(
                     footage,
@@ -94,8 +94,13 @@ impl<'a> TakeReader<'a> {
                 ),
                 _ => error,
             })?;
+        let Calibration { rig: all, left_out } = all;
         let mut cameras = Vec::with_capacity(spec.views.len());
         for view in &spec.views {
+            if let Some(left) = left_out.iter().find(|left| left.name == *view.name.get_ref()) {
+                let expected = format!("a camera that can be used ({}: {})", path.display(), left.reason);
+                return Err(self.field(&view.name, "camera.name", expected));
+            }
             let index = all
                 .index(view.name.get_ref())
                 .map_err(|error| self.problem(view.name.span(), FileProblem::Rig { error }))?;

@@ -18,7 +18,9 @@ use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;
 use crate::video::{FrameCache, Video};
-use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, model_file, toml_text};
+use crate::{
+    DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, Result, TakeFiles, memory, model_file, toml_text,
+};
 
 /// The take file in a take's folder.
 pub const FILE_NAME: &str = "take.toml";
@@ -109,6 +111,7 @@ impl Take {
         let full_rig = reader.rig(&spec)?;
         let reduction = reader.reduction(&spec)?;
         let rig = reduced_rig(&full_rig, reduction).map_err(|problem| FileError::new(path, problem))?;
+        memory::afford_take(path, &full_rig, &rig)?;
         let cache = Arc::default();
         let films = reader.footage(&spec, &cache)?;
         let reference = match &spec.reference {

@@ -318,3 +318,49 @@ fn what_is_too_large_or_of_another_kind_is_refused() {
     let error = calibration::parse(Path::new("c.pickle"), pickle, CalibrationOptions::default()).unwrap_err();
     assert!(error.to_string().contains("it asks for os.system"), "{error}");
 }
+
+/// `OpenPose` names a file after its camera's serial number and says no size; `config.xml` lies in its camera's folder.
+#[test]
+fn a_file_of_each_camera_is_read() {
+    let text = include_str!("../../fuzz/corpus/calibration_sized/openpose.xml");
+    let rig = read("cameras/17012332.xml", text, SIZE).unwrap();
+    assert_camera(&rig.cameras()[0], "17012332", [500.0, 501.0, 320.0, 240.0], [-2.0, 1.0, 0.5]);
+    assert!(matches!(rig.cameras()[0].distortion(), Distortion::OpenCv { k1: -0.1, .. }));
+    assert_refused(
+        text,
+        |text| read("1.xml", text, SIZE),
+        r#"
+        <cols>4</cols> ⇒ <cols>3</cols> ⇒ 1.xml, line 7: `CameraMatrix.data` is 12 numbers
+        0. -1. 0. 1. ⇒ 0. -2. 0. 1. ⇒ 1.xml, line 2: camera "1"
+        "#,
+    );
+    let config = include_str!("../../fuzz/corpus/calibration_sized/config.xml");
+    let rig = read("data/cam2/config.xml", config, SIZE).unwrap();
+    assert_eq!(rig.cameras()[0].name(), "cam2");
+    assert!(rig.cameras()[0].centre().length() > 2.0);
+    let folder = tempfile::tempdir().unwrap();
+    let paths = ["1.xml", "2.xml", "3.xml"].map(|name| folder.path().join(name));
+    let second = text.replace("5.0e-01", "7.0e-01");
+    for (path, text) in paths.iter().zip([text, &second, text]) {
+        std::fs::write(path, text).unwrap();
+    }
+    let options = CalibrationOptions { size: SIZE, metres_per_unit: 0.1 };
+    let found = calibration::load_all(&paths[..2], options).unwrap();
+    assert_eq!((found.rig.count(), found.left_out.len()), (2, 0));
+    assert_camera(&found.rig.cameras()[1], "2", [500.0, 501.0, 320.0, 240.0], [-0.2, 0.1, 0.07]);
+    assert_eq!(calibration::load_all(&paths, options).unwrap().rig.count(), 3);
+}
+
+#[test]
+fn a_caliscope_camera_without_a_pose_is_left_out() {
+    let text = include_str!("../../fuzz/corpus/calibration_toml/camera_array.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("camera_array.toml");
+    for poseless in ["", "rotation = \"null\"\ntranslation = []\n", "translation = [nan, nan, nan]\n"] {
+        std::fs::write(&path, format!("{text}{poseless}")).unwrap();
+        let found = calibration::load(&path, CalibrationOptions::default()).unwrap();
+        assert_eq!(found.rig.count(), 1, "{poseless}");
+        let left = SkippedCamera { name: "1".into(), reason: "the file has no place of it".into() };
+        assert_eq!(found.left_out, [left]);
+    }
+}

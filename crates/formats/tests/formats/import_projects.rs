@@ -137,3 +137,52 @@ fn an_opencap_session() {
         assert!(camera.pictures.path().ends_with(&own), "{}", camera.pictures.path().display());
     }
 }
+
+/// A folder for each camera: `config.xml` without the pictures' size, the video, the video of the empty scene, one of a board.
+#[test]
+fn folders_of_cameras_with_videos_of_the_empty_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("data");
+    let config = include_str!("../../fuzz/corpus/calibration_sized/config.xml");
+    let config = config.replace("500. 0. 320. 0. 501. 240.", "150. 0. 80. 0. 150. 60.");
+    for camera in ["cam1", "cam2"] {
+        put(&project.join(camera).join("config.xml"), config.replace("1. 0.5 2.", "1. 0.5 4."));
+        for name in ["background", "checkerboard", "video"] {
+            put(&project.join(camera).join(name).with_extension("avi"), film());
+        }
+    }
+    let out = folder.path().join("take");
+    let found = taken(&project, &out);
+    assert_eq!((names(&found), found.count), (vec!["cam1", "cam2"], FRAMES as usize));
+    for camera in &found.cameras {
+        assert!(
+            camera.pictures.path().ends_with(format!("{}/video.avi", camera.camera.name())),
+            "{camera:?}"
+        );
+    }
+    let text = std::fs::read_to_string(out.join("take.toml")).unwrap();
+    assert!(text.contains("cam2/background.avi\""), "{text}");
+    assert_eq!(Take::open(&out).unwrap().background(1).unwrap().len(), FRAMES as usize);
+}
+
+/// `OpenPose` puts a file a camera in one folder; a Caliscope camera without a place is told.
+#[test]
+fn files_named_after_serial_numbers_and_cameras_without_a_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("openpose");
+    let text = include_str!("../../fuzz/corpus/calibration_sized/openpose.xml");
+    for camera in ["17012332", "18284509"] {
+        put(&project.join(format!("cameras/{camera}.xml")), text);
+        put(&project.join(format!("videos/{camera}.avi")), film());
+    }
+    let found = import::survey(&[project], &ImportOptions::default()).unwrap();
+    assert_eq!(names(&found), ["17012332", "18284509"]);
+    let project = folder.path().join("caliscope");
+    put(
+        &project.join("camera_array.toml"),
+        include_str!("../../fuzz/corpus/calibration_toml/camera_array_null.toml"),
+    );
+    put(&project.join("videos/cam_0.avi"), film());
+    let found = import::survey(&[project], &ImportOptions::default()).unwrap();
+    assert_eq!(found.left_out, [("1".to_owned(), "the file has no place of it".to_owned())]);
+}

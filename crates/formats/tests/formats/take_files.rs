@@ -185,7 +185,7 @@ fn pictures_of_another_size_are_told_with_both_sizes() {
         "camera \"a\", frame 2: t/footage/a/02.jpg: has 6×8 pixels; expected 8×6"
     );
     assert_eq!(
-        take.background(0).unwrap_err().to_string(),
+        take.background(0).unwrap().next().unwrap().unwrap_err().to_string(),
         "camera \"b\", background: t/footage/b/plate.png: has 6×8 pixels; expected 8×6"
     );
 }
@@ -275,4 +275,15 @@ fn a_body_with_a_cycle_or_an_unknown_parent_is_told() {
         assert!(message.starts_with("t/body.toml, line 5: limb \"arm\": `parent`"), "{message}");
         assert!(message.contains(expected), "{message}");
     }
+}
+
+/// The sizes of the cameras are enough: no picture is there.
+#[test]
+fn a_take_that_needs_more_memory_than_it_may_is_refused_before_pictures_are_read() {
+    let huge = cameras(&["a", "b", "c"], [8192, 8192], 9, "");
+    assert_eq!(
+        message("t/footage/cameras.json", |bytes| *bytes = huge),
+        "t/take.toml: the pictures and backgrounds of its 2 cameras need about 13.2 GB of memory; expected at most 4 GB: \
+         raise that with --memory, or set `reduction`"
+    );
 }

@@ -59,8 +59,8 @@ fn the_segmentation_finds_the_person_where_the_truth_is() {
     for (index, camera) in take.rig().cameras().iter().enumerate() {
         let rectification = Rectification::new(camera);
         let ideal = camera.without_distortion();
-        let plates: Vec<_> = take.background(index).unwrap();
-        let plates: Vec<_> = plates.iter().map(|plate| rectification.rectify(plate).unwrap()).collect();
+        let plates = take.background(index).unwrap();
+        let plates: Vec<_> = plates.map(|plate| rectification.rectify(&plate.unwrap()).unwrap()).collect();
         let background = Background::from_frames(&plates).unwrap();
         for frame in (0..motion::FRAMES).step_by(9) {
             let picture = rectification.rectify(&take.frame(index, frame).unwrap()).unwrap();

@@ -35,7 +35,7 @@ pub enum BackgroundError {
     },
 }
 
-/// The most frames to average: 255 times as many still fit the sums.
+/// The most frames to average: 255² times as many still fit the sums.
 const MAX_FRAMES: u32 = 1 << 16;
 
 /// The scene without the subject, as one camera sees it.
@@ -75,52 +75,9 @@ impl Background {
     /// # Errors
     /// If there are fewer than two frames or more than 65 536, or if they differ in size.
     pub fn from_frames<'a>(frames: impl IntoIterator<Item = &'a RgbImage>) -> Result<Self, BackgroundError> {
-        let mut frames = frames.into_iter();
-        let first = frames.next().ok_or(BackgroundError::TooFewFrames(0))?;
-        let expected = first.dimensions();
-        let mut sums: Vec<u32> = first.as_raw().iter().map(|&level| u32::from(level)).collect();
-        let mut squares: Vec<u64> = first.as_raw().iter().map(|&level| u64::from(level).pow(2)).collect();
-        let mut gradient = GradientSums::new(first);
-        let mut count = 1_u32;
-        for frame in frames {
-            if frame.dimensions() != expected {
-                let (index, found) = (count as usize, frame.dimensions());
-                return Err(BackgroundError::SizeMismatch { index, expected, found });
-            }
-            if count == MAX_FRAMES {
-                return Err(BackgroundError::TooManyFrames(MAX_FRAMES));
-            }
-            for ((sum, square), &level) in sums.iter_mut().zip(&mut squares).zip(frame.as_raw()) {
-                *sum += u32::from(level);
-                *square += u64::from(level).pow(2);
-            }
-            gradient.add(frame);
-            count += 1;
-        }
-        if count < 2 {
-            return Err(BackgroundError::TooFewFrames(1));
-        }
-        let n = f64::from(count);
-        let mean = |sum: u32| (f64::from(sum) / n) as f32;
-        // Integer sums make the difference exact, so a still pixel has exactly no deviation.
-        let deviation = |sum: u32, square: u64| {
-            let spread = u64::from(count) * square - u64::from(sum).pow(2);
-            (spread as f64 / (n * (n - 1.0))).sqrt() as f32
-        };
-        let (gradient_mean, gradient_deviation) = gradient.mean_and_deviation(n);
-        Ok(Self {
-            width: expected.0 as usize,
-            height: expected.1 as usize,
-            mean: sums.chunks_exact(3).map(|s| [mean(s[0]), mean(s[1]), mean(s[2])]).collect(),
-            deviation: sums
-                .chunks_exact(3)
-                .zip(squares.chunks_exact(3))
-                .map(|(s, q)| [0, 1, 2].map(|c| deviation(s[c], q[c])))
-                .collect(),
-            gradient_mean,
-            gradient_deviation,
-            unknown: None,
-        })
+        let mut sums = BackgroundSums::default();
+        frames.into_iter().try_for_each(|frame| sums.add(frame))?;
+        sums.background()
     }
 
     /// The same, of which only the pixels that are `known` (one a pixel, row by row) are believed: the others are unknown in
@@ -176,40 +133,86 @@ impl Background {
     }
 }
 
-/// Sums of the gradient's magnitude over frames, counted from the first frame's: so a still pixel has exactly no deviation.
-struct GradientSums {
-    first: Vec<[f32; 3]>,
-    sums: Vec<[f32; 3]>,
-    squares: Vec<[f32; 3]>,
+/// A background that is made of one frame after the other, so that no frame need be kept.
+#[derive(Debug, Default)]
+pub struct BackgroundSums {
+    size: (u32, u32),
+    count: u32,
+    levels: Vec<[u32; 3]>,
+    squares: Vec<[u32; 3]>,
+    /// Sums of the gradient's magnitude are counted from the first frame's: so a still pixel has exactly no deviation.
+    first_gradient: Vec<[f32; 3]>,
+    gradients: Vec<[f32; 3]>,
+    gradient_squares: Vec<[f32; 3]>,
 }
 
-impl GradientSums {
-    fn new(first: &RgbImage) -> Self {
-        let first = gradient::magnitudes(first);
-        let none = vec![[0.0; 3]; first.len()];
-        Self { first, sums: none.clone(), squares: none }
-    }
-
-    fn add(&mut self, frame: &RgbImage) {
-        let sums = self.sums.as_flattened_mut().iter_mut().zip(self.squares.as_flattened_mut());
-        let found = gradient::magnitudes(frame);
-        let pairs = found.as_flattened().iter().zip(self.first.as_flattened());
-        for ((sum, square), (found, first)) in sums.zip(pairs) {
-            let off = found - first;
-            *sum += off;
-            *square += off * off;
+impl BackgroundSums {
+    /// Counts one more frame of the empty scene.
+    ///
+    /// # Errors
+    /// If it is not of the first one's size, or is one more than 65 536.
+    pub fn add(&mut self, frame: &RgbImage) -> Result<(), BackgroundError> {
+        if self.count == 0 {
+            self.size = frame.dimensions();
+            self.first_gradient = gradient::magnitudes(frame);
+            let pixels = self.first_gradient.len();
+            (self.levels, self.squares) = (vec![[0; 3]; pixels], vec![[0; 3]; pixels]);
+            (self.gradients, self.gradient_squares) = (vec![[0.0; 3]; pixels], vec![[0.0; 3]; pixels]);
         }
+        if frame.dimensions() != self.size {
+            let (index, expected, found) = (self.count as usize, self.size, frame.dimensions());
+            return Err(BackgroundError::SizeMismatch { index, expected, found });
+        }
+        if self.count == MAX_FRAMES {
+            return Err(BackgroundError::TooManyFrames(MAX_FRAMES));
+        }
+        self.count += 1;
+        let sums = self.levels.as_flattened_mut().iter_mut().zip(self.squares.as_flattened_mut());
+        for ((sum, square), &level) in sums.zip(frame.as_raw()) {
+            *sum += u32::from(level);
+            *square += u32::from(level).pow(2);
+        }
+        let (width, levels) = (self.size.0 as usize, frame.as_raw().as_chunks::<3>().0);
+        let sums = self.gradients.iter_mut().zip(&mut self.gradient_squares).zip(&self.first_gradient);
+        for (index, ((sum, square), first)) in sums.enumerate() {
+            let size = [width, self.size.1 as usize];
+            let found = gradient::magnitude(levels, size, index % width, index / width);
+            for channel in 0..3 {
+                let off = found[channel] - first[channel];
+                sum[channel] += off;
+                square[channel] += off * off;
+            }
+        }
+        Ok(())
     }
 
-    /// Of `n` frames.
-    fn mean_and_deviation(mut self, n: f64) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
-        let numbers = self.first.as_flattened_mut().iter_mut().zip(self.sums.as_flattened());
-        for ((mean, &sum), square) in numbers.zip(self.squares.as_flattened_mut()) {
+    /// Mean and (sample) standard deviation of all that were counted.
+    ///
+    /// # Errors
+    /// If there are fewer than two.
+    pub fn background(self) -> Result<Background, BackgroundError> {
+        if self.count < 2 {
+            return Err(BackgroundError::TooFewFrames(self.count as usize));
+        }
+        let n = f64::from(self.count);
+        // Integer sums make the difference exact, so a still pixel has exactly no deviation.
+        let deviation = |sum: u32, square: u32| {
+            let spread = u64::from(self.count) * u64::from(square) - u64::from(sum).pow(2);
+            (spread as f64 / (n * (n - 1.0))).sqrt() as f32
+        };
+        let levels = self.levels.iter().zip(&self.squares);
+        let deviation = levels.map(|(s, q)| [0, 1, 2].map(|c| deviation(s[c], q[c]))).collect();
+        drop(self.squares);
+        let mean = self.levels.iter().map(|sums| sums.map(|sum| (f64::from(sum) / n) as f32)).collect();
+        let (mut gradient_mean, mut gradient_deviation) = (self.first_gradient, self.gradient_squares);
+        let numbers = gradient_mean.as_flattened_mut().iter_mut().zip(self.gradients.as_flattened());
+        for ((mean, &sum), square) in numbers.zip(gradient_deviation.as_flattened_mut()) {
             let (sum, all) = (f64::from(sum), f64::from(*square));
             *mean = (f64::from(*mean) + sum / n) as f32;
             *square = ((all - sum * sum / n).max(0.0) / (n - 1.0)).sqrt() as f32;
         }
-        (self.first, self.squares)
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        Ok(Background { width, height, mean, deviation, gradient_mean, gradient_deviation, unknown: None })
     }
 }
 

@@ -109,6 +109,7 @@ impl AcquiredTake {
         let mut errors = Vec::new();
         for frame in seen {
             let estimate = tracker.track_frame(frame.frame, frame.views.clone(), &run.cancel)?;
+            run.check()?;
             tracked.iou += estimate.iou().unwrap_or(0.0) / seen.len() as f64;
             let kinematics = Kinematics::new(&body.model, &estimate.pose);
             let reference = self.footage.take().reference();

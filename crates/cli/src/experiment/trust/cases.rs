@@ -20,6 +20,8 @@ use backlit_tracking::track::WhenToSearch;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
+use crate::experiment::Run;
+
 /// Pictures of the simulated telephones, of the cameras around a body, and of those before an upper body.
 const SIZE_PX: [u64; 2] = [180, 320];
 const AROUND_PX: [[u64; 2]; 2] = [[studio::WIDTH, studio::HEIGHT], [96, 128]];
@@ -137,9 +139,10 @@ struct Simulated {
 }
 
 impl Simulated {
-    fn case(self) -> Result<Case> {
+    fn case(self, run: &Run) -> Result<Case> {
         let model = self.model;
         let frame = |frame: usize| {
+            run.check()?;
             let truth = (self.pose)(&model, frame as f64 / self.rate);
             let figure = match self.drawn {
                 Drawn::Clothed => Figure::new(&model, &truth, Build::default()),
@@ -191,7 +194,7 @@ impl Simulated {
 
 /// The movements that hide limbs before two telephones, and exercises before two and three cameras, both of wide capsules and
 /// clothed; and what is clear: bodies amid cameras in pictures of several sizes.
-pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
+pub(super) fn simulated(seconds: f64, run: &Run) -> Result<Vec<Case>> {
     let mut all = Vec::new();
     for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
         let model = Arc::new(person.of(&builtin::full_body())?);
@@ -234,7 +237,7 @@ pub(super) fn simulated(seconds: f64) -> Result<Vec<Case>> {
         all.extend(clear(build, person, &model, seconds)?);
     }
     all.extend(upper_bodies(seconds)?);
-    all.into_par_iter().map(Simulated::case).collect()
+    all.into_par_iter().map(|one| one.case(run)).collect()
 }
 
 /// A person amid four cameras and before three, in pictures of two sizes.
