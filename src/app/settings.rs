@@ -126,7 +126,7 @@ mod tests {
         look.basin.settings.seed = 12;
         look.basin.view = crate::context::command::BasinView::Map;
         look.export.motion.axes = Some(backlit_formats::motion::Axes::ZUp);
-        look.export.motion.names = backlit_formats::motion::Names::Mixamo;
+        look.export.motion.names = Some(backlit_formats::motion::Names::Mixamo);
         let kept: Settings = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
         assert_eq!(kept, look);
         let mut after = kept.clone();

@@ -61,9 +61,9 @@ pub struct ExportArguments {
     /// Frames: A..B, A.., ..B, A..=B or one frame [default: all]
     #[arg(long, value_name = "FRAMES")]
     frames: Option<FrameSpan>,
-    /// What joints are called: ours, opensim or mixamo
-    #[arg(long, default_value = "ours", value_parser = names)]
-    names: Names,
+    /// What joints are called: anatomical, limbs, opensim or mixamo [default: opensim in TRC, else anatomical]
+    #[arg(long, value_parser = names)]
+    names: Option<Names>,
     /// Order of angles in BVH: xyz, xzy, yxz, yzx, zxy or zyx
     #[arg(long, value_name = "ORDER", default_value = "zxy", value_parser = order)]
     euler: EulerOrder,
@@ -155,10 +155,11 @@ fn unit(text: &str) -> Result<Unit, &'static str> {
 
 fn names(text: &str) -> Result<Names, &'static str> {
     match text {
-        "ours" => Ok(Names::Ours),
+        "anatomical" => Ok(Names::Anatomical),
+        "limbs" => Ok(Names::Limbs),
         "opensim" => Ok(Names::OpenSim),
         "mixamo" => Ok(Names::Mixamo),
-        _ => Err("expected ours, opensim or mixamo"),
+        _ => Err("expected anatomical, limbs, opensim or mixamo"),
     }
 }
 

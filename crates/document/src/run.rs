@@ -99,7 +99,7 @@ pub struct RunChoices {
 
 /// Where a run begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Origin {
+pub struct RunOrigin {
     /// Steps before it.
     pub steps: usize,
     /// What they left of the first start's cost, as a fraction.
@@ -157,15 +157,15 @@ impl Run {
 
     /// Where the run begins among all of them: steps that led there and what they left of the first start's cost, those of the
     /// runs that it branched from.
-    pub fn origin(&self, all: &[Self]) -> Origin {
+    pub fn origin(&self, all: &[Self]) -> RunOrigin {
         // Earlier runs alone are branched from.
         let parent = self.choices.branched_from.and_then(|from| {
             let parent = all.iter().find(|run| run.number == from.run && run.number < self.number)?;
             Some((parent, from.step))
         });
-        parent.map_or(Origin { steps: 0, fraction: 1.0 }, |(parent, step)| {
-            let Origin { steps, fraction } = parent.origin(all);
-            Origin { steps: steps + step, fraction: fraction * parent.fraction(step).unwrap_or(1.0) }
+        parent.map_or(RunOrigin { steps: 0, fraction: 1.0 }, |(parent, step)| {
+            let RunOrigin { steps, fraction } = parent.origin(all);
+            RunOrigin { steps: steps + step, fraction: fraction * parent.fraction(step).unwrap_or(1.0) }
         })
     }
 
@@ -231,7 +231,7 @@ mod tests {
         let mut branch = Run { number: 2, ..run.clone() };
         branch.choices.branched_from = Some(StepRef { run: 1, step: 2 });
         let all = [run, branch];
-        assert_eq!(all[1].origin(&all), Origin { steps: 2, fraction: 0.5 });
+        assert_eq!(all[1].origin(&all), RunOrigin { steps: 2, fraction: 0.5 });
         assert_eq!(all[1].fraction_among(&all, 3), Some(0.125));
         assert_eq!(all[0].reached_text(&all), "3 steps, 25.0 % of the start, RMS 10.0");
         assert_eq!(all[0].ending_text(), "3 steps so far");

@@ -145,10 +145,10 @@ impl MotionFormat {
         Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// Axes and unit where none are chosen: what programs expect of such a file.
+    /// Axes, unit and names where none are chosen: what programs expect of such a file.
     #[must_use]
-    pub fn defaults(self) -> (Axes, Unit) {
-        (self.entry().axes, self.entry().unit)
+    pub fn defaults(self) -> (Axes, Unit, Names) {
+        (self.entry().axes, self.entry().unit, self.entry().names)
     }
 }
 
@@ -159,6 +159,7 @@ struct FormatEntry {
     label: &'static str,
     axes: Axes,
     unit: Unit,
+    names: Names,
     rest: RestPose,
     write: fn(&MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>,
 }
@@ -176,22 +177,32 @@ enum RestPose {
 
 const fn entry(
     [extension, label]: [&'static str; 2],
-    (axes, unit): (Axes, Unit),
+    (axes, unit, names): (Axes, Unit, Names),
     rest: RestPose,
     write: fn(&MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>,
 ) -> FormatEntry {
-    FormatEntry { extension, label, axes, unit, rest, write }
+    FormatEntry { extension, label, axes, unit, names, rest, write }
 }
 
 /// All formats, in the order of [`MotionFormat`].
 static FORMATS: [FormatEntry; 7] = [
-    entry(["bvh", "BVH"], (Axes::YUp, Unit::Centimetres), RestPose::AlongZ, bvh::to_bytes),
-    entry(["trc", "TRC"], (Axes::YUp, Unit::Metres), RestPose::AsInBody, tables::trc),
-    entry(["mot", "MOT"], (Axes::YUp, Unit::Metres), RestPose::AlongX, tables::mot),
-    entry(["c3d", "C3D"], (Axes::ZUp, Unit::Millimetres), RestPose::AsInBody, c3d::to_bytes),
-    entry(["glb", "glTF"], (Axes::YUp, Unit::Metres), RestPose::AlongZ, glb::to_bytes),
-    entry(["npz", "NumPy"], (Axes::World, Unit::Metres), RestPose::AsInBody, npz::to_bytes),
-    entry(["csv", "CSV"], (Axes::World, Unit::Metres), RestPose::AsInBody, tables::csv),
+    entry(["bvh", "BVH"], (Axes::YUp, Unit::Centimetres, Names::Anatomical), RestPose::AlongZ, bvh::to_bytes),
+    entry(["trc", "TRC"], (Axes::YUp, Unit::Metres, Names::OpenSim), RestPose::AsInBody, tables::trc),
+    entry(["mot", "MOT"], (Axes::YUp, Unit::Metres, Names::Anatomical), RestPose::AlongX, tables::mot),
+    entry(
+        ["c3d", "C3D"],
+        (Axes::ZUp, Unit::Millimetres, Names::Anatomical),
+        RestPose::AsInBody,
+        c3d::to_bytes,
+    ),
+    entry(["glb", "glTF"], (Axes::YUp, Unit::Metres, Names::Anatomical), RestPose::AlongZ, glb::to_bytes),
+    entry(
+        ["npz", "NumPy"],
+        (Axes::World, Unit::Metres, Names::Anatomical),
+        RestPose::AsInBody,
+        npz::to_bytes,
+    ),
+    entry(["csv", "CSV"], (Axes::World, Unit::Metres, Names::Anatomical), RestPose::AsInBody, tables::csv),
 ];
 
 /// The bytes of a motion's file.

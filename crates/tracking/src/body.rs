@@ -3,6 +3,7 @@
 #[doc(inline)]
 pub use crate::{metrics, names};
 
+mod anatomy;
 pub mod anthropometry;
 pub mod builtin;
 mod kinematics;
@@ -13,6 +14,7 @@ mod pose;
 mod sides;
 pub(crate) mod sizes;
 
+pub use anatomy::joint_at_end;
 pub(crate) use kinematics::Branches;
 pub use kinematics::{Kinematics, MovingColumn};
 pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range, SphereLevel};

@@ -2,7 +2,7 @@
 //!
 //! A joint is the second joint of a limb; the root is its own.
 
-use backlit_tracking::body::Model;
+use backlit_tracking::body::{Model, joint_at_end};
 use serde::{Deserialize, Serialize};
 
 /// A joint of a body.
@@ -25,32 +25,9 @@ impl From<Option<usize>> for JointId {
 
 /// What people call the end of a limb, by the limb's name; other limbs' joints are "end of …".
 pub fn joint_name(model: &Model, joint: JointId) -> String {
-    const NAMES: [(&str, &str); 13] = [
-        ("spine", "waist"),
-        ("chest", "neck"),
-        ("torso", "neck"),
-        ("neck", "head"),
-        ("head", "head"),
-        ("clavicle", "shoulder"),
-        ("shoulder", "shoulder"),
-        ("upper arm", "elbow"),
-        ("forearm", "wrist"),
-        ("hip", "hip"),
-        ("thigh", "knee"),
-        ("calf", "ankle"),
-        ("foot", "toes"),
-    ];
     let limb = match joint {
         JointId::Root => return "root".to_owned(),
         JointId::End(limb) => model.limbs().get(limb).map_or("", |limb| limb.name.as_str()),
     };
-    let (side, part) = ["right ", "left "]
-        .into_iter()
-        .find_map(|side| limb.strip_prefix(side).map(|part| (side, part)))
-        .unwrap_or(("", limb));
-    let part = part.strip_prefix("lower ").unwrap_or(part);
-    match NAMES.iter().find(|(name, _)| *name == part) {
-        Some((_, joint)) => format!("{side}{joint}"),
-        None => format!("end of {limb}"),
-    }
+    joint_at_end(limb).unwrap_or_else(|| format!("end of {limb}"))
 }

@@ -68,17 +68,19 @@ impl SeriesFormat {
 }
 
 /// How a motion is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MotionChoices {
     /// Kind of file.
     pub format: MotionFormat,
+    /// Other kinds that are written beside it.
+    pub also: Vec<MotionFormat>,
     /// Which way the file's axes point; `None`: as the format expects.
     pub axes: Option<Axes>,
     /// Unit of lengths; `None`: as the format expects.
     pub unit: Option<Unit>,
-    /// What joints are called.
-    pub names: Names,
+    /// What joints are called; `None`: as the format expects.
+    pub names: Option<Names>,
     /// Order of angles in BVH.
     pub euler: EulerOrder,
 }
@@ -86,7 +88,7 @@ pub struct MotionChoices {
 impl Default for MotionChoices {
     fn default() -> Self {
         let format = MotionFormat::Bvh;
-        Self { format, axes: None, unit: None, names: Names::default(), euler: EulerOrder::default() }
+        Self { format, also: Vec::new(), axes: None, unit: None, names: None, euler: EulerOrder::default() }
     }
 }
 

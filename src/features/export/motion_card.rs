@@ -9,7 +9,7 @@ use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, Moti
 use backlit_tracking::camera::up_of;
 use backlit_ui::style::format;
 use backlit_ui::style::theme::space;
-use backlit_ui::widgets::{card, choice, segmented};
+use backlit_ui::widgets::{card, checkbox, choice, segmented};
 use egui::Ui;
 
 use super::choices::{ExportChoices, MotionChoices};
@@ -39,7 +39,12 @@ impl MotionCard {
         let frames = [end(motion.poses.first_key_value()), end(motion.poses.last_key_value())];
         let folder = choices.folder.clone().or_else(home_folder).unwrap_or_default();
         let name = format!("{}.{}", motion.name, choices.motion.format.extension());
-        Self { choices: choices.motion, motion, frames, path: folder.join(name).display().to_string() }
+        Self {
+            choices: choices.motion.clone(),
+            motion,
+            frames,
+            path: folder.join(name).display().to_string(),
+        }
     }
 
     /// The file was chosen in a dialog of the desktop's; its ending says the format.
@@ -75,6 +80,7 @@ impl MotionCard {
                 self.match_ending();
             }
             ui.add_space(space::ROW);
+            self.others(ui);
             self.contents(ui);
             if path_row(ui, "File", "Motion file", &mut self.path) {
                 let name = format::file_name(Path::new(&self.path));
@@ -82,7 +88,7 @@ impl MotionCard {
             }
             let (exports, cancels) = ending(ui, self.problem(), || self.summary());
             if exports {
-                answer.written = Some((self.choices, PathBuf::from(self.path.trim())));
+                answer.written = Some((self.choices.clone(), PathBuf::from(self.path.trim())));
                 self.write(context, requests);
             }
             answer.closes = exports || cancels;
@@ -91,8 +97,32 @@ impl MotionCard {
         answer
     }
 
+    /// The kinds that are written beside the first.
+    fn others(&mut self, ui: &mut Ui) {
+        row(ui, "Also as", |ui| {
+            ui.horizontal(|ui| {
+                for format in MotionFormat::ALL.into_iter().filter(|format| *format != self.choices.format) {
+                    let mut is_wanted = self.choices.also.contains(&format);
+                    let hover = "A second file beside the first, of the same name and with its own ending";
+                    if checkbox(ui, &mut is_wanted, format.label()).on_hover_text(hover).changed() {
+                        self.choices.also.retain(|other| *other != format);
+                        self.choices.also.extend(is_wanted.then_some(format));
+                    }
+                }
+            });
+        });
+    }
+
+    /// Every file that is written.
+    fn files(&self) -> Vec<(MotionFormat, PathBuf)> {
+        let (first, path) = (self.choices.format, PathBuf::from(self.path.trim()));
+        let others = self.choices.also.iter().filter(|format| **format != first);
+        let others = others.map(|format| (*format, path.with_extension(format.extension())));
+        others.chain([(first, path.clone())]).collect()
+    }
+
     fn contents(&mut self, ui: &mut Ui) {
-        let (axes, unit) = self.choices.format.defaults();
+        let (axes, unit, names) = self.choices.format.defaults();
         row(ui, "Axes", |ui| {
             let mut rows = vec![expected(axes_text(axes))];
             let others = [
@@ -111,11 +141,14 @@ impl MotionCard {
             pick(ui, "Unit", &mut self.choices.unit, &rows);
         });
         row(ui, "Joint names", |ui| {
-            let rows = [
-                (Names::Ours, "Backlit’s".to_owned(), "The names of the limbs"),
-                (Names::OpenSim, "OpenSim’s".to_owned(), "As models of OpenSim and OpenCap call them"),
-                (Names::Mixamo, "Mixamo’s".to_owned(), "As Mixamo’s characters call them: mixamorig:Hips"),
+            let all = [
+                (Names::Anatomical, "Elbow, wrist, knee: joints by anatomy; bones by the limbs’ names"),
+                (Names::Limbs, "The names of the limbs; a joint’s is that of the limb that ends there"),
+                (Names::OpenSim, "As models of OpenSim and OpenCap call them"),
+                (Names::Mixamo, "As Mixamo’s characters call them: mixamorig:Hips"),
             ];
+            let mut rows = vec![expected(names_text(names))];
+            rows.extend(all.map(|(names, tooltip)| (Some(names), names_text(names).to_owned(), tooltip)));
             pick(ui, "Joint names", &mut self.choices.names, &rows);
         });
         if self.choices.format == MotionFormat::Bvh {
@@ -133,7 +166,7 @@ impl MotionCard {
 
     /// "70 frames; y up, in centimetres. The file that is there is replaced."
     fn summary(&self) -> String {
-        let (axes, unit) = self.choices.format.defaults();
+        let (axes, unit, _) = self.choices.format.defaults();
         let (axes, unit) = (self.choices.axes.unwrap_or(axes), self.choices.unit.unwrap_or(unit));
         let [first, last] = self.frames;
         let (count, of) = (self.motion.poses.range(first..=last).count(), last - first + 1);
@@ -144,9 +177,15 @@ impl MotionCard {
         };
         let axes = if axes == Axes::World { "axes of the take" } else { axes_text(axes) };
         let frames = format::counted(count, "frame");
-        let there =
-            if Path::new(self.path.trim()).exists() { " The file that is there is replaced." } else { "" };
-        format!("{frames}{gaps}; {}, {}.{there}", axes.to_lowercase(), unit_text(unit).to_lowercase())
+        let files = self.files();
+        let there = match files.iter().filter(|(_, path)| path.exists()).count() {
+            0 => "",
+            1 => " The file that is there is replaced.",
+            _ => " The files that are there are replaced.",
+        };
+        let count = if files.len() > 1 { format!(", {} files", files.len()) } else { String::new() };
+        let (axes, unit) = (axes.to_lowercase(), unit_text(unit).to_lowercase());
+        format!("{frames}{gaps}{count}; {axes}, {unit}.{there}")
     }
 
     fn problem(&self) -> Option<String> {
@@ -164,11 +203,12 @@ impl MotionCard {
     }
 
     fn write(&self, context: &Context<'_>, requests: &mut Requests) {
-        let (motion, format) = (self.motion.clone(), self.choices.format);
-        let options = options(self.choices, self.frames, context);
-        requests.write(Path::new(self.path.trim()), move || {
-            motion::to_bytes(format, &motion, &options).map_err(|problem| anyhow!("{problem}"))
-        });
+        for (format, path) in self.files() {
+            let (motion, options) = (self.motion.clone(), options(&self.choices, self.frames, context));
+            requests.write(&path, move || {
+                motion::to_bytes(format, &motion, &options).map_err(|problem| anyhow!("{problem}"))
+            });
+        }
     }
 }
 
@@ -187,6 +227,15 @@ fn unit_text(unit: Unit) -> &'static str {
         Unit::Metres => "Metres",
         Unit::Centimetres => "Centimetres",
         Unit::Millimetres => "Millimetres",
+    }
+}
+
+fn names_text(names: Names) -> &'static str {
+    match names {
+        Names::Anatomical => "Anatomical",
+        Names::Limbs => "The limbs’",
+        Names::OpenSim => "OpenSim’s",
+        Names::Mixamo => "Mixamo’s",
     }
 }
 
@@ -213,9 +262,9 @@ fn motion_of(context: &Context<'_>) -> Motion {
 }
 
 /// How these frames of it are written. Which way is up is told by the cameras.
-fn options(choices: MotionChoices, [first, last]: [usize; 2], context: &Context<'_>) -> MotionOptions {
+fn options(choices: &MotionChoices, [first, last]: [usize; 2], context: &Context<'_>) -> MotionOptions {
     let cameras = context.session.take.as_ref().map(|take| take.cameras.clone()).unwrap_or_default();
     let up = up_of(cameras.iter().map(|camera| &**camera)).unwrap_or(MotionOptions::default().up);
-    let MotionChoices { axes, unit, names, euler, .. } = choices;
+    let MotionChoices { axes, unit, names, euler, .. } = *choices;
     MotionOptions { axes, up, unit, range: Some(first..=last), names, euler }
 }

@@ -83,7 +83,7 @@ impl<'a> MotionFrames<'a> {
             file_from_body: file_from_body(format.rest, axes, &motion.model),
             axes,
             unit,
-            names: options.names,
+            names: options.names.unwrap_or(format.names),
             euler: options.euler,
             trust: &motion.trust,
         })

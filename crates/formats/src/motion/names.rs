@@ -1,11 +1,10 @@
 //! Joints and bones as other programs call them.
 //!
-//! A bone has the name of the limb that turns, and lies where the limb begins. A joint has the name of the limb that
-//! ends there, as everywhere in this program.
+//! A bone has the name of the limb that turns, and lies where the limb begins. A joint lies where a limb ends.
 
 use std::collections::BTreeSet;
 
-use backlit_tracking::body::Model;
+use backlit_tracking::body::{Model, joint_at_end};
 
 use super::Names;
 
@@ -80,13 +79,28 @@ fn on_the_left(name: &str) -> String {
     }
 }
 
+/// What anatomy calls the joint at the end of a limb. A thigh or a calf of two limbs has its joint at the end of the lower one.
+fn anatomical(model: &Model, limb: &str) -> String {
+    let (side, part) = ["right ", "left "]
+        .into_iter()
+        .find_map(|side| limb.strip_prefix(side).map(|part| (side, part)))
+        .unwrap_or(("", limb));
+    if model.limb_index(&format!("{side}lower {part}")).is_some() {
+        return format!("{side}mid {part}");
+    }
+    let end = || if limb == ROOT { limb.to_owned() } else { format!("{limb} end") };
+    joint_at_end(limb).unwrap_or_else(end)
+}
+
+/// What other programs, or anatomy, call a bone, or the joint at a limb's end; `None` where our name stays.
 fn other(model: &Model, names: Names, limb: &str, is_bone: bool) -> Option<String> {
-    let (row, is_left) = find(model, limb)?;
     let first = match names {
-        Names::Ours => return None,
+        Names::Limbs => return None,
+        Names::Anatomical => return (!is_bone).then(|| anatomical(model, limb)),
         Names::OpenSim => 0,
         Names::Mixamo => 2,
     };
+    let (row, is_left) = find(model, limb)?;
     let name = row.names[first + usize::from(!is_bone)];
     if name.is_empty() {
         return None;
@@ -159,12 +173,19 @@ mod tests {
     #[test]
     fn both_sides_have_names_and_no_two_are_the_same() {
         let body = builtin::full_body();
-        for names in [Names::Ours, Names::OpenSim, Names::Mixamo] {
+        for names in [Names::Anatomical, Names::Limbs, Names::OpenSim, Names::Mixamo] {
             let joints = joints(&body, names, true);
             assert_eq!(joints.iter().collect::<BTreeSet<_>>().len(), 31, "{joints:?}");
         }
         let joints = joints(&body, Names::OpenSim, true);
         assert!(joints.contains(&"RKnee".to_owned()) && joints.contains(&"LKnee".to_owned()), "{joints:?}");
+        let ours = super::joints(&body, Names::Anatomical, true);
+        for name in
+            ["right_elbow", "left_knee", "right_mid_thigh", "left_ankle", "left_wrist", "skull_end", "root"]
+        {
+            assert!(ours.contains(&name.to_owned()), "{name} of {ours:?}");
+        }
+        assert_eq!(bone(&body, Names::Anatomical, "left thigh"), "left_thigh");
         assert_eq!(bone(&body, Names::Mixamo, "left thigh"), "mixamorig:LeftUpLeg");
         let [flexion, adduction, _] = coordinates(&body, Names::OpenSim, "left thigh");
         assert_eq!(flexion, ("hip_flexion_l".to_owned(), 1.0));

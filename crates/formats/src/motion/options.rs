@@ -62,14 +62,17 @@ impl Unit {
     }
 }
 
-/// What joints and bones are called. Other names than ours are those of the built-in full body; limbs that have none,
-/// and other bodies, keep ours.
+/// What joints and bones are called. Names of other programs are those of the built-in full body; limbs that have none, and
+/// other bodies, keep ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Names {
-    /// The limbs' names.
+    /// Joints by anatomy: elbow, wrist, knee; bones by the limbs' names.
     #[default]
-    Ours,
+    Anatomical,
+    /// The limbs' names; a joint's is that of the limb that ends there.
+    #[serde(alias = "ours")]
+    Limbs,
     /// Bodies, coordinates and markers as `OpenSim` models and `OpenCap` call them.
     OpenSim,
     /// As Mixamo's characters, `mixamorig:Hips` …
@@ -127,8 +130,8 @@ pub struct MotionOptions {
     pub unit: Option<Unit>,
     /// First and last frame that are written; `None` for all.
     pub range: Option<RangeInclusive<usize>>,
-    /// What joints are called.
-    pub names: Names,
+    /// What joints are called; `None` for what the format expects.
+    pub names: Option<Names>,
     /// The order of angles in BVH. MOT is Z X Y always, as the pelvis and the hips of `OpenSim` are.
     pub euler: EulerOrder,
 }
@@ -136,6 +139,6 @@ pub struct MotionOptions {
 impl Default for MotionOptions {
     /// z is up in the world; everything is as the format expects it.
     fn default() -> Self {
-        Self { axes: None, up: DVec3::Z, unit: None, range: None, names: Names::Ours, euler: EulerOrder::Zxy }
+        Self { axes: None, up: DVec3::Z, unit: None, range: None, names: None, euler: EulerOrder::Zxy }
     }
 }

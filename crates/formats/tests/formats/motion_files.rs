@@ -60,6 +60,7 @@ fn all_options() -> Vec<MotionOptions> {
                     axes: Some(axes),
                     unit: Some(unit),
                     up,
+                    names: Some(Names::Limbs),
                     ..MotionOptions::default()
                 });
             }
@@ -241,13 +242,24 @@ fn the_rest_pose_stands_and_looks_ahead() {
     assert!(ahead > 10.0, "{tip}");
 }
 
+/// Who chooses no names gets OpenSim's markers in TRC, and joints by anatomy in the others.
+#[test]
+fn joints_have_the_names_that_a_format_expects() {
+    let motion = motion(builtin::full_body(), 2, 5);
+    let text =
+        |format| String::from_utf8_lossy(&bytes(format, &motion, &MotionOptions::default())).into_owned();
+    assert!(text(MotionFormat::Trc).contains("\tRElbow\t"), "{}", &text(MotionFormat::Trc)[..400]);
+    assert!(text(MotionFormat::Csv).contains(",right elbow,"));
+    assert!(text(MotionFormat::C3d).contains("right_elbow"));
+}
+
 #[test]
 fn coordinates_turn_limb_by_limb() {
     let motion = motion(builtin::full_body(), 5, 5);
     let model = &motion.model;
     for options in all_options() {
-        for names in [Names::Ours, Names::OpenSim] {
-            let options = MotionOptions { names, ..options.clone() };
+        for names in [Names::Limbs, Names::OpenSim] {
+            let options = MotionOptions { names: Some(names), ..options.clone() };
             let (columns, rows) = readers::mot(&bytes(MotionFormat::Mot, &motion, &options));
             // x ahead, y up, z to the right; the columns of this are our x, y, z.
             let body = match options.axes {
@@ -263,7 +275,7 @@ fn coordinates_turn_limb_by_limb() {
                 for &rotation in &order(model) {
                     let [z, x, y] = [0, 1, 2].map(|axis| {
                         let (name, angle) = (names.next().unwrap(), angles.next().unwrap().to_radians());
-                        let left = options.names == Names::OpenSim && name.ends_with("_l") && axis > 0;
+                        let left = options.names == Some(Names::OpenSim) && name.ends_with("_l") && axis > 0;
                         let is_ours = name.starts_with("scapula");
                         if (left && !is_ours) || name.starts_with("knee_angle") { -angle } else { angle }
                     });
@@ -437,8 +449,8 @@ fn files_for_other_programs() {
         return;
     };
     let motion = motion(builtin::full_body(), 40, 10);
-    let options =
-        MotionOptions { axes: Some(Axes::YUp), unit: Some(Unit::Metres), ..MotionOptions::default() };
+    let (axes, unit, names) = (Some(Axes::YUp), Some(Unit::Metres), Some(Names::Limbs));
+    let options = MotionOptions { axes, unit, names, ..MotionOptions::default() };
     for format in MotionFormat::ALL {
         let path = Path::new(&folder).join(format!("motion.{}", format.extension()));
         motion::write(&path, format, &motion, &options).unwrap();
