@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use backlit_formats::Footage;
-use backlit_runs::person::{PersonSearch, PersonSearchError};
+use backlit_runs::person::{PERSON_REMEDY, PersonSearch, PersonSearchError};
 use backlit_runs::track::{TakeReader, survey};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::survey::LOOKED_AT;
@@ -79,6 +79,7 @@ pub(crate) fn find(
     anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
     let person = match person {
         Err(error) if !is_given && !matches!(error, PersonSearchError::Keypoints(_)) => {
+            output::complain(PERSON_REMEDY);
             return Err(anyhow::Error::from(error).context(no_start(first)));
         }
         person => person?,

@@ -8,7 +8,7 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{
-    button_row, card, hint, paint_whole, primary_button, row_name, text_button, text_field,
+    button_row, hint, paint_whole, primary_button, row_name, search_card, text_button, text_field,
 };
 use egui::{
     Align, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo,
@@ -23,8 +23,8 @@ const WIDTH: f32 = 620.0;
 const NAMES: f32 = 92.0;
 /// Side of a camera's picture.
 const PICTURE: f32 = 72.0;
-/// Height that is left for the cameras on the smallest window.
-const CAMERAS: f32 = 330.0;
+/// Height that is left for what stands below the cameras.
+const CAMERAS: f32 = 210.0;
 
 /// What was asked for on the card.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ enum CardAction {
 impl NewTake {
     /// Shows the card, and says whether it stays.
     pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let modal = card(ui.ctx(), "new take").show(ui.ctx(), |ui| {
+        let modal = search_card(ui.ctx(), "new take").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             ui.spacing_mut().item_spacing.y = 6.0;
             ui.label(RichText::new("New take").text_style(theme::title()));
@@ -61,8 +61,9 @@ impl NewTake {
             Some(CardAction::Close) => return false,
             None => {}
         }
-        // What is being written is not lost by a click beside the card.
-        matches!(self.stage, ImportStage::Writing(..)) || !modal.should_close()
+        // What is being written is not lost at all, and what was chosen not by a click beside the card.
+        let is_begun = !self.paths.is_empty() && modal.backdrop_response.clicked();
+        is_begun || matches!(self.stage, ImportStage::Writing(..)) || !modal.should_close()
     }
 
     fn contents(&mut self, ui: &mut Ui, action: &mut Option<CardAction>) {
@@ -180,7 +181,8 @@ fn found(ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
         found.cameras.len()
     );
     ui.label(RichText::new(of).color(palette.text2));
-    let room = (ui.ctx().content_rect().height() - CAMERAS).clamp(PICTURE + 8.0, 4.5 * (PICTURE + 8.0));
+    let below = ui.ctx().content_rect().bottom() - ui.cursor().top();
+    let room = (below - CAMERAS).clamp(PICTURE + 8.0, 4.5 * (PICTURE + 8.0));
     let cameras =
         ScrollArea::vertical().max_height(room).min_scrolled_height(room).auto_shrink([false, true]);
     cameras.show(ui, |ui| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_document::edit::Edit;
 use backlit_jobs::{Job, Outbox, Turn};
-use backlit_runs::person::{PersonSearch, PersonSearchError};
+use backlit_runs::person::{PERSON_REMEDY, PersonSearch, PersonSearchError};
 use backlit_runs::track::FrameReader;
 use backlit_tracking::body::{Model, Pose, SizeKind};
 use backlit_tracking::body_fit::{
@@ -181,7 +181,7 @@ pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Out
         Err(PersonSearchError::Keypoints(error)) => {
             out.send(refused(format!("The keypoints cannot be read: {error}.")));
         }
-        Err(error) => out.send(refused(format!("Nobody was found: {error}."))),
+        Err(error) => out.send(refused(format!("Nobody was found: {error}. {PERSON_REMEDY}"))),
     }
 }
 
