@@ -6,8 +6,9 @@ use std::sync::Arc;
 use backlit_document::edit::Edit;
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::person::{PERSON_REMEDY, PersonSearch, PersonSearchError};
-use backlit_runs::track::FrameReader;
+use backlit_runs::track::{FrameReader, survey};
 use backlit_tracking::body::{Model, Pose, SizeKind};
+use backlit_tracking::body_fit::survey::LOOKED_AT;
 use backlit_tracking::body_fit::{
     BodyFit, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, FirstSizes, Person, fit_body, frames as choice,
 };
@@ -172,6 +173,12 @@ fn take_in_spheres(body: &SphereBody, context: &Context<'_>, requests: &mut Requ
 /// Finds a person from nothing but silhouettes: a start, and the body's own sizes.
 pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Outbox<Applied>) {
     let frame = search.frames[0];
+    let silhouettes = survey(reader, &search.frames, LOOKED_AT, out.cancel());
+    let doubts: Vec<String> =
+        silhouettes.doubts().map(|doubt| format!("{}.", format::capitalised(&doubt.to_string()))).collect();
+    if !doubts.is_empty() {
+        out.send(applied(move |_, _, requests| requests.inform(doubts.join(" "), None)));
+    }
     match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
         _ if out.cancel().is_cancelled() => {}
         Ok(person) => out.send(applied(move |tracking, context, requests| {
