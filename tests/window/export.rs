@@ -157,3 +157,22 @@ fn the_dialog_looks_as_it_should() {
         }
     }
 }
+
+#[test]
+fn a_motion_is_written_in_several_formats_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(Settings::default());
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    command(&mut window, "export motion");
+    for format in ["CSV", "C3D"] {
+        window.get_by_role_and_label(Role::CheckBox, format).click();
+        window.run_steps(2);
+    }
+    export_to(&mut window, "Motion file", &folder.path().join("arm.bvh"));
+    let mut written: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    written.sort();
+    assert_eq!(written, ["arm.bvh", "arm.c3d", "arm.csv"]);
+    let table = std::fs::read_to_string(folder.path().join("arm.csv")).unwrap();
+    assert!(table.contains(",right wrist,") && !table.contains("forearm"), "{}", &table[..200]);
+}

@@ -9,7 +9,9 @@ use egui_kittest::kittest::Queryable;
 
 use crate::footage::footage;
 use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::window::{Window, WindowState, click, empty, press, settle, type_over};
+use crate::support::window::{
+    Window, WindowState, click, command, empty, grab, press, release, settle, type_over,
+};
 
 /// Frames that are copied.
 const FRAMES: usize = 24;
@@ -102,6 +104,27 @@ fn nothing_on_the_card_moves_once_it_is_shown() {
     assert_eq!(place(&harness), before);
 }
 
+/// What is found makes the card longer, not higher, and a click beside it does not throw away what was chosen.
+#[test]
+fn the_card_hangs_where_it_is_and_stays_while_it_is_filled_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = recording(folder.path());
+    let mut window = empty().sized(1600.0, 1000.0).open();
+    command(&mut window, "New take…");
+    let place = |window: &Window| window.get_by_label("Choose folder…").rect().min;
+    let before = place(&window);
+    type_over(&mut window, "Footage", &recorded.display().to_string());
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    settle(&mut window);
+    window.get_by_label("First picture of cam1");
+    assert_eq!(place(&window), before);
+    let beside = pos2(20.0, 900.0);
+    grab(&mut window, beside, &[]);
+    release(&mut window, beside);
+    settle(&mut window);
+    assert_eq!(place(&window), before, "the card has closed or moved");
+}
+
 #[test]
 fn what_cannot_be_used_is_said_on_the_card() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,8 +143,9 @@ fn the_card_in_both_themes() {
         harness.set_render_cursor(false);
         look_at(&mut harness, vec![recorded.clone()]);
         // The folder is another one each time.
-        harness.get_by_role_and_label(Role::TextInput, "Take goes to");
-        let card = Rect::from_min_size(pos2(200.0, 130.0), vec2(624.0, 320.0));
+        type_over(&mut harness, "Footage", "recordings/practice");
+        type_over(&mut harness, "Take goes to", "recordings/practice take");
+        let card = Rect::from_min_size(pos2(184.0, 96.0), vec2(656.0, 540.0));
         snapshots.part(&mut harness, card, &format!("panel_new_take_{}", theme_name(theme)));
     }
 }

@@ -122,7 +122,11 @@ fn pixel_rows(ui: &mut Ui, input: &TileInput<'_>, sample: &Sample) {
         (true, true) => "shadow".to_owned(),
         (true, false) => "don’t know".to_owned(),
         (false, true) => format!("{}, shadow", number(sample.data, 0)),
-        (false, false) => number(sample.data, 0),
+        (false, false) => match sample.data {
+            Some(data) if data < 0.5 => "0, subject".to_owned(),
+            Some(data) if data > 254.5 => "255, background".to_owned(),
+            data => number(data, 0),
+        },
     };
     let owner = sample.owner.and_then(|owner| input.body.limbs().get(owner));
     let owner = owner.map_or(format::MISSING, |limb| limb.name.as_str());
