@@ -48,6 +48,8 @@ pub struct Recognition {
 
 /// A moment is unknown where the seconds about it are, so far before and after it, seconds: a strange second alone makes nothing unknown.
 const ABOUT_S: f64 = 1.5;
+/// What is less likely than that has no name: all other motions together are likelier.
+const LEAST_SURE: f64 = 0.5;
 
 impl Recognizer {
     /// Names each frame of a motion and cuts it into stretches, by hidden Markov models and support vectors together.
@@ -76,7 +78,7 @@ impl Recognizer {
             let class = names[step];
             FrameName {
                 frame: motion.first_frame + index,
-                class: (!unknown[step]).then_some(class),
+                class: (!unknown[step] && beliefs[step][class] >= LEAST_SURE).then_some(class),
                 confidence: beliefs[step][class],
                 shares: beliefs[step].clone(),
                 place: places[at],

@@ -58,6 +58,14 @@ fn label(ui: &Ui, id: &str, names: Rect, lane: Rect, text: &str) -> Response {
     name
 }
 
+/// Weaker colours than that have text of the window's colour.
+const FAINT: f32 = 0.75;
+
+/// How strong the colour of a name is that is so likely: full from nine in ten on.
+fn sureness(confidence: f64) -> f32 {
+    (0.3 + 0.7 * ((confidence - 0.5) / 0.4).clamp(0.0, 1.0)) as f32
+}
+
 /// The lane of motions: a stretch has the colour of its motion, and its name where there is room.
 pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale: &TimeScale) {
     let (palette, frame) = (theme::palette(ui), context.selection.frame);
@@ -74,9 +82,9 @@ pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, s
             continue;
         }
         let colours = motion_colours(stretch.class);
-        let strength = if context.motions.is_stale { STALE } else { 1.0 };
+        let strength = if context.motions.is_stale { STALE } else { sureness(stretch.confidence) };
         inside.rect_filled(place.shrink2(egui::vec2(0.5, 0.0)), 2.0, colours.fill.gamma_multiply(strength));
-        let text = if context.motions.is_stale { palette.text } else { colours.text };
+        let text = if strength < FAINT { palette.text } else { colours.text };
         let name = painter.layout_no_wrap(stretch.name.clone(), small.clone(), text);
         if name.size().x + 2.0 * BESIDE <= place.width() {
             inside.galley(Align2::CENTER_CENTER.anchor_size(place.center(), name.size()).min, name, text);
