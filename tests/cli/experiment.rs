@@ -68,10 +68,10 @@ fn senseless_experiments_are_explained() {
     scene.fails("experiment fig9.9", 2, &["fig9.9"]);
     let help = scene.ok("experiment --help");
     assert!(help.contains("One limb seen from the side") && !help.contains("its files go"), "{help}");
-    scene.fails("experiment fig5.1 --offset nan", 1, &["offset_m", "finite"]);
-    scene.fails("experiment fig5.1 --distance 0", 1, &["fx"]);
-    scene.fails("experiment fig5.2 --starts 0", 1, &["starts", "1 or more"]);
-    scene.fails("experiment fig5.5 --frames 0", 1, &["frames", "1 or more"]);
+    scene.fails("experiment fig5.1 --offset nan", 2, &["--offset", "from -10 to 10"]);
+    scene.fails("experiment fig5.1 --distance 0", 2, &["--distance", "from 0.3 to 1000"]);
+    scene.fails("experiment fig5.2 --starts 4294967296", 2, &["--starts", "from 1 to 1000"]);
+    scene.fails("experiment fig5.5 --frames 0", 2, &["--frames", "from 1 to 1000"]);
     scene.fails("experiment fig5.4 --size 0x9", 2, &["--size", "WIDTHxHEIGHT"]);
     scene.fails("experiment sizes --widened 51", 2, &["--widened", "0 to 50"]);
 }
@@ -151,7 +151,7 @@ fn ways_to_begin_are_compared() {
     assert_eq!((rows.len(), rows[1]["method"].as_str()), (2, Some("templates")));
     assert!(rows.iter().all(|row| row["degrees"].is_null() && row["evaluations"].as_f64().unwrap() > 10.0));
     scene.fails(&format!("{ask} --methods luck"), 2, &["luck", "particles, templates"]);
-    scene.fails("experiment begin --starts 1 --layers 0", 1, &["`layers` is 0"]);
+    scene.fails("experiment begin --starts 1 --layers 0", 2, &["--layers", "from 1 to 100"]);
     scene.fails("experiment begin --starts 1 --angles 7", 1, &["--angles"]);
     scene.fails("experiment begin --frames 3", 2, &["--take"]);
     let ask = format!("experiment begin --take {BUILT_IN} --methods ramp --cameras 4 --angles 10 --frames 3");

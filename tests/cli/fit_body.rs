@@ -51,7 +51,7 @@ fn what_cannot_be_fitted_is_explained() {
     let scene = track::take();
     scene.fails("fit-body wave --frames 2,9", 1, &["--frames", "frame 9"]);
     scene.fails("fit-body wave --frames two", 2, &["--frames", "3,40,85"]);
-    scene.fails("fit-body wave --proportions 0", 2, &["--proportions", "above 0"]);
+    scene.fails("fit-body wave --proportions 0", 2, &["--proportions", "from 0.000001"]);
     scene.fails("fit-body wave --out nowhere/person.toml", 1, &["nowhere"]);
     scene.fails("fit-body wave --model nobody", 1, &["nobody", "upper_body"]);
     scene.fails("fit-body wave --model full_body --without-keypoints --cameras back", 1, &["back"]);

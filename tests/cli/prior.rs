@@ -36,7 +36,11 @@ fn a_prior_is_learnt_and_used() {
     let json = scene.ok("prior --train motions --out people.json --components 3 --json");
     assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["files"], 1);
 
-    scene.fails("prior --train motions --out people.json --components 0", 1, &["`components` is 0"]);
+    scene.fails(
+        "prior --train motions --out people.json --components 0",
+        2,
+        &["--components", "from 1 to 1000"],
+    );
     scene.fails("prior --train nowhere --out people.json", 1, &["nowhere"]);
     scene.fails("prior --train motions --out no/people.json", 1, &["no folder no"]);
     fs::write(scene.path("motions/bad.bvh"), "HIERARCHY\nROOT a\n{ OFFSET x 0 0 }\n").unwrap();

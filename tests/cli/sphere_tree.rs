@@ -47,7 +47,7 @@ fn a_mesh_becomes_levels_of_spheres() {
     scene.fails("sphere-tree open.obj --out a.json", 1, &["open.obj", "not closed: 3 edges"]);
     scene.fails("sphere-tree no.obj --out a.json", 1, &["no.obj", "no such file"]);
     scene.fails("sphere-tree egg.obj --out a.txt", 1, &["a.txt", "expected .json or .toml"]);
-    scene.fails("sphere-tree egg.obj --spheres 0 --out a.json", 2, &["--spheres", "1..=4096"]);
+    scene.fails("sphere-tree egg.obj --spheres 0 --out a.json", 2, &["--spheres", "from 1 to 4096"]);
 }
 
 /// The body that Backlit writes as a skinned mesh comes back as spheres, and looks the same at rest and with an arm bent.

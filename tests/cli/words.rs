@@ -10,7 +10,7 @@ fn senseless_commands_are_explained() {
     scene.fails(&format!("{RENDER} --renderer capsule --spheres 3"), 2, &["--spheres", "sphere-tree"]);
     scene.fails(&format!("{RENDER} --ramp width=-1"), 2, &["width=-1", "pixels above 0"]);
     scene.fails(&FIT.replace("--masks masks", ""), 2, &["--masks"]);
-    scene.fails(&format!("{FIT} --damping nan"), 2, &["--damping", "finite"]);
+    scene.fails(&format!("{FIT} --damping nan"), 2, &["--damping", "a number from 0 to"]);
     scene.fails(&FIT.replace("fit", "fit --iterations -1"), 2, &["--iterations", "-1", "invalid"]);
     scene.fails("track wave --out out --frames -3..5", 2, &["--frames", "-3..5", "A..B"]);
     scene.fails("screenshot --layout party --out a.png", 2, &["party", "pose", "debug"]);
