@@ -145,7 +145,7 @@ fn the_card_in_both_themes() {
         // The folder is another one each time.
         type_over(&mut harness, "Footage", "recordings/practice");
         type_over(&mut harness, "Take goes to", "recordings/practice take");
-        let card = Rect::from_min_size(pos2(184.0, 96.0), vec2(656.0, 540.0));
+        let card = Rect::from_min_size(pos2(184.0, 96.0), vec2(656.0, 450.0));
         snapshots.part(&mut harness, card, &format!("panel_new_take_{}", theme_name(theme)));
     }
 }

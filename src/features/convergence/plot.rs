@@ -153,17 +153,11 @@ impl<'a> Plot<'a> {
         };
         let Some(curve) = self.curves.iter().find(is_shown) else { return };
         let bands: Vec<&[CurvePoint]> = curve.points.chunk_by(|one, next| one.stage == next.stage).collect();
-        for (index, band) in bands.iter().enumerate().filter(|_| bands.len() > 1) {
-            // A step belongs to its stage; what leads to it does too.
-            let from = if index == 0 { band[0].x } else { band[0].x - 1.0 };
-            let is_last = index + 1 == bands.len();
-            let to = if is_last { last } else { band[band.len() - 1].x };
-            let fill = if index % 2 == 1 { palette.text3.gamma_multiply(STAGE) } else { CLEAR };
-            // A stage of a step or two leaves no room for a word.
-            let is_wide = to - from > 0.06 * last;
-            let word = curve.run.stages.get(band[0].stage).filter(|_| is_wide).map_or("", String::as_str);
-            let span = Span::new(word, from..=to.max(from)).fill(fill).border_color(CLEAR);
-            plot.span(span);
+        // The slider below says their ramps.
+        for (index, band) in bands.iter().enumerate().skip(1).step_by(2) {
+            let to = if index + 1 == bands.len() { last } else { band[band.len() - 1].x };
+            let fill = palette.text3.gamma_multiply(STAGE);
+            plot.span(Span::new("", band[0].x - 1.0..=to).fill(fill).border_color(CLEAR));
         }
     }
 
