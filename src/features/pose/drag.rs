@@ -209,11 +209,12 @@ impl Posing {
             DragEvent::End => {
                 if let Some(dragging) = self.dragging.take() {
                     let placing = dragging.placing(context).zip(dragging.reached.as_ref());
-                    if let Some(placed) = placing.and_then(|(placing, reached)| placing.placement(reached)) {
-                        self.placement = Some(placed);
-                    }
+                    let placed = placing.and_then(|(placing, reached)| placing.placement(reached));
+                    let stays =
+                        if placed.is_some() { "; dragged in another view it stays on this ray" } else { "" };
+                    self.placement = placed.or(self.placement.take());
                     let what = words(&dragging.body, dragging.drag);
-                    requests.status(format!("{what}: done. Ctrl+Z takes it back."));
+                    requests.status(format!("{what}: done{stays}. Ctrl+Z takes it back."));
                 }
             }
             DragEvent::Cancel => {

@@ -242,7 +242,7 @@ fn the_rest_pose_stands_and_looks_ahead() {
     assert!(ahead > 10.0, "{tip}");
 }
 
-/// Who chooses no names gets OpenSim's markers in TRC, and joints by anatomy in the others.
+/// Who chooses no names gets the markers of `OpenSim` in TRC, and joints by anatomy in the others.
 #[test]
 fn joints_have_the_names_that_a_format_expects() {
     let motion = motion(builtin::full_body(), 2, 5);
