@@ -14,6 +14,7 @@ use backlit_ui::style::format::capitalised;
 use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
+use crate::app::state::State;
 use crate::context::command::{Command, RecoveryCommand};
 use crate::context::notices::Notices;
 use crate::session::selection::Selection;
@@ -32,6 +33,7 @@ impl Inspector {
         self.features.all_mut().for_each(|feature| feature.reset(footage));
         self.state.session.reset(Some(footage.clone()), source.clone());
         self.features.laboratory.begin_with(self.state.session.demonstration());
+        self.state.keep_own_tiles();
         self.state.status = None;
         let path = self.state.session.take_path().cloned();
         if let Some(path) = &path {
@@ -77,6 +79,20 @@ impl Inspector {
             && is_new
         {
             self.ask(|features, _, requests| features.demonstrations.begin(which, requests));
+        }
+    }
+}
+
+impl State {
+    /// What a demonstration does to layout and tiles is its own: the user's come back with the user's take.
+    fn keep_own_tiles(&mut self) {
+        let arranged = (self.preferences.layout, self.preferences.kept.clone());
+        match (self.session.demonstration(), self.own_tiles.take()) {
+            (Some(_), own) => self.own_tiles = own.or(Some(arranged)),
+            (None, Some((layout, kept))) => {
+                (self.preferences.layout, self.preferences.kept) = (layout, kept);
+            }
+            (None, None) => {}
         }
     }
 }

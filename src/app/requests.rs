@@ -121,7 +121,7 @@ impl Inspector {
             ShellRequest::Layout(layout) => preferences.layout = layout,
             ShellRequest::OpenCard(card) => self.shell.overlay = Some(Overlay::Card(card)),
             ShellRequest::CloseCard => self.shell.overlay = None,
-            ShellRequest::CloseNotices => notices.close_all(),
+            ShellRequest::CloseNotices => notices.close_passing(),
             ShellRequest::CloseNotice(id) => notices.close(|notice| notice.id == id),
             ShellRequest::CloseNoticesAbout(beginning) => {
                 notices.close(|notice| notice.text.starts_with(beginning));

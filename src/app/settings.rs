@@ -33,7 +33,11 @@ macro_rules! settings {
         impl Inspector {
             /// What is kept for the next start.
             pub fn settings(&self) -> Settings {
-                Settings { $($field: self.$($place).+.clone()),* }
+                let settings = Settings { $($field: self.$($place).+.clone()),* };
+                match &self.state.own_tiles {
+                    Some((layout, kept)) => Settings { layout: *layout, kept: kept.clone(), ..settings },
+                    None => settings,
+                }
             }
 
             /// Hands what was kept to those who use it.

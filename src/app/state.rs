@@ -8,9 +8,10 @@ use backlit_document::history::{Gesture, History};
 use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
 
+use crate::context::arrangement::Kept;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
-use crate::context::preferences::Preferences;
+use crate::context::preferences::{Layout, Preferences};
 use crate::context::{Published, Unavailable};
 use crate::session::Session;
 use crate::session::playback::Playback;
@@ -30,6 +31,8 @@ pub struct State {
     /// What was said.
     pub notices: Notices,
     pub(crate) preferences: Preferences,
+    /// The layout and its tiles of before the demonstration that is open.
+    pub(crate) own_tiles: Option<(Layout, Kept)>,
     /// What features let others draw.
     pub(crate) published: Published,
     /// What cannot be used in the frame that is shown.
@@ -61,6 +64,7 @@ impl State {
             playback: Playback::default(),
             notices: Notices::default(),
             preferences: Preferences::default(),
+            own_tiles: None,
             published: Published::default(),
             unavailable: Unavailable::default(),
             status: None,

@@ -88,6 +88,11 @@ impl Notices {
         self.kept.iter_mut().filter(|notice| is(notice)).for_each(|notice| notice.is_open = false);
     }
 
+    /// Closes the cards that nobody has to decide about.
+    pub(crate) fn close_passing(&mut self) {
+        self.close(|notice| notice.expires.is_some() || notice.severity == Severity::Error);
+    }
+
     /// Closes all cards.
     pub fn close_all(&mut self) {
         self.close(|_| true);
@@ -147,9 +152,10 @@ mod tests {
         assert_eq!(notices.cards().count(), 3);
         notices.now = 6.5;
         assert_eq!(notices.tick(), None);
-        let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
-        assert_eq!(texts, ["No such file", "Unsaved work is kept"]);
-        notices.close(|notice| notice.severity == Severity::Error);
+        let texts = |notices: &Notices| notices.cards().map(|notice| notice.text.clone()).collect::<Vec<_>>();
+        assert_eq!(texts(&notices), ["No such file", "Unsaved work is kept"]);
+        notices.close_passing();
+        assert_eq!(texts(&notices), ["Unsaved work is kept"]);
         assert_eq!((notices.cards().count(), notices.all().len()), (1, 3));
     }
 

@@ -73,6 +73,7 @@ pub(crate) enum ShellRequest {
     /// Lay a feature's card over the window.
     OpenCard(FeatureCard),
     CloseCard,
+    /// Close the notices that nobody has to decide about.
     CloseNotices,
     CloseNotice(u64),
     /// Close the notices that begin so: that is over.

@@ -94,7 +94,8 @@ fn explanation(ui: &mut Ui, which: Demonstration, context: &Context<'_>, request
                     ui.add(Label::new(RichText::new(which.explanation()).color(palette.text)).wrap());
                     ui.horizontal_wrapped(|ui| {
                         for suggestion in next::of(which).1 {
-                            let button = ui.add(Button::new(suggestion.text));
+                            let is_active = suggestion.is_active(context);
+                            let button = ui.add(Button::new(suggestion.text).selected(is_active));
                             if button.on_hover_text(suggestion.tooltip()).clicked() {
                                 suggestion.request(which, context, requests);
                             }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit::context::preferences::Layout;
 use backlit::features::laboratory::Contestant;
 use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::{single_limb, upper_body};
@@ -14,7 +15,9 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use crate::support::window::{Window, WindowState, at, click, demonstration, empty, press, save, settle};
+use crate::support::window::{
+    Window, WindowState, arm, at, click, command, demonstration, empty, press, save, settle,
+};
 
 /// Two clicks: the menu, and the demonstration in it.
 fn show(harness: &mut Window, label: &str) {
@@ -143,4 +146,16 @@ fn a_demonstration_is_no_unsaved_work_and_its_sentences_go() {
     // Another take: the sentences go.
     show(&mut harness, "Fig. 5.1");
     assert!(harness.query_by_label_contains("The same start as with one camera").is_none());
+}
+
+/// Tiles and layout of a demonstration are its own: the user's come back with the user's take.
+#[test]
+fn tiles_of_a_demonstration_stay_with_it() {
+    let mut window = arm().layout(Layout::Debug).open();
+    show(&mut window, "Fig. 5.1");
+    assert_eq!(window.state().inspector.settings().layout, Layout::Debug, "that is what the next start has");
+    command(&mut window, "Open built-in take");
+    settle(&mut window);
+    window.get_by_label("Convergence plot");
+    assert_eq!(window.state().inspector.settings().layout, Layout::Debug);
 }

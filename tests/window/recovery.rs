@@ -15,7 +15,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use crate::support::window::{
-    Setup, Window, WindowState, at, click, demonstration, drag, empty, press, save, settle,
+    Setup, Window, WindowState, at, click, command, demonstration, drag, empty, press, save, settle,
 };
 
 /// 21 November 2026, 14:44 two hours east of Greenwich.
@@ -171,6 +171,10 @@ fn opening_another_take_says_that_the_work_is_kept_and_offers_the_way_back() {
     harness.get_all_by_label_contains("Open built-in take").next().unwrap().click();
     settle(&mut harness);
     assert_ne!(harness.document().take, work.take);
+    harness.get_by_label_contains("Unsaved work is kept: arm, ");
+    // A demonstration closes what was said in passing, and leaves what waits for a decision.
+    command(&mut harness, "One limb");
+    settle(&mut harness);
     harness.get_by_label_contains("Unsaved work is kept: arm, ");
     click(&mut harness, "Unsaved work…");
     click(&mut harness, "Restore");

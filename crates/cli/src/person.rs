@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use backlit_formats::Footage;
-use backlit_runs::person::{PERSON_REMEDY, PersonSearch, PersonSearchError};
+use backlit_runs::person::{PersonSearch, PersonSearchError};
 use backlit_runs::track::{TakeReader, survey};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::survey::LOOKED_AT;
@@ -55,7 +55,10 @@ pub(crate) fn search_start(
 }
 
 fn no_start(frame: usize) -> String {
-    format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
+    format!(
+        "the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE, or better silhouettes by \
+         masks, keypoints or a picture of the room alone"
+    )
 }
 
 /// Looks at the silhouettes of some of these frames, and says on standard error which cameras' cannot be right.
@@ -79,7 +82,6 @@ pub(crate) fn find(
     anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
     let person = match person {
         Err(error) if !is_given && !matches!(error, PersonSearchError::Keypoints(_)) => {
-            output::complain(PERSON_REMEDY);
             return Err(anyhow::Error::from(error).context(no_start(first)));
         }
         person => person?,

@@ -39,10 +39,6 @@ pub enum PersonSearchError {
     Person(#[from] PersonError),
 }
 
-/// What helps where nobody was found, in sentences.
-pub const PERSON_REMEDY: &str = "Look at the silhouettes first: a picture of the room without the person, masks of another tool, or \
-                                 keypoints beside the footage make them better. Or set a pose near the person by hand.";
-
 impl PersonSearch {
     /// Looks for the person; `tell` hears in words how far the search is.
     pub fn run<R: FrameReader>(

@@ -2,7 +2,7 @@
 
 use backlit_document::edit::Edit;
 use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
-use backlit_document::{fit_words, likely_poses};
+use backlit_document::{Origin, fit_words, likely_poses};
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
@@ -168,6 +168,22 @@ pub(super) const fn of(which: Demonstration) -> (Opening, &'static [Suggestion])
 impl Suggestion {
     pub(super) fn tooltip(&self) -> String {
         self.tooltip.replace("{renderers}", &fit_words::renderers())
+    }
+
+    /// Whether what it does is what is on the screen.
+    pub(super) fn is_active(&self, context: &Context<'_>) -> bool {
+        let document = context.document();
+        match self.action {
+            SuggestedAction::Track(cues, likely) => {
+                let is_tracked = document.estimates.values().any(|found| found.origin == Origin::Track);
+                let weight = likely_poses::weight(&document.fit).unwrap_or(0.0);
+                is_tracked && document.tracking.cues == cues && weight == likely
+            }
+            SuggestedAction::Commands([Command::Fit(FitCommand::Renderer(renderer))]) => {
+                document.fit.renderer == *renderer
+            }
+            _ => false,
+        }
     }
 
     pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {

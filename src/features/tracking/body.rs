@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_document::edit::Edit;
 use backlit_jobs::{Job, Outbox, Turn};
-use backlit_runs::person::{PERSON_REMEDY, PersonSearch, PersonSearchError};
+use backlit_runs::person::{PersonSearch, PersonSearchError};
 use backlit_runs::track::{FrameReader, survey};
 use backlit_tracking::body::{Model, Pose, SizeKind};
 use backlit_tracking::body_fit::survey::LOOKED_AT;
@@ -35,6 +35,9 @@ pub(super) const SPHERE_FRAMES: usize = 12;
 const PIXELS_A_SPHERE: usize = 25;
 /// The fewest spheres of a body.
 const FEWEST: usize = 120;
+/// What helps where nobody was found, in sentences.
+const REMEDY: &str = "Look at the silhouettes first: a picture of the room without the person, masks of another tool, or \
+                                 keypoints beside the footage make them better. Or set a pose near the person by hand.";
 /// What a notice offers.
 const UNDO: Option<Command> = Some(Command::History(HistoryCommand::Undo));
 
@@ -188,7 +191,7 @@ pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Out
         Err(PersonSearchError::Keypoints(error)) => {
             out.send(refused(format!("The keypoints cannot be read: {error}.")));
         }
-        Err(error) => out.send(refused(format!("Nobody was found: {error}. {PERSON_REMEDY}"))),
+        Err(error) => out.send(refused(format!("Nobody was found: {error}. {REMEDY}"))),
     }
 }
 
