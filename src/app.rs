@@ -156,7 +156,7 @@ impl eframe::App for App {
 
     /// The storage itself keeps the window's place and egui's memory.
     fn save(&mut self, _storage: &mut dyn eframe::Storage) {
-        self.settings_writer.write(self.inspector.settings(), &self.inspector.state.pool);
+        self.settings_writer.write(self.inspector.kept_settings(), &self.inspector.state.pool);
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

@@ -31,9 +31,14 @@ macro_rules! settings {
         }
 
         impl Inspector {
-            /// What is kept for the next start.
+            /// What is chosen now.
             pub fn settings(&self) -> Settings {
-                let settings = Settings { $($field: self.$($place).+.clone()),* };
+                Settings { $($field: self.$($place).+.clone()),* }
+            }
+
+            /// What is kept for the next start: layout and tiles are not those of a demonstration.
+            pub fn kept_settings(&self) -> Settings {
+                let settings = self.settings();
                 match &self.state.own_tiles {
                     Some((layout, kept)) => Settings { layout: *layout, kept: kept.clone(), ..settings },
                     None => settings,

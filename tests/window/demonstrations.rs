@@ -153,9 +153,10 @@ fn a_demonstration_is_no_unsaved_work_and_its_sentences_go() {
 fn tiles_of_a_demonstration_stay_with_it() {
     let mut window = arm().layout(Layout::Debug).open();
     show(&mut window, "Fig. 5.1");
-    assert_eq!(window.state().inspector.settings().layout, Layout::Debug, "that is what the next start has");
+    assert_eq!(window.settings().layout, Layout::Demonstrate);
+    assert_eq!(window.state().inspector.kept_settings().layout, Layout::Debug, "so begins the next start");
     command(&mut window, "Open built-in take");
     settle(&mut window);
-    window.get_by_label("Convergence plot");
-    assert_eq!(window.state().inspector.settings().layout, Layout::Debug);
+    window.get_by_label("Press Space to step");
+    assert_eq!(window.settings().layout, Layout::Debug);
 }
