@@ -9,9 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use image::{Rgba, RgbaImage};
 
 use crate::support::take;
-use crate::support::window::{
-    Window, WindowState, at, built_in, click, command, press, save, type_into_palette, undo,
-};
+use crate::support::window::{Window, WindowState, at, click, command, press, save, type_into_palette, undo};
 
 /// Frames of the take: enough for the forearm to leave every pixel.
 const FRAMES: usize = 24;
@@ -64,11 +62,16 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     let tracked = harness.document().estimates.len();
     assert_eq!(tracked, FRAMES);
     press(&mut harness, Modifiers::NONE, Key::Home);
+    let why = why_not(&mut harness);
+    assert!(why.contains("Save the project first"), "nothing is written beside the take: {why}");
+    let project_folder = tempfile::tempdir().unwrap();
+    let project = project_folder.path().join("arm.backlit");
+    save(&mut harness, &project);
     command(&mut harness, NAME);
 
     harness.get_by_label_contains("Learnt the background of 2 cameras without the body.");
     let plates = harness.document().plates.clone();
-    let place = folder.path().join("background without body");
+    let place = project_folder.path().join("background without body");
     assert_eq!(plates.values().collect::<Vec<_>>(), [&place.join("front.png"), &place.join("above.png")]);
     assert!(plates.values().all(|path| path.is_file()));
     let after = unknown(&harness);
@@ -77,12 +80,11 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
     assert_eq!(harness.document().estimates.len(), tracked, "the track stays");
 
     // The project keeps them, and a further time does not write over them.
-    let project = folder.path().join("arm.backlit");
     save(&mut harness, &project);
     assert_eq!(read_project(&project).unwrap().document.plates, plates);
     command(&mut harness, NAME);
     let again = harness.document().plates.clone();
-    assert_eq!(again[&0], folder.path().join("background without body 2/front.png"));
+    assert_eq!(again[&0], project_folder.path().join("background without body 2/front.png"));
 
     undo(&mut harness);
     assert_eq!(harness.document().plates, plates);
@@ -92,18 +94,12 @@ fn the_background_is_learnt_without_the_body_and_the_silhouettes_follow() {
 }
 
 #[test]
-fn a_take_without_a_folder_says_why_its_background_cannot_be_learnt() {
-    let mut harness = built_in().open();
-    let why = why_not(&mut harness);
-    assert!(why.contains("this take has none: it comes with Backlit"), "{why}");
-}
-
-#[test]
 fn where_a_camera_cannot_be_learnt_nothing_changes() {
     let folder = tempfile::tempdir().unwrap();
     write_take(folder.path());
     let mut harness = at(folder.path()).open();
     click(&mut harness, "Track forward");
+    save(&mut harness, &folder.path().join("arm.backlit"));
     // The footage is gone.
     std::fs::rename(folder.path().join("above"), folder.path().join("elsewhere")).unwrap();
     let document = harness.document().clone();

@@ -210,8 +210,9 @@ impl Posing {
                 if let Some(dragging) = self.dragging.take() {
                     let placing = dragging.placing(context).zip(dragging.reached.as_ref());
                     let placed = placing.and_then(|(placing, reached)| placing.placement(reached));
+                    let has_others = placed.is_some() && context.session.camera_count() > 1;
                     let stays =
-                        if placed.is_some() { "; dragged in another view it stays on this ray" } else { "" };
+                        if has_others { "; dragged in another view it stays on this ray" } else { "" };
                     self.placement = placed.or(self.placement.take());
                     let what = words(&dragging.body, dragging.drag);
                     requests.status(format!("{what}: done{stays}. Ctrl+Z takes it back."));

@@ -16,7 +16,7 @@ use crate::context::Context;
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::unavailable::{Why, because};
 
-/// The folder of the plates, in the take's; of each further time it has a number.
+/// The folder of the plates, beside the project's file; of each further time it has a number.
 const FOLDER: &str = "background without body";
 /// How often a background can be learnt again before the user has to remove old folders.
 const MOST_FOLDERS: usize = 1000;
@@ -30,8 +30,8 @@ pub(super) struct BackgroundJob {
     poses: BTreeMap<usize, Pose>,
     /// Cameras that are still to be learnt.
     waiting: VecDeque<usize>,
-    /// The folder of the take, in which a new one is made for the plates.
-    take_folder: PathBuf,
+    /// The folder of the project, in which a new one is made for the plates.
+    project_folder: PathBuf,
     /// That folder, once it is there.
     folder: Option<PathBuf>,
     /// The plates, by camera.
@@ -44,12 +44,11 @@ impl BackgroundJob {
     /// All cameras whose silhouettes are segmented, by the poses that were found or set; `None` where [`unavailable`] says why.
     pub(super) fn new(context: &Context<'_>) -> Option<Self> {
         let footage = context.session.take.clone()?;
-        context.session.take_path()?;
-        let take_folder = footage.take().path().parent().unwrap_or(Path::new("")).to_owned();
+        let project_folder = context.project?.parent().unwrap_or(Path::new("")).to_owned();
         let (model, poses) = (context.document().model.clone(), poses(context));
         let waiting = segmented(&footage).collect();
         let (files, unknown) = Default::default();
-        Some(Self { footage, model, poses, waiting, take_folder, folder: None, files, unknown })
+        Some(Self { footage, model, poses, waiting, project_folder, folder: None, files, unknown })
     }
 
     fn learn(&mut self, camera: usize, out: &Outbox<Applied>) -> Result<(), PlateError> {
@@ -60,7 +59,7 @@ impl BackgroundJob {
         let learnt = plate_without_body(self.footage.take(), camera, &self.model, &self.poses, out.cancel())?;
         let folder = match &self.folder {
             Some(folder) => folder.clone(),
-            None => self.folder.insert(new_folder(&self.take_folder)?).clone(),
+            None => self.folder.insert(new_folder(&self.project_folder)?).clone(),
         };
         let mut path = folder.join(plate::file_name(&name));
         if self.files.values().any(|other| *other == path) {
@@ -100,19 +99,15 @@ impl Job<Applied> for BackgroundJob {
 
 pub(super) fn unavailable(context: &Context<'_>) -> Why {
     let Some(take) = &context.session.take else { return Some("Open a take first") };
-    let has_folder = context.session.take_path().is_some();
     because(
-        !has_folder,
-        "Plates are kept in the take’s folder, and this take has none: it comes with Backlit",
-    )
-    .or(because(
         segmented(take).next().is_none(),
         "No camera has a background: all silhouettes were made elsewhere",
-    ))
+    )
     .or(because(
         poses(context).len() < FEWEST_POSES,
         "There is no track yet: where the body is must be known, so track first",
     ))
+    .or(because(context.project.is_none(), "Save the project first: the plates are kept beside its file"))
 }
 
 /// Cameras whose silhouettes come from a background, or would if they had one.
@@ -145,13 +140,13 @@ fn said_of(unknown: &[(String, f64)], folder: Option<&Path>) -> String {
 }
 
 /// Makes a folder for plates that is not there yet: those of an earlier time stay, so that they can be gone back to.
-fn new_folder(take: &Path) -> Result<PathBuf, PlateError> {
-    let mut path = take.join(FOLDER);
+fn new_folder(project: &Path) -> Result<PathBuf, PlateError> {
+    let mut path = project.join(FOLDER);
     for number in 2..=MOST_FOLDERS {
         match std::fs::create_dir(&path) {
             Ok(()) => return Ok(path),
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-                path = take.join(format!("{FOLDER} {number}"));
+                path = project.join(format!("{FOLDER} {number}"));
             }
             Err(error) => return Err(PlateError::Folder { path, error }),
         }

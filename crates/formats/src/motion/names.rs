@@ -113,7 +113,8 @@ fn other(model: &Model, names: Names, limb: &str, is_bone: bool) -> Option<Strin
 pub(super) fn joints(model: &Model, names: Names, plain: bool) -> Vec<String> {
     let limbs = model.limbs().iter().map(|limb| limb.name.as_str());
     let found = std::iter::once(ROOT).chain(limbs).map(|limb| {
-        other(model, names, limb, false).unwrap_or_else(|| if plain { word(limb) } else { limb.to_owned() })
+        let name = other(model, names, limb, false).unwrap_or_else(|| limb.to_owned());
+        if plain { word(&name) } else { name }
     });
     if plain { different(found) } else { found.collect() }
 }

@@ -419,8 +419,8 @@ fn labels_beyond_255_go_to_a_second_list() {
     }
     let model = backlit_formats::model_file::parse(Path::new("chain.toml"), text.as_bytes()).unwrap();
     let motion = motion(model, 2, 8);
-    let options =
-        MotionOptions { axes: Some(Axes::World), unit: Some(Unit::Millimetres), ..MotionOptions::default() };
+    let (axes, unit, names) = (Some(Axes::World), Some(Unit::Millimetres), Some(Names::Limbs));
+    let options = MotionOptions { axes, unit, names, ..MotionOptions::default() };
     let (c3d, _) = readers::c3d(&bytes(MotionFormat::C3d, &motion, &options));
     assert_markers(&c3d[0], &motion, 2, &options);
     let (bvh, _) = readers::bvh(&bytes(MotionFormat::Bvh, &motion, &options));
