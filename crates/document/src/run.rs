@@ -150,9 +150,19 @@ impl Run {
     /// of its own stage, so that what it says of itself is what the curve shows: where the ramp changes the curve goes on at
     /// the height it had.
     pub fn fraction(&self, step: usize) -> Option<f64> {
-        let taken = self.steps.get(..=step)?.iter().skip(1).filter(|step| step.iteration.accepted);
-        let is_of_something = self.steps.first()?.iteration.cost > 0.0;
-        is_of_something.then(|| taken.map(|step| 1.0 - step.actual_share().unwrap_or(0.0)).product())
+        self.fractions().nth(step)
+    }
+
+    /// The same after every step; none where the start has no cost.
+    fn fractions(&self) -> impl Iterator<Item = f64> {
+        let is_of_something = self.steps.first().is_some_and(|start| start.iteration.cost > 0.0);
+        let steps = self.steps.iter().enumerate().filter(move |_| is_of_something);
+        steps.scan(1.0, |left, (index, step)| {
+            if index > 0 && step.iteration.accepted {
+                *left *= 1.0 - step.actual_share().unwrap_or(0.0);
+            }
+            Some(*left)
+        })
     }
 
     /// Where the run begins among all of them: steps that led there and what they left of the first start's cost, those of the
@@ -172,6 +182,12 @@ impl Run {
     /// What is left of the first start's cost after a step: of the run that this one, or the run before, branched from.
     pub fn fraction_among(&self, all: &[Self], step: usize) -> Option<f64> {
         Some(self.origin(all).fraction * self.fraction(step)?)
+    }
+
+    /// The same after every step, in one go.
+    pub fn fractions_among(&self, all: &[Self]) -> Vec<f64> {
+        let before = self.origin(all).fraction;
+        self.fractions().map(|left| before * left).collect()
     }
 
     /// The index of the last step, 0 of a run that has not begun.
@@ -233,6 +249,7 @@ mod tests {
         let all = [run, branch];
         assert_eq!(all[1].origin(&all), RunOrigin { steps: 2, fraction: 0.5 });
         assert_eq!(all[1].fraction_among(&all, 3), Some(0.125));
+        assert_eq!(all[1].fractions_among(&all), [0.5, 0.25, 0.25, 0.125]);
         assert_eq!(all[0].reached_text(&all), "3 steps, 25.0 % of the start, RMS 10.0");
         assert_eq!(all[0].ending_text(), "3 steps so far");
     }

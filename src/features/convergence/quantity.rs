@@ -111,11 +111,11 @@ impl Quantity {
         matches!(self, Self::Cost)
     }
 
-    /// Its value at a step of a run, among all runs; `None` where it has none.
-    pub(crate) fn value(self, run: &Run, all: &[Run], step: usize) -> Option<f64> {
+    /// Its value at a step of a run; `None` where it has none. `left` is what is left of the start's cost after every step.
+    fn value(self, run: &Run, left: &[f64], step: usize) -> Option<f64> {
         let record = run.steps.get(step)?;
         let value = match self {
-            Self::Percent => 100.0 * run.fraction_among(all, step)?,
+            Self::Percent => 100.0 * left.get(step)?,
             Self::Cost => record.iteration.cost,
             Self::Rms => record.rms,
             Self::Iou => record.iou?,
@@ -165,7 +165,8 @@ pub(crate) struct CurvePoint {
 
 /// The points of a run's curve among all runs, in the order of its steps.
 pub(crate) fn points(run: &Run, all: &[Run], quantity: Quantity) -> Vec<CurvePoint> {
-    points_of(run, all, quantity, |step| quantity.value(run, all, step))
+    let left = if quantity == Quantity::Percent { run.fractions_among(all) } else { Vec::new() };
+    points_of(run, all, quantity, |step| quantity.value(run, &left, step))
 }
 
 /// What the linear model said of every step, in percent of the cost before it.

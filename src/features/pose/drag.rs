@@ -86,16 +86,9 @@ impl Dragging {
         let what = words(&self.body, self.drag);
         let pins: Vec<usize> = document.pins.iter().copied().collect();
         let held = Held { pins: &pins, trunk: context.views.hold_trunk };
-        let placing = self.placing(context);
-        let found = match (&placing, self.drag) {
+        let (found, on_ray_of) = match (self.placing(context), self.drag) {
             (Some(placing), Drag::Joint { target_px, .. }) => placing.dragged(held, &self.base, target_px),
-            (_, drag) => dragged(&self.body, held, &self.base, camera, drag),
-        };
-        let on_ray_of = match (&placing, self.drag) {
-            (Some(placing), Drag::Joint { target_px, .. }) => {
-                placing.on_ray(target_px).map(|(_, first)| first)
-            }
-            _ => None,
+            (_, drag) => (dragged(&self.body, held, &self.base, camera, drag), None),
         };
         let edit = match found {
             Some(Dragged::Pose(pose)) => {
@@ -146,15 +139,15 @@ impl Placing<'_> {
         Some((on_ray(cameras.get(first)?, &others, before.at, dragged_in, px)?, first))
     }
 
-    /// What it makes of a pose.
-    fn dragged(&self, held: Held<'_>, base: &Pose, px: DVec2) -> Option<Dragged> {
-        let cameras = &self.context.session.take.as_ref()?.cameras;
-        let Some((at, _)) = self.on_ray(px) else {
-            let drag = Drag::Joint { joint: self.joint, target_px: px };
-            return dragged(self.body, held, base, cameras.get(self.camera)?, drag);
-        };
-        let pose = moved(self.body, held, base, self.joint, at);
-        pose.check(self.body).is_ok().then_some(Dragged::Pose(pose))
+    /// What it makes of a pose, and on whose ray it stays.
+    fn dragged(&self, held: Held<'_>, base: &Pose, px: DVec2) -> (Option<Dragged>, Option<usize>) {
+        if let Some((at, first)) = self.on_ray(px) {
+            let pose = moved(self.body, held, base, self.joint, at);
+            return (pose.check(self.body).is_ok().then_some(Dragged::Pose(pose)), Some(first));
+        }
+        let camera = self.context.session.take.as_ref().and_then(|take| take.cameras.get(self.camera));
+        let drag = Drag::Joint { joint: self.joint, target_px: px };
+        (camera.and_then(|camera| dragged(self.body, held, base, camera, drag)), None)
     }
 
     /// Where it is now. A place in another view stays where the joint is still seen there.
@@ -258,7 +251,7 @@ impl Posing {
         let held = Held { pins: &pins, trunk: context.views.hold_trunk };
         let placing = Placing { context, body: model, joint, camera, before: nudging.before.as_ref() };
         let target_px = from_px + nudging.total_px;
-        let Some(Dragged::Pose(pose)) = placing.dragged(held, base, target_px) else { return };
+        let (Some(Dragged::Pose(pose)), _) = placing.dragged(held, base, target_px) else { return };
         self.placement = placing.placement(&pose);
         let name = joint_name(model, joint);
         let DVec2 { x, y } = nudging.total_px;
