@@ -14,6 +14,7 @@ use backlit_tracking::body::{Parameters, builtin};
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
+use backlit_tracking::statistics::median;
 use clap::Args;
 use serde::Serialize;
 
@@ -21,6 +22,7 @@ use super::arguments::{SIMULATIONS, Starts};
 use super::measures::{FitCurve, GOOD_MM, NamedFit, last, medians};
 use super::{Experiment, Run, check_least};
 use crate::fit_options::one_of;
+use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
 
@@ -46,14 +48,18 @@ pub(crate) struct UpperBody<const CAMERAS: usize> {
     /// What the cameras see
     #[arg(long = "data", value_parser = one_of(SIMULATIONS), default_value = "prediction")]
     simulation: Simulation,
-    #[arg(skip = fits())]
+    /// Iterations of every fit, more than most need to converge [1 to 10000]
+    #[arg(long, value_name = "N", default_value_t = 300, allow_negative_numbers = true, value_parser = within(1..=10_000_usize))]
+    iterations: usize,
+    #[arg(skip)]
     #[serde(rename = "ways")]
     fits: Vec<NamedFit>,
 }
 
 /// The report's fit with each renderer, and the same cost lowered by Levenberg-Marquardt on tangent steps.
-fn fits() -> Vec<NamedFit> {
-    let report = FitOptions { run_all: true, ..FitOptions::preset(Preset::Report) };
+fn fits(iterations: usize) -> Vec<NamedFit> {
+    let report = FitOptions::preset(Preset::Report).with_iterations(iterations);
+    let report = FitOptions { run_all: true, ..report };
     let with = |renderer: RendererKind| {
         NamedFit::new(&renderer.label().to_lowercase(), FitOptions { renderer, ..report.clone() })
     };
@@ -65,6 +71,17 @@ fn fits() -> Vec<NamedFit> {
     };
     let mended = NamedFit::new("capsule, tangent LM", mended);
     RendererKind::in_report_order().into_iter().map(with).chain([mended]).collect()
+}
+
+/// A curve has settled where this share of its whole fall is left.
+const SETTLED: f64 = 1e-3;
+
+/// The iteration after which no more than [`SETTLED`] of a fit's fall of cost is left.
+fn settled_after(curve: &FitCurve) -> f64 {
+    let costs = &curve.costs;
+    let (start, end) = (costs.first().copied().unwrap_or(0.0), last(costs));
+    let within = end + SETTLED * (start - end);
+    costs.iter().rposition(|&cost| cost > within).map_or(0.0, |at| (at + 1) as f64)
 }
 
 #[derive(Debug, Serialize)]
@@ -79,6 +96,8 @@ struct FromAllStarts {
     /// Of the cost in percent of the start's, at the start and after every iteration.
     median_percent: Vec<f64>,
     median_joint_error_mm: Vec<f64>,
+    /// Iterations after which the cost falls by no more than [`SETTLED`] of its fall, median.
+    settled_after: f64,
     /// Starts that ended below [`GOOD_MM`].
     good: usize,
     curves: Vec<FitCurve>,
@@ -92,6 +111,7 @@ impl<const CAMERAS: usize> Experiment for UpperBody<CAMERAS> {
         let noise = self.starts.start_noise;
         ensure!(noise.angle_rad.is_finite() && noise.distance_m.is_finite(), "expected finite noise");
         check_least("starts", self.starts.starts, 1)?;
+        self.fits = fits(self.iterations);
         let model = Arc::new(builtin::upper_body());
         let cameras = upper_body::cameras(self.cameras, self.size_px)?;
         let truth = upper_body::motion(&model, 0);
@@ -112,6 +132,8 @@ impl<const CAMERAS: usize> Experiment for UpperBody<CAMERAS> {
                 name: name.clone(),
                 median_percent: medians(curves.iter().map(FitCurve::percent_of_start)),
                 median_joint_error_mm: medians(curves.iter().map(|curve| curve.joint_errors_mm.clone())),
+                settled_after: median(&mut curves.iter().map(settled_after).collect::<Vec<_>>())
+                    .unwrap_or(0.0),
                 good: curves.iter().filter(|curve| curve.final_joint_error_mm() < GOOD_MM).count(),
                 curves,
             });
@@ -128,6 +150,7 @@ impl<const CAMERAS: usize> Experiment for UpperBody<CAMERAS> {
                 ("% of start cost", &|fit| number(last(&fit.median_percent), 2)),
                 ("joint error, mm: start", &|fit| number(start(fit), 1)),
                 ("end", &|fit| number(last(&fit.median_joint_error_mm), 1)),
+                ("settled after", &|fit| number(fit.settled_after, 0)),
                 (&format!("below {GOOD_MM} mm"), &|fit| format!("{} of {}", fit.good, self.starts.starts)),
             ],
         )
@@ -159,7 +182,7 @@ mod tests {
 
     fn run_small<const CAMERAS: usize>() -> Report {
         let starts = Starts::new(4, 10.0, 0.05);
-        let mut small = UpperBody::<CAMERAS> { size_px: [96, 72], starts, ..defaults() };
+        let mut small = UpperBody::<CAMERAS> { size_px: [96, 72], starts, iterations: 25, ..defaults() };
         small.run(&Run::hidden()).unwrap()
     }
 
