@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
 /// The body, what cameras see of it, and where the fit begins.
 fn read(arguments: &FitArguments) -> anyhow::Result<(Arc<Model>, Vec<FitView>, Pose)> {
     if let (Some(take), Some(frame)) = (&arguments.take, arguments.frame) {
-        let footage = take_options::open(take)?;
+        let footage = take_options::open_segmented(take, None, arguments.solver.segmentation())?;
         let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
         let views = footage.fit_views(&cameras, frame)?;
         let reader = TakeReader::of_silhouettes(footage.clone(), cameras.clone());

@@ -9,6 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 
 use crate::numbers::within;
+use crate::take_options::Segmentation;
 
 /// What `--model` takes.
 pub(crate) const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
@@ -71,6 +72,9 @@ pub(crate) struct SolverArguments {
     /// Set of choices to begin with: report (as in 2004) or robust; the options below change single choices
     #[arg(long, default_value_t = Preset::Robust)]
     pub(crate) preset: Preset,
+    /// How silhouettes are made of a take's pictures [default: take]
+    #[arg(long, value_name = "HOW", value_parser = one_of(Segmentation::WORDS))]
+    segmentation: Option<Segmentation>,
     /// The solid.
     #[command(flatten)]
     pub(crate) renderer: RendererArguments,
@@ -98,6 +102,11 @@ pub(crate) struct SolverArguments {
 }
 
 impl SolverArguments {
+    /// How silhouettes are made: as asked for, else as the preset does.
+    pub(crate) fn segmentation(&self) -> Segmentation {
+        self.segmentation.unwrap_or(Segmentation::Take)
+    }
+
     pub(crate) fn options(&self) -> Result<FitOptions, clap::Error> {
         let mut options = FitOptions::preset(self.preset);
         if let Some(renderer) = self.renderer.kind()? {

@@ -9,9 +9,10 @@ use backlit_tracking::fit::Evidence;
 use clap::Args;
 use image::DynamicImage;
 
+use super::fit_options::one_of;
 use super::output;
 use super::progress;
-use super::take_options::{self, PartArguments};
+use super::take_options::{self, PartArguments, Segmentation};
 
 const AFTER_HELP: &str = "\
 Writes to the folder of --out:
@@ -31,12 +32,15 @@ pub struct SilhouetteArguments {
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// How they are made of the pictures
+    #[arg(long, value_name = "HOW", value_parser = one_of(Segmentation::WORDS), default_value = "take")]
+    segmentation: Segmentation,
     #[command(flatten)]
     part: PartArguments,
 }
 
 pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
-    let footage = take_options::open(&arguments.take)?;
+    let footage = take_options::open_segmented(&arguments.take, None, arguments.segmentation)?;
     let frames = arguments.part.frames(footage.take())?;
     let indices = arguments.part.cameras(footage.take())?;
     let cameras: Vec<_> = indices.iter().map(|&camera| (*footage.cameras[camera]).clone()).collect();

@@ -14,10 +14,12 @@ use backlit_tracking::camera::RigError;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::{JointErrors, ReferenceJoints};
 use backlit_tracking::search::start;
+use backlit_tracking::segment::SegmentOptions;
 use clap::Args;
 use clap::error::ErrorKind;
 use serde::Serialize;
 
+use crate::fit_options::Words;
 use crate::numbers::within;
 use crate::{output, person};
 
@@ -248,18 +250,56 @@ fn axes(text: &str) -> Result<Axes, &'static str> {
     Axes::parse(text).ok_or("expected three letters that turn the file's axes, as zxy or x-zy")
 }
 
+/// How silhouettes are made of pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Segmentation {
+    Take,
+    Decided,
+    Report,
+}
+
+impl Segmentation {
+    /// Its words.
+    pub(crate) const WORDS: Words<Self> = &[
+        ("take", "As the take says", Self::Take),
+        ("decided", "The same with every pixel subject or background, none unknown", Self::Decided),
+        ("report", "(4.25) to the letter: grey levels, β 3.891, two classes, nothing cleaned", Self::Report),
+    ];
+
+    /// The take so segmented. Silhouettes that were made elsewhere stay.
+    pub(crate) fn of(self, take: Take) -> Take {
+        match self {
+            Self::Take => take,
+            Self::Decided => take.with_measurement(|own, _| own.decided()),
+            Self::Report => take.with_measurement(SegmentOptions::report),
+        }
+    }
+}
+
 /// Opens a take: its folder or its take file.
 pub(crate) fn open(path: &Path) -> anyhow::Result<Arc<Footage>> {
-    if path.is_dir() && !path.join("take.toml").exists() {
-        bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
-    }
-    Ok(Arc::new(Footage::new(told(Take::open(path)?))))
+    open_segmented(path, None, Segmentation::Take)
 }
 
 /// The same with another body in place of the take's, if one is named: a file, or a built-in one.
 pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Arc<Footage>> {
-    let Some(model) = model else { return open(path) };
-    Ok(Arc::new(Footage::new(told(Take::open_with_model(path, model_file::resolve(model)?)?))))
+    open_segmented(path, model, Segmentation::Take)
+}
+
+/// The same segmented in another way than the take says.
+pub(crate) fn open_segmented(
+    path: &Path,
+    model: Option<&str>,
+    segmentation: Segmentation,
+) -> anyhow::Result<Arc<Footage>> {
+    let take = match model {
+        Some(model) => Take::open_with_model(path, model_file::resolve(model)?)?,
+        None if path.is_dir() && !path.join("take.toml").exists() => {
+            bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
+        }
+        None => Take::open(path)?,
+    };
+    Ok(Arc::new(Footage::new(segmentation.of(told(take)))))
 }
 
 /// Says what a take that was opened reads outside its own folder, and what is missing in its footage.

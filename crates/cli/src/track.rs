@@ -151,11 +151,13 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
 
 /// The take, with the body of an earlier track if that is gone on with.
 fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Arc<Footage>> {
+    let segmentation = arguments.follow.solver.segmentation();
     let Some(earlier) = earlier else {
-        return take_options::open_with_model(&arguments.take, arguments.model.as_deref());
+        let model = arguments.model.as_deref();
+        return take_options::open_segmented(&arguments.take, model, segmentation);
     };
     let take = Take::open_with_model(&arguments.take, earlier.written.model.clone())?;
-    Ok(Arc::new(Footage::new(take_options::told(take))))
+    Ok(Arc::new(Footage::new(segmentation.of(take_options::told(take)))))
 }
 
 /// What is known before the first frame is tracked.
@@ -199,7 +201,7 @@ impl<'a> TrackInputs<'a> {
         let (found, begun) = person::find(&reader, search, cancel)?;
         if !Arc::ptr_eq(&found.model, reader.footage.take().model()) {
             let take = Take::open_with_model(&arguments.take, (*found.model).clone())?;
-            reader.footage = Arc::new(Footage::new(take));
+            reader.footage = Arc::new(Footage::new(arguments.follow.solver.segmentation().of(take)));
         }
         reader.cues.clone_from(&arguments.cues);
         let (start, begun) = (found.start, Some(begun));

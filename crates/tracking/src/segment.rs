@@ -2,7 +2,7 @@
 //!
 //! [`Background`] is what the camera sees without the subject; [`learn_plate`] learns it from footage that never shows the
 //! scene alone. [`segment`] compares a frame with it, pixel by pixel
-//! (report section 6: foreground where |i − µ| > βσ), takes shadows (6.12) and undecidable dark places out of the decision,
+//! (4.25: foreground where |i − µ| > βσ), takes shadows (6.12) and undecidable dark places out of the decision,
 //! cleans the result with morphology and by the size of its components, and returns a [`Mask`](crate::silhouette::Mask).
 //!
 //! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
@@ -23,6 +23,6 @@ mod threshold;
 pub use background::{Background, BackgroundError, BackgroundSums};
 pub use dont_know::DontKnowOptions;
 pub use learning::{LearningFrame, LearningOptions, LearntPlate, learn_plate};
-pub use options::{BETA, SegmentOptions};
+pub use options::{BETA, BETA_GREY, SegmentOptions};
 pub use shadow::{ShadowOptions, ShadowTest};
 pub use subtraction::{SegmentError, segment};

@@ -69,7 +69,8 @@ impl Arguments {
     /// All starts go through the take together, so that each frame is segmented once.
     fn report(&self) -> anyhow::Result<Report> {
         let smoothing = self.follow.smoothing()?;
-        let footage = take_options::open_with_model(&self.take, self.model.as_deref())?;
+        let segmentation = self.follow.solver.segmentation();
+        let footage = take_options::open_segmented(&self.take, self.model.as_deref(), segmentation)?;
         let take = footage.take();
         let (frames, cameras) = (self.part.frames(take)?, self.part.cameras(take)?);
         let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras));

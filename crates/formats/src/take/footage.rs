@@ -56,6 +56,16 @@ impl BackgroundSource {
             Self::Video { video, .. } => vec![video.path()],
         }
     }
+
+    /// How many pictures it is, at least one.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Plate(_) => 1,
+            Self::Frames(paths) => paths.len(),
+            Self::Video { frames, .. } => frames.len(),
+        }
+    }
 }
 
 impl CameraFootage {

@@ -144,11 +144,7 @@ impl Take {
     ) -> Result<impl ExactSizeIterator<Item = Result<RgbImage, TakeError>>, TakeError> {
         let footage = self.footage_of(camera)?;
         let source = footage.background.as_ref();
-        let count = source.map_or(0, |source| match source {
-            BackgroundSource::Plate(_) => 1,
-            BackgroundSource::Frames(paths) => paths.len(),
-            BackgroundSource::Video { frames, .. } => frames.len(),
-        });
+        let count = source.map_or(0, BackgroundSource::count);
         let picture = move |index: usize| match source {
             Some(BackgroundSource::Plate(path)) => self.plate(camera, path),
             Some(BackgroundSource::Frames(paths)) => self.plate(camera, &paths[index]),

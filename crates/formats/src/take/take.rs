@@ -270,6 +270,16 @@ impl Take {
         None
     }
 
+    /// The same take segmented by other options, made of each camera's own and of whether its background is one plate.
+    #[must_use]
+    pub fn with_measurement(&self, other: impl Fn(&SegmentOptions, bool) -> SegmentOptions) -> Self {
+        let is_plate =
+            |footage: &CameraFootage| footage.background().is_some_and(|background| background.count() == 1);
+        let cameras = self.measurement.iter().zip(&self.footage);
+        let measurement = cameras.map(|(own, footage)| other(own, is_plate(footage))).collect();
+        Self { measurement, ..self.clone() }
+    }
+
     /// The same take whose keypoints are of a tool that puts its markers there; as it is where it has no keypoints.
     #[must_use]
     pub fn with_placement(&self, placement: MarkerPlacement) -> Self {

@@ -1,5 +1,5 @@
 //! What a camera sees without the subject: per pixel and channel a mean µ and a standard deviation σ, in grey levels, and
-//! those of the gradient's magnitude, |∇B|µ and |∇B|σ, in grey levels a pixel.
+//! those of the gradient's magnitude, |∇B|µ and |∇B|σ, in grey levels a pixel; and mean and deviation of the grey picture.
 
 use image::RgbImage;
 
@@ -38,6 +38,21 @@ pub enum BackgroundError {
 /// The most frames to average: 255² times as many still fit the sums.
 const MAX_FRAMES: u32 = 1 << 16;
 
+/// A pixel of the grey picture, in grey levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct GreyLevel {
+    /// µ.
+    pub(super) mean: f32,
+    /// σ.
+    pub(super) deviation: f32,
+}
+
+/// How bright a colour is, to the next whole level (BT.601).
+pub(super) fn grey_of([red, green, blue]: [u8; 3]) -> u8 {
+    let weighed = 299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue);
+    ((weighed + 500) / 1000) as u8
+}
+
 /// The scene without the subject, as one camera sees it.
 ///
 /// Means lie in [0, 255]; deviations are finite and not negative. A plate has the deviation zero:
@@ -50,6 +65,8 @@ pub struct Background {
     deviation: Vec<[f32; 3]>,
     gradient_mean: Vec<[f32; 3]>,
     gradient_deviation: Vec<[f32; 3]>,
+    grey: Vec<GreyLevel>,
+    is_plate: bool,
     /// The pixels of which nobody knows what the camera sees there without the subject, if there are any.
     unknown: Option<BitImage>,
 }
@@ -59,6 +76,7 @@ impl Background {
     pub fn from_plate(plate: &RgbImage) -> Self {
         let mean: Vec<[f32; 3]> = plate.pixels().map(|pixel| pixel.0.map(f32::from)).collect();
         let none = vec![[0.0; 3]; mean.len()];
+        let grey = |pixel: &image::Rgb<u8>| GreyLevel { mean: f32::from(grey_of(pixel.0)), deviation: 0.0 };
         Self {
             width: plate.width() as usize,
             height: plate.height() as usize,
@@ -66,6 +84,8 @@ impl Background {
             deviation: none.clone(),
             gradient_mean: gradient::magnitudes(plate),
             gradient_deviation: none,
+            grey: plate.pixels().map(grey).collect(),
+            is_plate: true,
             unknown: None,
         }
     }
@@ -99,6 +119,16 @@ impl Background {
     /// The pixels of which nobody knows what the camera sees there without the subject, if there are any.
     pub(super) fn unknown(&self) -> Option<&BitImage> {
         self.unknown.as_ref()
+    }
+
+    /// Whether it is one picture, so that no deviation is known.
+    pub fn is_plate(&self) -> bool {
+        self.is_plate
+    }
+
+    /// The grey picture, row by row.
+    pub(super) fn grey(&self) -> &[GreyLevel] {
+        &self.grey
     }
 
     /// Width in pixels.
@@ -140,6 +170,8 @@ pub struct BackgroundSums {
     count: u32,
     levels: Vec<[u32; 3]>,
     squares: Vec<[u32; 3]>,
+    /// Sum and sum of squares of the grey picture.
+    greys: Vec<[u32; 2]>,
     /// Sums of the gradient's magnitude are counted from the first frame's: so a still pixel has exactly no deviation.
     first_gradient: Vec<[f32; 3]>,
     gradients: Vec<[f32; 3]>,
@@ -157,6 +189,7 @@ impl BackgroundSums {
             self.first_gradient = gradient::magnitudes(frame);
             let pixels = self.first_gradient.len();
             (self.levels, self.squares) = (vec![[0; 3]; pixels], vec![[0; 3]; pixels]);
+            self.greys = vec![[0; 2]; pixels];
             (self.gradients, self.gradient_squares) = (vec![[0.0; 3]; pixels], vec![[0.0; 3]; pixels]);
         }
         if frame.dimensions() != self.size {
@@ -173,6 +206,10 @@ impl BackgroundSums {
             *square += u32::from(level).pow(2);
         }
         let (width, levels) = (self.size.0 as usize, frame.as_raw().as_chunks::<3>().0);
+        for ([sum, square], &colour) in self.greys.iter_mut().zip(levels) {
+            let level = u32::from(grey_of(colour));
+            (*sum, *square) = (*sum + level, *square + level * level);
+        }
         let sums = self.gradients.iter_mut().zip(&mut self.gradient_squares).zip(&self.first_gradient);
         for (index, ((sum, square), first)) in sums.enumerate() {
             let size = [width, self.size.1 as usize];
@@ -200,6 +237,11 @@ impl BackgroundSums {
             let spread = u64::from(self.count) * u64::from(square) - u64::from(sum).pow(2);
             (spread as f64 / (n * (n - 1.0))).sqrt() as f32
         };
+        let grey = |&[sum, square]: &[u32; 2]| GreyLevel {
+            mean: (f64::from(sum) / n) as f32,
+            deviation: deviation(sum, square),
+        };
+        let grey = self.greys.iter().map(grey).collect();
         let levels = self.levels.iter().zip(&self.squares);
         let deviation = levels.map(|(s, q)| [0, 1, 2].map(|c| deviation(s[c], q[c]))).collect();
         drop(self.squares);
@@ -212,7 +254,18 @@ impl BackgroundSums {
             *square = ((all - sum * sum / n).max(0.0) / (n - 1.0)).sqrt() as f32;
         }
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
-        Ok(Background { width, height, mean, deviation, gradient_mean, gradient_deviation, unknown: None })
+        let (is_plate, unknown) = (false, None);
+        Ok(Background {
+            width,
+            height,
+            mean,
+            deviation,
+            gradient_mean,
+            gradient_deviation,
+            grey,
+            is_plate,
+            unknown,
+        })
     }
 }
 

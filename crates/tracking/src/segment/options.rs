@@ -11,6 +11,8 @@ use crate::silhouette::Region;
 /// has the share 1 − (1 − 10⁻⁴)^⅓ (Šidák); where their noise goes together, fewer pixels exceed it. One channel alone would have
 /// the report's 3.891, and three of those three times as many false pixels.
 pub const BETA: f32 = 4.149_4;
+/// The report's β (4.25): the z-score that normal noise of one grey level exceeds once in 10⁴ pixels.
+pub const BETA_GREY: f32 = 3.890_6;
 /// Longer than the side of any picture: growing a mask by more means nothing.
 const MAX_DISTANCE_PX: f32 = 16_384.0;
 
@@ -22,6 +24,8 @@ pub struct SegmentOptions {
     pub z_threshold: f32,
     /// The smallest deviation that is believed, grey levels: noise of compression and of a plate made from few frames.
     pub noise_floor: f32,
+    /// Whether grey levels are compared (4.25), not the three channels.
+    pub grey: bool,
     /// Whether the frame's exposure may differ from the background's; then one gain per channel is found by a median.
     pub match_exposure: bool,
     /// Shadow test; none leaves shadows in the foreground. By default shadow weighs nothing.
@@ -49,6 +53,7 @@ impl Default for SegmentOptions {
         Self {
             z_threshold: BETA,
             noise_floor: 5.0,
+            grey: false,
             match_exposure: true,
             shadow: Some(ShadowOptions::default()),
             opening_px: 1,
@@ -64,6 +69,34 @@ impl Default for SegmentOptions {
 }
 
 impl SegmentOptions {
+    /// (4.25) to the letter: grey levels, [`BETA_GREY`], every pixel subject or background, and nothing cleaned afterwards. σ is
+    /// believed however small it is. A plate has none, and there the noise floor stands for it. The region stays.
+    #[must_use]
+    pub fn report(&self, is_plate: bool) -> Self {
+        Self {
+            z_threshold: BETA_GREY,
+            noise_floor: if is_plate { self.noise_floor } else { 0.0 },
+            grey: true,
+            match_exposure: false,
+            shadow: None,
+            opening_px: 0,
+            closing_px: 0,
+            min_component_px: 0,
+            group_px: 0,
+            min_group_fraction: 0.0,
+            fill_holes_px: 0,
+            dont_know: None,
+            region: self.region,
+        }
+    }
+
+    /// The same with every pixel decided: shadow is background, and dark before dark is what the threshold says.
+    #[must_use]
+    pub fn decided(&self) -> Self {
+        let shadow = self.shadow.map(|shadow| ShadowOptions { unknown: false, ..shadow });
+        Self { shadow, dont_know: None, ..self.clone() }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors

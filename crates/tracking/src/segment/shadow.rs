@@ -27,7 +27,7 @@ pub enum ShadowTest {
     /// By its brightness alone being off: luma ratio, colour, and a gradient within a fixed tolerance.
     #[default]
     Brightness,
-    /// By a gradient that stays within the background's own interval (6.12).
+    /// By a gradient that stays within the background's own interval (6.12). One plate has no such interval: that is an error.
     Gradient,
 }
 
@@ -135,7 +135,7 @@ impl Brightness<'_> {
 }
 
 /// Brightness as the eye weighs it (BT.601).
-fn luma([red, green, blue]: [f32; 3]) -> f32 {
+pub(super) fn luma([red, green, blue]: [f32; 3]) -> f32 {
     0.299 * red + 0.587 * green + 0.114 * blue
 }
 
@@ -162,7 +162,7 @@ mod tests {
         }
         let background = Background::from_plate(&plate);
         let mut foreground = BitImage::from_bytes(&foreground, 12);
-        let threshold = Threshold { gains: [1.0; 3], z: BETA, noise_floor: 1.0 };
+        let threshold = Threshold { gains: [1.0; 3], z: BETA, noise_floor: 1.0, grey: false };
         let options = ShadowOptions { test, ..ShadowOptions::default() };
         let shadow = clear_shadows(&mut foreground, &frame, &background, &threshold, &options);
         let count = |image: &BitImage| image.to_bytes().iter().map(|&bit| usize::from(bit)).sum::<usize>();

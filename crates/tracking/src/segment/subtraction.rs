@@ -10,7 +10,7 @@ use super::background::Background;
 use super::bit_image::BitImage;
 use super::dont_know::dark_places;
 use super::options::SegmentOptions;
-use super::shadow::clear_shadows;
+use super::shadow::{ShadowTest, clear_shadows};
 use super::threshold::Threshold;
 use super::{components, exposure};
 use crate::numbers::Brief;
@@ -37,6 +37,12 @@ pub enum SegmentError {
         /// What it may be.
         expected: &'static str,
     },
+    /// (6.12) asks for the deviation of the background's gradient, and there is but one plate.
+    #[error(
+        "the shadow test by gradient (6.12) needs a background of several pictures: one plate has no deviation; expected more \
+         pictures, or the test by brightness"
+    )]
+    NoDeviation,
     /// The frame has no pixels or too many.
     #[error(transparent)]
     Mask(#[from] MaskError),
@@ -46,7 +52,7 @@ pub enum SegmentError {
 ///
 /// # Errors
 /// If the frame and the background differ in size, if an option is not a usable number, or if the frame has no pixels or
-/// more than [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS).
+/// more than [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS); if shadows are told by gradient and the background is one plate.
 pub fn segment(
     frame: &RgbImage,
     background: &Background,
@@ -58,9 +64,13 @@ pub fn segment(
         let background = (background.width(), background.height());
         return Err(SegmentError::SizeMismatch { frame: (width, height), background });
     }
+    if background.is_plate() && options.shadow.is_some_and(|shadow| shadow.test == ShadowTest::Gradient) {
+        return Err(SegmentError::NoDeviation);
+    }
     let mut mask = Mask::filled(width, height, Label::Background)?;
     let gains = if options.match_exposure { exposure::gains(frame, background) } else { [1.0; 3] };
-    let threshold = Threshold { gains, z: options.z_threshold, noise_floor: options.noise_floor };
+    let SegmentOptions { z_threshold: z, noise_floor, grey, .. } = *options;
+    let threshold = Threshold { gains, z, noise_floor, grey };
 
     let mut subject = threshold.foreground(frame, background);
     if let Some(region) = options.region {
@@ -138,7 +148,7 @@ mod tests {
     use rand_pcg::rand_core::SeedableRng;
 
     use super::*;
-    use crate::segment::{BETA, DontKnowOptions, ShadowOptions, ShadowTest};
+    use crate::segment::{BETA, BETA_GREY, DontKnowOptions, ShadowOptions};
     use crate::silhouette::Region;
 
     const WALL: Rgb<u8> = Rgb([120, 130, 110]);
@@ -173,7 +183,7 @@ mod tests {
     }
 
     fn assert_mask(frame: &RgbImage, plate: &RgbImage, options: &SegmentOptions, expected: &str) {
-        let mask = segment(frame, &Background::from_plate(plate), options).unwrap();
+        let mask = segment(frame, &Background::from_frames([plate, plate]).unwrap(), options).unwrap();
         let expected = Mask::from_ascii(expected).unwrap();
         assert_eq!(mask, expected, "found\n{mask}instead of\n{expected}");
     }
@@ -223,6 +233,32 @@ mod tests {
         let found = segment(&frame, &background, &options).unwrap().count(Label::Subject);
         // A hundred, give or take four deviations.
         assert!(found.abs_diff(100) <= 40, "{found} of a million");
+    }
+
+    /// (4.25) knows brightness alone: of a red as bright as the wall it sees nothing, and one pixel of noise in 10⁴ is subject.
+    #[test]
+    fn the_reports_measurement_is_grey_and_has_two_classes() {
+        let frames = [100, 110].map(|level| RgbImage::from_pixel(4, 1, Rgb([level; 3])));
+        let background = Background::from_frames(&frames).unwrap();
+        // µ = 105, σ = 7.07: β σ = 27.5. The red is as bright as µ.
+        let mut frame = RgbImage::from_pixel(4, 1, Rgb([105; 3]));
+        frame.put_pixel(0, 0, Rgb([132; 3]));
+        frame.put_pixel(1, 0, Rgb([133; 3]));
+        frame.put_pixel(2, 0, Rgb([200, 65, 60]));
+        let literal = SegmentOptions::default().report(false);
+        assert!(
+            (literal.z_threshold, literal.noise_floor) == (BETA_GREY, 0.0)
+                && (BETA_GREY - 3.891).abs() < 1e-3
+        );
+        assert_eq!(segment(&frame, &background, &literal).unwrap(), Mask::from_ascii(".#..").unwrap());
+        let coloured = SegmentOptions { grey: false, ..literal };
+        assert_eq!(segment(&frame, &background, &coloured).unwrap(), Mask::from_ascii(".##.").unwrap());
+        // Dark before dark is decided, and a plate keeps the noise floor.
+        let (plate, frame) = (scene("dddd...."), scene("ddd#...."));
+        let literal = SegmentOptions::default().report(true);
+        assert_eq!(literal.noise_floor, SegmentOptions::default().noise_floor);
+        let mask = segment(&frame, &Background::from_plate(&plate), &literal).unwrap();
+        assert_eq!(mask, Mask::from_ascii("...#....").unwrap());
     }
 
     #[test]
@@ -329,6 +365,11 @@ mod tests {
         let options = SegmentOptions { noise_floor: f32::NAN, ..plain() };
         let result = segment(&wall(), &background, &options);
         assert!(matches!(result, Err(SegmentError::InvalidOption { option: "noise_floor", .. })));
+        let shadow = Some(ShadowOptions { test: ShadowTest::Gradient, ..ShadowOptions::default() });
+        let by_gradient = SegmentOptions { shadow, ..plain() };
+        assert_eq!(segment(&wall(), &background, &by_gradient), Err(SegmentError::NoDeviation));
+        let still = Background::from_frames([&wall(), &wall()]).unwrap();
+        assert!(segment(&wall(), &still, &by_gradient).is_ok());
         let none = RgbImage::new(0, 0);
         let result = segment(&none, &Background::from_plate(&none), &plain());
         assert!(matches!(result, Err(SegmentError::Mask(MaskError::Empty { .. }))));

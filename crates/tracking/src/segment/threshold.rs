@@ -1,12 +1,13 @@
-//! The deviation test: a pixel is foreground if |i − g µ| > β max(σ, floor) in some channel.
+//! The deviation test: a pixel is foreground if |i − g µ| > β max(σ, floor) in some channel, or by its grey level alone (4.25).
 
 use image::RgbImage;
 use pulp::{Simd, WithSimd};
 
 use crate::processor;
 
-use super::background::Background;
+use super::background::{Background, grey_of};
 use super::bit_image::BitImage;
+use super::shadow::luma;
 
 /// The test, apart from the background.
 #[derive(Clone, Copy, Debug)]
@@ -17,16 +18,33 @@ pub(super) struct Threshold {
     pub(super) z: f32,
     /// The smallest deviation that is believed, grey levels.
     pub(super) noise_floor: f32,
+    /// Whether grey levels decide, not the channels.
+    pub(super) grey: bool,
 }
 
 impl Threshold {
     /// For each pixel whether some channel is off.
     pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> BitImage {
-        processor::run(ByDeviation { threshold: self, frame, background })
+        if !self.grey {
+            return processor::run(ByDeviation { threshold: self, frame, background });
+        }
+        let width = background.width();
+        let mut foreground = BitImage::empty(width, background.height());
+        for y in 0..background.height() {
+            let row = y * width..(y + 1) * width;
+            let off = row.map(|index| u8::from(self.is_off(frame, background, index)));
+            foreground.set_row(y, &off.collect::<Vec<_>>());
+        }
+        foreground
     }
 
-    /// Whether some channel of one pixel is off.
+    /// Whether some channel of one pixel is off, or its grey level where that decides.
     pub(super) fn is_off(&self, frame: &RgbImage, background: &Background, index: usize) -> bool {
+        if self.grey {
+            let level = grey_of(frame.as_raw().as_chunks::<3>().0[index]);
+            let (known, gain) = (background.grey()[index], luma(self.gains));
+            return self.is_level_off(level, gain, known.mean, known.deviation);
+        }
         let (mean, deviation) = (background.mean()[index], background.deviation()[index]);
         let levels = &frame.as_raw()[3 * index..];
         (0..3).any(|c| self.is_level_off(levels[c], self.gains[c], mean[c], deviation[c]))
@@ -101,7 +119,7 @@ mod tests {
             let plate = Background::from_plate(&frames[0]);
             let all_levels = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8; 3]));
             for background in [plate, Background::from_frames(&frames).unwrap()] {
-                let threshold = Threshold { gains: [1.0; 3], z, noise_floor };
+                let threshold = Threshold { gains: [1.0; 3], z, noise_floor, grey: false };
                 for channel in 0..3 {
                     let mut frame = RgbImage::from_pixel(256, 1, Rgb(second));
                     for (pixel, level) in frame.pixels_mut().zip(all_levels.pixels()) {
