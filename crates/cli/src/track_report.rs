@@ -6,6 +6,7 @@ use backlit_formats::Take;
 use backlit_formats::take::Reference;
 use backlit_tracking::belief::Verdict;
 use backlit_tracking::metrics::{self, JointErrors, MarkerPlacement};
+use backlit_tracking::silhouette::Overlap;
 use backlit_tracking::statistics::{Statistics, mean};
 use backlit_tracking::track::{FrameEstimate, SmoothingError, Track};
 use serde::Serialize;
@@ -82,6 +83,8 @@ struct Doubts {
 pub(crate) struct IouSummary {
     pub(crate) mean: Option<f64>,
     by_camera: BTreeMap<String, Option<f64>>,
+    /// The share of the body's pixels that it leaves out, because the silhouettes are unknown there.
+    left_out: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -203,6 +206,10 @@ impl TrackReport {
             iou: IouSummary {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
+                left_out: frames()
+                    .flat_map(|frame| frame.overlap.iter().flatten().copied())
+                    .reduce(Overlap::merge)
+                    .and_then(|overlap| overlap.left_out()),
             },
             joint_error_mm: self.error_summary(),
             jitter_mm: self.jitter_mm,
@@ -285,6 +292,12 @@ impl TrackReport {
         table.row(["all cameras".to_owned(), number(summary.iou.mean, 3)]);
         out.push('\n');
         out.push_str(&table.to_text());
+        if let Some(share) = summary.iou.left_out.filter(|share| *share > 0.0) {
+            let percent = 100.0 * share;
+            out.push_str(&format!(
+                "IoU leaves out {percent:.1} % of the body's pixels: the silhouettes are unknown there\n"
+            ));
+        }
         if let Some(jitter) = summary.jitter_mm {
             out.push_str(&format!("\njitter (mean second difference of the joints): {jitter:.1} mm\n"));
         }

@@ -84,7 +84,7 @@ pub(super) mod tests {
         let model = builtin::single_limb();
         let rest = Pose::rest(&model);
         let moved = rest.retract(Parameters::Tangent, &[0.1, -2.0, 3.0, 0.0, 0.0, 0.5]);
-        let overlap = Overlap { agreement: 3, missing: 1, spurious: 0 };
+        let overlap = Overlap { agreement: 3, missing: 1, ..Overlap::default() };
         let first = FrameEstimate {
             cost: Some(1234.5),
             rms: Some(2.25),

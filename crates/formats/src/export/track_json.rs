@@ -54,7 +54,8 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
     });
     let pixels = export.cameras.iter().enumerate().map(|(camera, name)| {
         let overlap = estimate.overlap.get(camera).copied().flatten();
-        let counts = overlap.map(|counts| [counts.agreement, counts.missing, counts.spurious]);
+        let counts =
+            overlap.map(|counts| [counts.agreement, counts.missing, counts.spurious, counts.unknown]);
         ((*name).to_owned(), json!(counts))
     });
     let mut out = json!({
@@ -115,7 +116,7 @@ mod tests {
         assert_eq!(first["rotations"][limb][0], json!(track.frames[&4].pose.rotations[0].w));
         assert_eq!(first["joints"].as_object().unwrap().len(), 2);
         assert_eq!(first["iou"], json!({"left": 0.75, "right": null}));
-        assert_eq!(first["pixels"], json!({"left": [3, 1, 0], "right": null}));
+        assert_eq!(first["pixels"], json!({"left": [3, 1, 0, 0], "right": null}));
         assert_eq!((&second["cost"], &second["lost"]), (&Value::Null, &json!(true)));
         assert_eq!(second["lost_because"], json!({"reason": "nobody"}));
     }

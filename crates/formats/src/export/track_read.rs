@@ -64,7 +64,8 @@ struct FrameSpec {
     #[serde(default)]
     rms: Option<f64>,
     #[serde(default)]
-    pixels: Option<Entries<Option<[usize; 3]>>>,
+    /// Four counts; files of before have three.
+    pixels: Option<Entries<Option<Vec<usize>>>>,
     #[serde(default)]
     left_out: Vec<String>,
     #[serde(default)]
@@ -147,11 +148,20 @@ fn estimate(
             return Err(field(&format!("{at}.pixels"), &camera, "a camera of the track"));
         };
         overlap[index] = match pixels {
-            Some(counts) if counts.iter().any(|&count| count > MAX_PIXELS) => {
-                let found = format!("{counts:?}");
-                return Err(field(&format!("{at}.pixels.{camera}"), &found, "pixels of a picture"));
-            }
-            counts => counts.map(|[agreement, missing, spurious]| Overlap { agreement, missing, spurious }),
+            None => None,
+            Some(counts) => match counts[..] {
+                [agreement, missing, spurious, ref unknown @ ..]
+                    if unknown.len() < 2 && counts.iter().all(|&count| count <= MAX_PIXELS) =>
+                {
+                    let unknown = unknown.first().copied().unwrap_or(0);
+                    Some(Overlap { agreement, missing, spurious, unknown })
+                }
+                _ => {
+                    let found = format!("{counts:?}");
+                    let expected = "four numbers of pixels of a picture";
+                    return Err(field(&format!("{at}.pixels.{camera}"), &found, expected));
+                }
+            },
         };
     }
     let mut holds = Vec::new();
@@ -250,6 +260,7 @@ mod tests {
         assert_eq!((written.name.as_str(), written.frame_rate), ("a", 8.0));
         assert_eq!(written.cameras, cameras);
         assert_eq!(written.track, track);
+        assert_eq!(read(&text.replace("[3,1,0,0]", "[3,1,0]"), None).unwrap().track, track);
         for cut in (0..text.len() - 2).step_by(7) {
             let message = read(&text[..cut], None).unwrap_err().to_string();
             assert!(message.starts_with("track.json"), "{message}");
@@ -267,7 +278,8 @@ mod tests {
             "root":[0.1 ⇒ "root":[9e9 ⇒ frames[0]
             "frame":6 ⇒ "frame":4 ⇒ `frame 4` is given twice
             "pixels":{"left" ⇒ "pixels":{"top" ⇒ `frames[0].pixels` is top; expected a camera of the track
-            [3,1,0] ⇒ [3,1,4294967297] ⇒ `frames[0].pixels.left` is [3, 1, 4294967297]
+            [3,1,0,0] ⇒ [3,1,4294967297] ⇒ `frames[0].pixels.left` is [3, 1, 4294967297]
+            [3,1,0,0] ⇒ [3,1] ⇒ `frames[0].pixels.left` is [3, 1]
             ["left","right"] ⇒ ["left","left"] ⇒ `cameras[1]` is given twice
             backlit-track 1 ⇒ backlit-track 2 ⇒ line 2: `format`
             "#,

@@ -15,7 +15,7 @@ pub struct OverlapError {
     pub found: usize,
 }
 
-/// Pixel counts of a comparison; unknown pixels are not counted.
+/// Pixel counts of a comparison. Unknown pixels of the mask are no part of the ratio; those that the prediction covers are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Overlap {
     /// Subject in the mask and in the prediction.
@@ -24,6 +24,8 @@ pub struct Overlap {
     pub missing: usize,
     /// Subject in the prediction only.
     pub spurious: usize,
+    /// Subject in the prediction where the mask is unknown.
+    pub unknown: usize,
 }
 
 impl Overlap {
@@ -52,16 +54,18 @@ impl Overlap {
         // Runs that a byte can count: many of them are counted at once.
         const RUN: usize = u8::MAX as usize;
         for (labels, predicted) in mask.labels().chunks(RUN).zip(predicted.chunks(RUN)) {
-            let [mut agreement, mut missing, mut spurious] = [0_u8; 3];
+            let [mut agreement, mut missing, mut spurious, mut unknown] = [0_u8; 4];
             for (&label, predicted) in labels.iter().zip(predicted) {
                 let predicted = is_subject(predicted);
                 agreement += u8::from(label == Label::Subject) & u8::from(predicted);
                 missing += u8::from(label == Label::Subject) & u8::from(!predicted);
                 spurious += u8::from(label == Label::Background) & u8::from(predicted);
+                unknown += u8::from(label == Label::Unknown) & u8::from(predicted);
             }
             counts.agreement += usize::from(agreement);
             counts.missing += usize::from(missing);
             counts.spurious += usize::from(spurious);
+            counts.unknown += usize::from(unknown);
         }
         Ok(counts)
     }
@@ -72,6 +76,12 @@ impl Overlap {
         (union > 0).then(|| self.agreement as f64 / union as f64)
     }
 
+    /// The share of the prediction's pixels that [`iou`](Self::iou) leaves out, in [0, 1]; none if it has no pixel.
+    pub fn left_out(&self) -> Option<f64> {
+        let covered = self.agreement + self.spurious + self.unknown;
+        (covered > 0).then(|| self.unknown as f64 / covered as f64)
+    }
+
     /// The counts of both together, as for several cameras of one frame.
     #[must_use]
     pub fn merge(self, other: Self) -> Self {
@@ -79,6 +89,7 @@ impl Overlap {
             agreement: self.agreement + other.agreement,
             missing: self.missing + other.missing,
             spurious: self.spurious + other.spurious,
+            unknown: self.unknown + other.unknown,
         }
     }
 }
@@ -88,13 +99,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_ignore_unknown_pixels() {
+    fn the_ratio_leaves_unknown_pixels_out_and_says_how_many() {
         let mask = Mask::from_ascii("##.?\n##.?").unwrap();
         let prediction = [0.0, 255.0, 127.0, 0.0, 127.4, 127.5, 255.0, 255.0];
         let overlap = Overlap::between(&mask, &prediction).unwrap();
-        assert_eq!(overlap, Overlap { agreement: 2, missing: 2, spurious: 1 });
-        assert_eq!(overlap.iou(), Some(0.4));
-        assert_eq!(overlap.merge(overlap), Overlap { agreement: 4, missing: 4, spurious: 2 });
+        assert_eq!(overlap, Overlap { agreement: 2, missing: 2, spurious: 1, unknown: 1 });
+        assert_eq!((overlap.iou(), overlap.left_out()), (Some(0.4), Some(0.25)));
+        assert_eq!(overlap.merge(overlap), Overlap { agreement: 4, missing: 4, spurious: 2, unknown: 2 });
     }
 
     #[test]
