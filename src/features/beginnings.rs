@@ -47,6 +47,11 @@ impl MethodWords {
                 "the softened ramp",
                 "The fit goes downhill on wide, soft outlines, which become sharp step by step",
             ),
+            Method::RampAlone => (
+                "Softened ramp alone",
+                "the softened ramp alone",
+                "The fit of the 2004 report on outlines that are wide and soft at first, and nothing else changed",
+            ),
             Method::Templates => (
                 "Templates",
                 "templates",

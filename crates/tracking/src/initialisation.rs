@@ -3,7 +3,8 @@
 //! | [`InitialisationMethod`] | from a given start | without one |
 //! |---|---|---|
 //! | `report` | the 2004 method downhill: its ramp as it is | the same from a body standing in the hull, facing eight ways; the best by cost |
-//! | `ramp` | the softened ramp, annealed, downhill | likewise |
+//! | `ramp-alone` | the 2004 method, whose ramp is softened and sharpened step by step, and nothing else | likewise |
+//! | `ramp` | the robust preset: the softened ramp on distance data, with its solver and priors | likewise |
 //! | `particles` | the partitioned, annealed particle filter | from those eight bodies |
 //! | `templates` | head, trunk, limb after limb, whatever the start | the same |
 //! | `search` | the program's own search for other hypotheses | its search from the hull |
@@ -23,7 +24,7 @@ use thiserror::Error;
 use crate::acquisition::{AcquireError, AcquireOptions, GrowthRound, acquire};
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::fit::{Fit, FitError, FitOptions, FitView, Preset, Stage};
+use crate::fit::{ApparentSize, DataView, Fit, FitError, FitOptions, FitView, Preset, Stage};
 use crate::optimize::Iteration;
 use crate::particles::{Generation, ParticleError, ParticleFilter, ParticleOptions, Partition};
 use crate::search::{
@@ -164,7 +165,9 @@ pub trait Initialisation {
 pub enum InitialisationMethod {
     /// The 2004 method downhill.
     Report,
-    /// The softened ramp, annealed, downhill.
+    /// The 2004 method with the softened ramp, and nothing else of ours.
+    RampAlone,
+    /// The robust preset downhill: the softened ramp with all that was put beside it.
     Ramp,
     /// The particle filter.
     Particles,
@@ -178,14 +181,15 @@ pub enum InitialisationMethod {
 
 impl InitialisationMethod {
     /// Those that look for the pose of a given body, and can be compared with one another.
-    pub const COMPARED: [Self; 5] =
-        [Self::Report, Self::Ramp, Self::Particles, Self::Templates, Self::Search];
+    pub const COMPARED: [Self; 6] =
+        [Self::Report, Self::RampAlone, Self::Ramp, Self::Particles, Self::Templates, Self::Search];
 
     /// Its name on the command line and in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Report => "report",
+            Self::RampAlone => "ramp-alone",
             Self::Ramp => "ramp",
             Self::Particles => "particles",
             Self::Templates => "templates",
@@ -241,6 +245,7 @@ impl InitialisationOptions {
     pub fn method(&self, method: InitialisationMethod) -> Box<dyn Initialisation> {
         match method {
             InitialisationMethod::Report => Box::new(Downhill(FitOptions::preset(Preset::Report))),
+            InitialisationMethod::RampAlone => Box::new(SoftenedRamp),
             InitialisationMethod::Ramp => Box::new(Downhill(FitOptions::default())),
             InitialisationMethod::Particles => Box::new(Particles(self.clone())),
             InitialisationMethod::Templates => {
@@ -301,6 +306,22 @@ impl InitialisationInputs<'_> {
         let result = Downhill(options).hypotheses(&from_rough, on_attempt)?;
         let evaluations = result.evaluations.map(|own| own + evaluations);
         Ok(InitialisationResult { before: Some(rough), evaluations, ..result })
+    }
+}
+
+/// The report's fit, first on ramps as wide as the robust preset's, with D softened likewise, then on its own. Λ softened alone
+/// leaves the silhouettes: a wide grey body costs least where nothing is dark.
+struct SoftenedRamp;
+
+impl Initialisation for SoftenedRamp {
+    fn hypotheses(&self, inputs: &InitialisationInputs<'_>, on_attempt: OnAttempt<'_>) -> Initialised {
+        let mut options = FitOptions::preset(Preset::Report);
+        let (own, begin) = (options.stages[0], inputs.starts()?);
+        let softer = begin.first().map(|start| ApparentSize::of(inputs.model, inputs.views, start).stages());
+        let softer = softer.unwrap_or_default().into_iter().filter(|stage| stage.data == DataView::Distance);
+        let softer = softer.map(|Stage { ramp, data, .. }| Stage { ramp, data, ..own });
+        options.stages.splice(0..0, softer);
+        Downhill(options).hypotheses(inputs, on_attempt)
     }
 }
 

@@ -41,7 +41,9 @@ fn every_attempt_is_told_and_telling_changes_nothing() {
             let begins = if given.is_some() { 1 } else { 8 };
             let particles = if given.is_some() { &options.particles } else { &options.particles_no_start };
             let expected = match (method, given) {
-                (Method::Report | Method::Ramp, _) => kinds[0] == begins && kinds[1] >= begins * 10,
+                (Method::Report | Method::RampAlone | Method::Ramp, _) => {
+                    kinds[0] == begins && kinds[1] >= begins * 10
+                }
                 (Method::Particles, _) => kinds[2] == particles.layers * 4 && kinds[0] == 1,
                 (Method::Templates, _) => kinds[3] > 5 && kinds[0] == 1 && kinds[1] > 0,
                 (Method::Search, Some(_)) => kinds[4] > 5 && kinds[..4] == [0; 4] && lowest.is_finite(),
