@@ -19,3 +19,4 @@ pub use fit::{Fit, SolverSummary};
 pub use objective::Objective;
 pub use options::{DataView, FitOptions, OptionsError, ParsePresetError, Preset, Stage};
 pub use schedule::ApparentSize;
+pub(crate) use schedule::MEANT_FOR_PX;

@@ -72,9 +72,10 @@ pub fn approach<E: From<BodyFitError>>(
     whole.stages.truncate(FIRST_STAGES);
     let scaled = fit_body(model.clone(), vec![start], FirstSizes::Scaled(size), &whole, cancel, |_| {})?;
     let pose = scaled.poses[0].clone();
-    let mut tracker = Tracker::new(Arc::new(scaled.model), FitOptions::default(), pose)
-        .map_err(at_frame(first))?
-        .continuing_from(first);
+    // Where this ends decides whether a widening is believed: on all processors alike.
+    let exact = FitOptions { exact: true, ..FitOptions::default() };
+    let mut tracker =
+        Tracker::new(Arc::new(scaled.model), exact, pose).map_err(at_frame(first))?.continuing_from(first);
     let mut found = Vec::with_capacity(wanted.len());
     for (done, &frame) in path.iter().enumerate() {
         if cancel.is_cancelled() {

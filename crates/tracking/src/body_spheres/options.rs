@@ -1,4 +1,4 @@
-//! Every choice of a body of spheres.
+//! Every choice of a body of spheres. The defaults were set on the balancing footage, all of whose frames they were judged by too.
 
 use crate::numbers::{OptionError, Range, check_options};
 use crate::render::MAX_SPHERES;

@@ -254,7 +254,8 @@ impl Objective {
         let one = |term: &mut CameraTerm| {
             term.view.prepare(model, kinematics, &term.fit_view.camera, options.renderer, ramp);
             term.blocks.fill(WrenchBlock::default());
-            term.cost = term.data.accumulate(&term.view, &mut term.memory, &mut term.blocks);
+            let sum = if options.exact { SampledData::accumulate_scalar } else { SampledData::accumulate };
+            term.cost = sum(&term.data, &term.view, &mut term.memory, &mut term.blocks);
         };
         let stride = self.stage.stride;
         let area: usize = self.cameras.iter().map(|term| term.area_px(stride)).sum();

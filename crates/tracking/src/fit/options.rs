@@ -138,6 +138,10 @@ pub struct FitOptions {
     /// Whether every stage runs all its iterations, whatever the cost does: for measuring times and for
     /// comparing solvers step by step.
     pub run_all: bool,
+    /// Whether pixels are summed by the reference kernel, in f64: the fit is then the same to the bit whatever vectors the processor
+    /// has, and many times slower. For what is decided at a threshold; files of choices do not hold it.
+    #[serde(skip)]
+    pub exact: bool,
 }
 
 impl Default for FitOptions {
@@ -228,6 +232,7 @@ impl FitOptions {
             largest_turn: Some(0.3),
             largest_move: Some(0.15),
             run_all: false,
+            exact: false,
         };
         match preset {
             Preset::Robust => robust,

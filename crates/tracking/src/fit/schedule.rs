@@ -32,8 +32,9 @@ const WIDE: [[f64; 2]; 2] = [[10.0, 5.0], [3.0, 0.5]];
 /// The same for a frame near the one before: weaker, an arm two pixels thick lets go; stronger, it does not follow.
 const NEAR: [f64; 2] = [10.0, 5.0];
 
-/// Radius of the thinnest limb that the robust preset's stages are meant for, pixels.
-const MEANT_FOR_PX: f64 = 4.6;
+/// Radius of the thinnest limb that the robust preset's stages are meant for, pixels: that of the balancing footage, on which they
+/// were set. Other sizes are those of the basin (`backlit experiment basin`).
+pub(crate) const MEANT_FOR_PX: f64 = 4.6;
 /// Finer pictures are taken as this many times as fine.
 const FINEST: f64 = 16.0;
 /// A person smaller than this, pixels, is tiny.

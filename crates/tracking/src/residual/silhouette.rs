@@ -120,9 +120,16 @@ impl SampledData {
         row: &mut RowWinners,
         mut pull: impl FnMut(&Primitive, DVec3, f64, f64),
     ) -> f64 {
-        let PixelGrid { rows, stride, offset, .. } = self.grid;
-        let mut cost = self.empty_cost;
+        let PixelGrid { rows, columns, stride, offset, .. } = self.grid;
+        // Summed again row by row: the order of the tiles depends on the vectors.
+        let mut cost = 0.0;
         for grid_row in 0..rows {
+            cost += (0..columns)
+                .map(|column| {
+                    let (data, weight) = self.grid.at(grid_row, column);
+                    f64::from(weight) * (f64::from(data) - BACKGROUND).powi(2)
+                })
+                .sum::<f64>();
             let y = self.grid.pixel(grid_row);
             row.find(view, y, stride, offset);
             let mut row_cost = 0.0;

@@ -13,8 +13,8 @@ use crate::statistics::upper_median;
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
 
-/// A frame counts as lost above this multiple of the track's usual RMS. On real footage frames that were fitted well
-/// stay below 1.14, with two cameras and with every sixth frame alone too.
+/// A frame counts as lost above this multiple of the track's usual RMS. Set on the balancing footage, where frames that were fitted
+/// well stay below 1.14, with two cameras and with every sixth frame alone too; `lab/thresholds.rs` looks at other takes.
 pub const LOST_ABOVE_RMS_RATIO: f64 = 1.35;
 
 /// And only if it rose by this many grey levels: clean simulations leave hardly any, and twice that is no loss.

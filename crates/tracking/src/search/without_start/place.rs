@@ -9,7 +9,7 @@ use super::WithoutStartError;
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::camera::{Camera, Intrinsics, up_of};
 use crate::cancel::CancelToken;
-use crate::fit::{ApparentSize, Evidence, FitView};
+use crate::fit::{ApparentSize, Evidence, FitView, MEANT_FOR_PX};
 use crate::silhouette::{Label, Mask};
 use crate::statistics::upper_median;
 use crate::visual_hull::{HullView, VisualHull};
@@ -250,9 +250,6 @@ fn front(up: DVec3, ends: &[DVec3]) -> (DVec3, bool) {
     let has_front = reach.abs() > LEAST_FRONT;
     (if has_front && reach < 0.0 { -ahead } else { ahead }, has_front)
 }
-
-/// Radius of the thinnest limb that the search is meant for, pixels: that of the robust preset.
-const MEANT_FOR_PX: f64 = 4.6;
 
 /// The views with every block of pixels made one, where the thinnest limb is twice as thick as it need be and more. Grey
 /// levels stay as they are.
