@@ -6,6 +6,7 @@ use std::path::Path;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::CueMemory;
 use backlit_tracking::filter::Belief;
+use backlit_tracking::render::Ramp;
 use backlit_tracking::track::{
     Beam, FilterMemory, KalmanOptions, LastFrame, MemoryError, Patience, REWOUND_FRAMES, Rival,
     TrackerMemory, UsualCost, WaitingFrame,
@@ -52,6 +53,8 @@ struct ResumeSpec {
     has_start: bool,
     usual_rms: Vec<f64>,
     too_high: usize,
+    #[serde(default)]
+    usual_ramp: Option<Ramp>,
     last_resort: [usize; 2],
     filter: Option<FilterSpec>,
     cues: Option<CuesSpec>,
@@ -174,6 +177,7 @@ pub fn to_text(resume: &Resume) -> String {
         has_start: *has_start,
         usual_rms: usual.last.iter().copied().collect(),
         too_high: usual.too_high,
+        usual_ramp: usual.ramp,
         last_resort: patience(last_resort),
         filter,
         cues: cues.as_ref().map(|cues| CuesSpec {
@@ -228,7 +232,7 @@ fn resume(spec: ResumeSpec, model: &Model) -> Result<Resume, FileProblem> {
             lost: spec.lost,
             velocity: spec.velocity,
         },
-        usual: UsualCost { last: spec.usual_rms.into(), too_high: spec.too_high },
+        usual: UsualCost { last: spec.usual_rms.into(), too_high: spec.too_high, ramp: spec.usual_ramp },
         last_resort: patience(spec.last_resort),
         has_start: spec.has_start,
         filter: spec.filter.map(filter).transpose().map_err(memory_error)?,
@@ -287,7 +291,7 @@ mod tests {
         Resume {
             memory: TrackerMemory {
                 last: LastFrame { frame: 7, pose: pose.clone(), lost: true, velocity: Some(vec![0.1; 6]) },
-                usual: UsualCost { last: [20.25, 1.0 / 3.0].into(), too_high: 2 },
+                usual: UsualCost { last: [20.25, 1.0 / 3.0].into(), too_high: 2, ramp: Some(Ramp::Half) },
                 last_resort: Patience { wait: 1, waited: 4 },
                 has_start: true,
                 filter: Some(FilterMemory {
@@ -323,7 +327,10 @@ mod tests {
         let resume = sample();
         let text = to_text(&resume);
         assert_eq!(read(&text).unwrap(), resume);
-        // Filters did not steer once.
+        // What was usual had no ramp once, and filters did not steer.
+        let mut before = resume.clone();
+        before.memory.usual.ramp = None;
+        assert_eq!(read(&text.replace(",\"usual_ramp\":\"half\"", "")).unwrap(), before);
         assert_eq!(read(&text.replace(",\"steers\":false", "")).unwrap(), resume);
         let mut bare = resume;
         bare.smoothing = None;

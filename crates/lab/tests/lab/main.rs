@@ -9,6 +9,7 @@ mod errata;
 mod given_masks;
 mod learnt_plates;
 mod own_sizes;
+mod thresholds;
 mod turned_round;
 mod without_start;
 

@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::render::Ramp;
 use crate::statistics::upper_median;
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
@@ -57,9 +58,17 @@ pub struct UsualCost {
     pub last: VecDeque<f64>,
     /// Frames in a row whose cost was too high.
     pub too_high: usize,
+    /// The ramp that these were measured by; `None` where nobody said.
+    pub ramp: Option<Ramp>,
 }
 
 impl UsualCost {
+    /// The same for costs by a ramp. Costs by another one are no measure: a person who comes nearer may be fitted by other stages.
+    pub(super) fn by(&self, ramp: Ramp) -> Self {
+        let known = if self.ramp.is_none_or(|own| own == ramp) { self.clone() } else { Self::default() };
+        Self { ramp: Some(ramp), ..known }
+    }
+
     /// A number that cannot have been remembered, and what can.
     pub(super) fn wrong(&self) -> Option<(f64, &'static str)> {
         let (count, too_high) = (self.last.len(), self.too_high);
@@ -90,7 +99,9 @@ impl UsualCost {
     pub(super) fn remember(&mut self, rms: f64, lost: Option<Lost>) {
         match lost {
             None => self.too_high = 0,
-            Some(Lost::Cost { .. }) if self.too_high + 1 >= REMEMBERED => *self = Self::default(),
+            Some(Lost::Cost { .. }) if self.too_high + 1 >= REMEMBERED => {
+                *self = Self { ramp: self.ramp, ..Self::default() }
+            }
             Some(Lost::Cost { .. }) => {
                 self.too_high += 1;
                 return;
@@ -128,6 +139,14 @@ mod tests {
         // Nothing is learnt from it.
         (0..FEWEST).for_each(|_| usual.remember(10.0, None));
         assert_eq!(usual.usual(), Some(10.0));
+    }
+
+    #[test]
+    fn a_cost_by_another_ramp_is_no_measure() {
+        let mut usual = UsualCost::default().by(Ramp::Half);
+        (0..FEWEST).for_each(|_| usual.remember(10.0, None));
+        assert!(matches!(usual.by(Ramp::Half).judge(30.0, None), Some(Lost::Cost { .. })));
+        assert_eq!(usual.by(Ramp::Thesis).judge(30.0, None), None);
     }
 
     #[test]

@@ -302,7 +302,8 @@ impl Tracker {
         let overlap = self.overlaps(&summary.pose, views);
         let kinematics = Kinematics::new(&self.model, &summary.pose);
         let is_out = extent::is_beyond(&self.model, &kinematics, views, &overlap);
-        let judge = || self.usual.judge(rms(&summary), iou(&overlap));
+        let usual = self.usual.by(fit.options.final_ramp());
+        let judge = || usual.judge(rms(&summary), iou(&overlap));
         let lost = if is_out { Some(Lost::OutOfScene) } else { judge() };
         Attempt { fit, summary, hypotheses, overlap, lost, conflicts: None, modes: Vec::new() }
     }
@@ -323,6 +324,7 @@ impl Tracker {
     ) -> FrameEstimate {
         let goes_on = predicted != Err(Begins::FoundElsewhere);
         let Attempt { mut fit, mut summary, hypotheses, mut overlap, lost, mut conflicts, modes } = attempt;
+        self.usual = self.usual.by(fit.options.final_ramp());
         self.usual.remember(summary.final_rms, lost);
         let fitted = summary.pose.clone();
         let mut variance = 0.0;
@@ -458,8 +460,9 @@ impl Tracker {
         }
         let fit = Fit::new(Arc::clone(&self.model), views.to_vec(), start.clone(), self.options.clone())?;
         let attempt = self.attempt(fit, Vec::new(), views, cancel)?;
+        let usual = self.usual.by(attempt.fit.options.final_ramp());
         let is_poor = iou(&attempt.overlap).is_some_and(|iou| iou < SEARCH_BELOW_IOU)
-            || self.usual.judge(rms(&attempt.summary), None).is_some();
+            || usual.judge(rms(&attempt.summary), None).is_some();
         if self.search == WhenToSearch::WhenPoor && is_poor {
             return self.search(views, start, cancel);
         }
