@@ -358,6 +358,21 @@ fn quantity(text: &str, units: &[(&str, f64)]) -> Option<f64> {
 mod tests {
     use super::*;
 
+    /// The built-in take has several pictures of its background, so that σ is believed as it is.
+    #[test]
+    fn a_take_is_segmented_as_asked_for() {
+        let take = backlit_take::builtin::open().unwrap();
+        let of = |how: Segmentation| how.of(take.clone()).measurement().to_vec();
+        assert_eq!(of(Segmentation::Take), take.measurement());
+        assert!(take.measurement().iter().all(|options| options.dont_know.is_some() && !options.grey));
+        let decided = of(Segmentation::Decided);
+        assert!(
+            decided.iter().all(|options| options.dont_know.is_none() && !options.shadow.unwrap().unknown)
+        );
+        let literal = of(Segmentation::Report);
+        assert!(literal.iter().all(|options| options.grey && options.noise_floor == 0.0));
+    }
+
     #[test]
     fn ranges_are_read() {
         let range = |text: &str| text.parse::<FrameSpan>().ok().map(|range| (range.first, range.past));

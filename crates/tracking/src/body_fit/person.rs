@@ -117,8 +117,11 @@ pub fn find_person<E: From<PersonError>>(
     if !options.sizes {
         return Ok(Person { model, start, search, sizes: None });
     }
+    // Sizes are believed or not, by thresholds: on all processors alike.
+    let fit = FitOptions { exact: true, ..options.fit.clone() };
+    let options = &PersonOptions { fit: fit.clone(), ..options.clone() };
     let posed = follow(&model, start.clone(), frames, options, cancel, &mut views, &mut progress)?;
-    let choices = OwnSizesOptions { pose: options.fit.clone(), ..OwnSizesOptions::default() };
+    let choices = OwnSizesOptions { pose: fit, ..OwnSizesOptions::default() };
     let found = own_sizes(
         &model,
         &posed,
