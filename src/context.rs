@@ -51,6 +51,7 @@ use backlit_jobs::Pool;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
+use backlit_tracking::people::PersonTrack;
 use backlit_ui::drawing::Ghosts;
 
 /// All that a panel may look at while a frame is drawn.
@@ -81,6 +82,8 @@ pub struct Context<'a> {
     pub(crate) motions: &'a MotionMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<&'a Ghosts>,
+    /// The people to choose from, while one is to be chosen.
+    pub(crate) people: &'a [PersonTrack],
     pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub(crate) doing: Option<&'a str>,
@@ -104,6 +107,7 @@ pub(crate) struct Published {
     pub(crate) observability: ObservabilityMarks,
     pub(crate) motions: MotionMarks,
     pub(crate) ghosts: Option<Arc<Ghosts>>,
+    pub(crate) people: Arc<Vec<PersonTrack>>,
 }
 
 impl<'a> Context<'a> {

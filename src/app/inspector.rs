@@ -80,6 +80,7 @@ fn context<'a>(
         observability: &state.published.observability,
         motions: &state.published.motions,
         ghosts: state.published.ghosts.as_deref(),
+        people: &state.published.people,
         doing: state.status.as_deref(),
         is_covered: shell.overlay.is_some(),
         offers_unsaved_work: features.recovery.is_offered(),

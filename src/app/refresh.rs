@@ -6,6 +6,7 @@ use backlit_formats::Footage;
 use backlit_formats::footage::MadeWith;
 use backlit_formats::footage::replacement::{Calibration, PlateFiles};
 use backlit_jobs::{Task, once};
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
@@ -15,7 +16,7 @@ use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
 /// What the footage is made again for.
-type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>);
+type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<FollowedPerson>>);
 
 /// The tasks whose results the session holds.
 #[derive(Debug, Default)]
@@ -42,7 +43,7 @@ impl Inspector {
         for extents in notices.outputs("Looking through the whole take", &mut refresh.survey) {
             session.subject = extents;
         }
-        let doing = "Reading the footage with the new cameras or plates";
+        let doing = "Reading the footage with the new cameras, plates or person";
         for footage in notices.outputs(doing, &mut refresh.replaced) {
             self.replaced(footage);
         }
@@ -84,18 +85,20 @@ impl Inspector {
         self.refresh.frame.need(&self.state.pool, inputs, read);
     }
 
-    /// The footage follows the document's calibration, plates and silhouettes, also where they are undone. Frames that were made
+    /// The footage follows the document's calibration, plates, person and silhouettes, also where they are undone. Frames that were made
     /// with others, or with other settings of the measurement, are made again.
     fn follow_replacements(&mut self) {
         let Some(take) = self.state.session.take.clone() else { return };
         let document = self.document();
-        let (wanted, masks) =
-            ((document.calibration.clone(), document.plates.clone()), document.masks.clone());
-        if take.calibration != wanted.0 || take.plates != wanted.1 {
+        let masks = document.masks.clone();
+        let wanted = (document.calibration.clone(), document.plates.clone(), document.person.clone());
+        if (&take.calibration, &take.plates, take.take().person())
+            != (&wanted.0, &wanted.1, wanted.2.as_ref())
+        {
             // The tables that take a lens out of a picture take their time.
             self.refresh.replaced.need(&self.state.pool, wanted, |replacements| {
-                let (take, (calibration, plates)) = (take.clone(), replacements.clone());
-                once(move |_| Arc::new(take.with_replacements(calibration, plates)))
+                let (take, (calibration, plates, person)) = (take.clone(), replacements.clone());
+                once(move |_| Arc::new(take.with_replacements(calibration, plates, person)))
             });
         } else if take.masks != masks {
             let mut with_masks = (*take).clone();
@@ -111,10 +114,12 @@ impl Inspector {
         }
     }
 
-    /// The cameras or the plates are others now.
+    /// The cameras, the plates or the person are others now.
     fn replaced(&mut self, footage: Arc<Footage>) {
         let document = self.document();
-        let is_wanted = footage.calibration == document.calibration && footage.plates == document.plates;
+        let is_wanted = footage.calibration == document.calibration
+            && footage.plates == document.plates
+            && footage.take().person() == document.person.as_ref();
         let is_open = self.state.session.take.as_ref().is_some_and(|take| take.shares_take_with(&footage));
         if is_wanted && is_open {
             self.interrupt_fit();

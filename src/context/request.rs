@@ -123,6 +123,8 @@ pub(crate) enum FeatureRequest {
     ShowMode(Layout, ViewMode),
     /// Run fits in the laboratory as soon as they have begun: what they differ in, and the camera whose pictures are shown.
     RunLaboratory { over: Variants, camera: Option<usize> },
+    /// Follow this one of the people who were found, counted from 0.
+    FollowPerson(usize),
     /// What to do with work that an earlier start of the program left unsaved.
     Recover(Decision),
 }

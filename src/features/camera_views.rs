@@ -223,6 +223,8 @@ pub enum TileEvent {
     SetWeight(f64, Option<Gesture>),
     /// Took a pose that rivals the one on the screen, counted from the likeliest.
     TakeRival(usize),
+    /// Clicked one of the people to choose from, counted from 0.
+    FollowPerson(usize),
     /// Linked or unlinked zoom and pan. Linked tiles share one [`Framing`].
     SetLinked(bool),
     /// Zoomed, panned or fitted.

@@ -7,6 +7,7 @@ pub(crate) mod choices;
 mod job;
 mod offer;
 mod other_poses;
+mod people;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -21,6 +22,7 @@ use backlit_document::history::Gesture;
 use backlit_jobs::Task;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::people::PersonTrack;
 use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 
@@ -28,7 +30,7 @@ use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
-use crate::context::{Context, Requests, priority};
+use crate::context::{Context, FeatureRequest, Published, Requests, priority};
 use update::{joined, keys_around};
 
 #[derive(Debug, Default)]
@@ -50,6 +52,8 @@ pub(crate) struct Tracking {
     tracks_then: bool,
     /// The person was found and is the document's: all frames are tracked next.
     tracks_next: bool,
+    /// The people to choose from, while one is to be chosen.
+    people: Arc<Vec<PersonTrack>>,
 }
 
 #[derive(Debug, Clone)]
@@ -142,7 +146,19 @@ impl Feature for Tracking {
             TrackingCommand::LearnBackground => {
                 background_job::unavailable(context).or(because(self.is_busy(), "The tracker is running"))
             }
+            TrackingCommand::ChoosePerson => self.cannot_find_people(context),
+            TrackingCommand::FollowEverybody => self.cannot_follow_everybody(context),
             TrackingCommand::Clear => not_tracked(context),
+        }
+    }
+
+    fn publish(&self, published: &mut Published) {
+        published.people = self.people.clone();
+    }
+
+    fn answer(&mut self, request: &FeatureRequest, _: &Context<'_>, requests: &mut Requests) {
+        if let FeatureRequest::FollowPerson(number) = request {
+            self.follow_person(*number, requests);
         }
     }
 

@@ -1,7 +1,11 @@
-//! What a take lacks before it can be tracked, found from its silhouettes: a pose to begin with, the person's own sizes.
+//! What a take lacks before it can be tracked, found from its silhouettes: a pose to begin with, the person's own sizes, and who of
+//! several people it is.
 
-use anyhow::Context;
+use std::sync::Arc;
+
+use anyhow::{Context, bail, ensure};
 use backlit_formats::Footage;
+use backlit_runs::people;
 use backlit_runs::person::{PersonSearch, PersonSearchError};
 use backlit_runs::track::{TakeReader, survey};
 use backlit_tracking::body::Pose;
@@ -9,11 +13,72 @@ use backlit_tracking::body_fit::survey::LOOKED_AT;
 use backlit_tracking::body_fit::{Doubt, OwnSizes, Person};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::people::{FEWEST_CAMERAS, FollowedPerson, PersonTrack};
 use backlit_tracking::search::{WithoutStartOptions, without_start};
+use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use crate::interrupt::Interrupted;
+use crate::numbers::within;
 use crate::{output, progress};
+
+/// Who is followed of several people.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct PersonArguments {
+    /// Follow one of several people, by number: 1 is who is in view longest. Pixels of others are unknown. Needs three
+    /// cameras or more [1 to 100]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = within(1..=100_usize))]
+    person: Option<usize>,
+}
+
+impl PersonArguments {
+    /// The footage of the person who is named, if one is, by what these cameras show in these frames. Who is followed is said on
+    /// standard error.
+    pub(crate) fn follow(
+        &self,
+        footage: Arc<Footage>,
+        cameras: &[usize],
+        frames: &[usize],
+        cancel: &CancelToken,
+    ) -> anyhow::Result<Arc<Footage>> {
+        let Some(number) = self.person else { return Ok(footage) };
+        ensure!(
+            cameras.len() >= FEWEST_CAMERAS,
+            "--person: {} cameras cannot tell people apart; expected {FEWEST_CAMERAS} or more",
+            cameras.len()
+        );
+        let rate = footage.take().frame_rate();
+        let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras.to_vec()));
+        let spinner = progress::spinner();
+        let found = people::find(&reader, frames, rate, cancel, |done, all| {
+            spinner.set_message(format!("looking for people in {all} frames: {done}"));
+        })?;
+        spinner.finish_and_clear();
+        ensure!(!cancel.is_cancelled(), Interrupted);
+        let Some(person) = FollowedPerson::of(&found, number - 1) else {
+            let all: Vec<String> =
+                found.iter().zip(1..).map(|(track, number)| place_text(number, track)).collect();
+            match all.len() {
+                0 => bail!("--person {number}: nobody as large as a person is in view of these cameras"),
+                people => bail!("--person {number}: {people} are in view: {}", all.join("; ")),
+            }
+        };
+        output::complain(&format!(
+            "followed of {} in view: {}",
+            found.len(),
+            place_text(number, &person.own)
+        ));
+        Ok(Arc::new(footage.with_replacements(None, Arc::default(), Some(Arc::new(person)))))
+    }
+}
+
+/// "person 2, frames 0 to 69, first at (0.31, -0.20, 0.90) m".
+fn place_text(number: usize, track: &PersonTrack) -> String {
+    let ends = track.boxes.first_key_value().zip(track.boxes.last_key_value());
+    let Some(((first, at), (last, _))) = ends else { return format!("person {number}") };
+    let [x, y, z] = at.centre().to_array();
+    format!("person {number}, frames {first} to {last}, first at ({x:.2}, {y:.2}, {z:.2}) m")
+}
 
 /// What was found before tracking began.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -66,6 +131,9 @@ pub(crate) fn check_silhouettes(reader: &TakeReader, frames: &[usize]) -> anyhow
     let found = survey(reader, frames, LOOKED_AT, &CancelToken::new());
     found.check()?;
     found.doubts().for_each(|doubt| output::complain(&doubt.to_string()));
+    if let Some(several) = found.several_people() {
+        output::complain(&format!("{several}: follow one of them with --person K"));
+    }
     Ok(())
 }
 
@@ -79,7 +147,7 @@ pub(crate) fn find(
     let spinner = progress::spinner();
     let person = search.run(reader.footage.take(), reader, cancel, |text| spinner.set_message(text));
     spinner.finish_and_clear();
-    anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
+    ensure!(!cancel.is_cancelled(), Interrupted);
     let person = match person {
         Err(error) if !is_given && !matches!(error, PersonSearchError::Keypoints(_)) => {
             return Err(anyhow::Error::from(error).context(no_start(first)));

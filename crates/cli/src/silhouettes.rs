@@ -11,8 +11,10 @@ use image::DynamicImage;
 
 use super::fit_options::one_of;
 use super::output;
+use super::person::PersonArguments;
 use super::progress;
 use super::take_options::{self, PartArguments, Segmentation};
+use crate::interrupt;
 
 const AFTER_HELP: &str = "\
 Writes to the folder of --out:
@@ -37,12 +39,15 @@ pub struct SilhouetteArguments {
     segmentation: Segmentation,
     #[command(flatten)]
     part: PartArguments,
+    #[command(flatten)]
+    person: PersonArguments,
 }
 
 pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
     let footage = take_options::open_segmented(&arguments.take, None, arguments.segmentation)?;
     let frames = arguments.part.frames(footage.take())?;
     let indices = arguments.part.cameras(footage.take())?;
+    let footage = arguments.person.follow(footage, &indices, &frames, &interrupt::listen()?)?;
     let cameras: Vec<_> = indices.iter().map(|&camera| (*footage.cameras[camera]).clone()).collect();
     for camera in &cameras {
         output::check_file_stem(camera.name())?;

@@ -24,6 +24,7 @@ use indicatif::ProgressBar;
 
 use crate::follow_options::FollowArguments;
 use crate::interrupt::{self, Interrupted};
+use crate::person::PersonArguments;
 use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
 use crate::track_files::{Earlier, Writer};
 use crate::track_report::TrackReport;
@@ -85,6 +86,8 @@ pub struct TrackArguments {
     pub(crate) model: Option<String>,
     #[command(flatten)]
     part: PartArguments,
+    #[command(flatten)]
+    person: PersonArguments,
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
@@ -180,6 +183,7 @@ impl<'a> TrackInputs<'a> {
         cancel: &CancelToken,
     ) -> anyhow::Result<Self> {
         let cameras = arguments.part.cameras(footage.take())?;
+        let footage = arguments.person.follow(footage, &cameras, all_frames, cancel)?;
         let mut reader = TakeReader::of_silhouettes(footage, cameras);
         let take = reader.footage.take();
         if let Some(mut earlier) = earlier {
@@ -201,7 +205,9 @@ impl<'a> TrackInputs<'a> {
         let (found, begun) = person::find(&reader, search, cancel)?;
         if !Arc::ptr_eq(&found.model, reader.footage.take().model()) {
             let take = Take::open_with_model(&arguments.take, (*found.model).clone())?;
-            reader.footage = Arc::new(Footage::new(arguments.follow.solver.segmentation().of(take)));
+            let person = reader.footage.take().person().cloned();
+            let take = arguments.follow.solver.segmentation().of(take.with_person(person));
+            reader.footage = Arc::new(Footage::new(take));
         }
         reader.cues.clone_from(&arguments.cues);
         let (start, begun) = (found.start, Some(begun));

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use backlit_formats::footage::replacement::Calibration;
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::fit::{FitOptions, OptionsError};
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 use thiserror::Error;
 
@@ -83,6 +84,8 @@ pub enum Edit {
     SetPlates(BTreeMap<usize, PathBuf>),
     /// Silhouettes of a frame, by camera, in the place of those that are measured.
     SetMasks { frame: usize, masks: BTreeMap<usize, PathBuf> },
+    /// One of several people: pixels of others are unknown. `None` for everybody in view.
+    FollowPerson(Option<Arc<FollowedPerson>>),
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
         limb: usize,
@@ -147,6 +150,8 @@ impl Edit {
             Self::SetMeasurement(_) => "Change measurement".to_owned(),
             Self::SetCalibration(_) => "Replace calibration".to_owned(),
             Self::SetPlates(_) => "Learn background again".to_owned(),
+            Self::FollowPerson(Some(_)) => "Follow one person".to_owned(),
+            Self::FollowPerson(None) => "Follow everybody in view".to_owned(),
             Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
@@ -226,6 +231,7 @@ impl Document {
                 self.check_cameras(&plates)?;
                 self.plates = Arc::new(plates);
             }
+            Edit::FollowPerson(person) => self.person = person,
             Edit::SetMasks { frame, masks } => {
                 self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);

@@ -24,6 +24,7 @@ use backlit_formats::motion::Motion;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 use serde::{Deserialize, Serialize};
 
@@ -119,6 +120,8 @@ pub struct Document {
     pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
+    /// Who is followed of several people.
+    pub person: Option<Arc<FollowedPerson>>,
 }
 
 impl Document {
@@ -140,6 +143,7 @@ impl Document {
             calibration: None,
             plates: Arc::default(),
             masks: Arc::default(),
+            person: None,
         }
     }
 

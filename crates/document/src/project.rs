@@ -97,6 +97,9 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
     let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
     let last_brace = "\n}";
     text.truncate(text.len() - last_brace.len());
+    if let Some(person) = &file.person {
+        text += &format!(",\n  \"person\": {}", serde_json::to_string(person).map_err(json)?);
+    }
     if !file.told.is_empty() {
         let line = |(frame, told)| Ok(format!("\"{frame}\": {}", serde_json::to_string(told)?));
         let lines: Result<Vec<String>, _> = file.told.iter().map(line).collect();

@@ -11,6 +11,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::{BackgroundError, SegmentError, SegmentOptions};
 use backlit_tracking::silhouette::Mask;
@@ -78,15 +79,23 @@ impl Footage {
         }
     }
 
-    /// The same seen by the cameras of a calibration, or by the take's own again, and with these plates in the place of the
-    /// take's. A calibration of other cameras than the take's changes nothing but [`calibration`](Self::calibration).
-    pub fn with_replacements(&self, calibration: Option<Arc<Calibration>>, plates: Arc<PlateFiles>) -> Self {
+    /// The same seen by the cameras of a calibration, or by the take's own again, with these plates in the place of the
+    /// take's, and of one of several people. A calibration of other cameras than the take's changes nothing but
+    /// [`calibration`](Self::calibration).
+    pub fn with_replacements(
+        &self,
+        calibration: Option<Arc<Calibration>>,
+        plates: Arc<PlateFiles>,
+        person: Option<Arc<FollowedPerson>>,
+    ) -> Self {
         let own = &self.original.take;
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
-        let prepared = match (rig.and_then(|rig| own.with_rig(rig)), plates.is_empty()) {
-            (None, true) => self.original.clone(),
-            (None, false) => Arc::new(PreparedTake::new(own.with_plates(&plates))),
-            (Some(take), _) => Arc::new(PreparedTake::new(take.with_plates(&plates))),
+        let prepared = match rig.and_then(|rig| own.with_rig(rig)) {
+            None if plates.is_empty() && person.is_none() => self.original.clone(),
+            take => {
+                let take = take.as_ref().unwrap_or(own).with_plates(&plates).with_person(person);
+                Arc::new(PreparedTake::new(take))
+            }
         };
         Self { calibration, plates, cameras: prepared.cameras.clone(), prepared, ..self.clone() }
     }
@@ -152,6 +161,15 @@ impl Footage {
             Some(mask) => Ok(mask),
             None => self.prepared.segmented(camera, frame, picture, options),
         }
+        .map(|mask| self.of_person(camera, frame, mask))
+    }
+
+    /// The silhouette without other people than the one who is followed.
+    fn of_person(&self, camera: usize, frame: usize, mut mask: Mask) -> Mask {
+        if let Some(person) = self.take().person() {
+            person.hide_others(&self.cameras[camera], frame, &mut mask);
+        }
+        mask
     }
 
     /// The silhouette of a frame that the take has from elsewhere, on the ideal grid; `None` for a camera without masks. It is
@@ -172,7 +190,7 @@ impl Footage {
                     self.prepared.segmented(camera, frame, &picture, options)?
                 }
             };
-            let evidence = Evidence::Mask(Arc::new(mask));
+            let evidence = Evidence::Mask(Arc::new(self.of_person(camera, frame, mask)));
             Ok(FitView { camera: Arc::clone(&self.cameras[camera]), evidence, weight: 1.0 })
         };
         let views: Vec<Result<FitView, FootageError>> = cameras.par_iter().map(one).collect();

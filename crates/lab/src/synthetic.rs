@@ -16,6 +16,7 @@
 //! | [`filmed`] | what the telephones see of squats: pictures, masks, keypoints |
 //! | [`single_limb`] | one limb seen from the side |
 //! | [`people`] | people of several builds |
+//! | [`two_people`] | two people who pass each other, as a take of masks |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
@@ -38,6 +39,7 @@ pub mod single_limb;
 mod solid;
 pub mod squats;
 pub mod studio;
+pub mod two_people;
 pub mod upper_body;
 
 pub use figure::{Build, Figure};

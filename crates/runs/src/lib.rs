@@ -3,5 +3,6 @@
 pub mod basin;
 pub mod initialisation;
 pub mod motions;
+pub mod people;
 pub mod person;
 pub mod track;

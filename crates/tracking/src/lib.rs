@@ -143,6 +143,8 @@ pub mod optimize;
 #[doc(hidden)]
 pub mod particles;
 #[doc(hidden)]
+pub mod people;
+#[doc(hidden)]
 pub mod posing;
 #[doc(hidden)]
 pub mod prior;

@@ -117,7 +117,7 @@ groups! {
     ObservabilityCommand { Ellipses, Sway, WeakerDirection, StrongerDirection }
 
     /// The tracker.
-    TrackingCommand { FindStart, Forward, Back, Between, TurnRound, LearnBackground, Clear }
+    TrackingCommand { FindStart, Forward, Back, Between, TurnRound, LearnBackground, ChoosePerson, FollowEverybody, Clear }
 
     /// Frames: going to them, playing them, key poses.
     TimelineCommand {

@@ -168,6 +168,8 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Fit, Beginning(BeginningCommand::RunAll), "Try ways to begin", "Particle filter, softened ramp, templates and search on this frame, in the background; every step is kept and can be played", &[]),
     row(Menu::Fit, Beginning(BeginningCommand::AcquireBody), "Acquire a body", "Find pose and sizes of a person of whom nothing is known, by growing limbs; every step is kept and can be played", &[]),
     row(Menu::Fit, Beginning(BeginningCommand::Stop), "Stop ways to begin", "End what is being tried; what is done stays", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::ChoosePerson), "Follow one person…", "Find everybody in view of three cameras or more, and click the one to follow; pixels of the others are unknown from then on", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::FollowEverybody), "Follow everybody in view", "Choose nobody: all that is not background is the subject", &[]),
     row(Menu::Track, Tracking(TrackingCommand::FindStart), "Find start", "Find where the person stands in this frame from the silhouettes alone", &[]),
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end. Where the take has no start, or asks for the person’s own sizes, they are found first", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),

@@ -4,6 +4,7 @@ use backlit_document::told::Told;
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::Cue;
+use backlit_tracking::people::PersonBox;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
@@ -196,7 +197,14 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
     let sight_ray = ray_in(context, &kinematics, index, camera);
     if let Some(ghosts) = context.ghosts {
         let ghosts = Some(GhostMarks::new(ghosts, camera, renderer));
-        return BodyMarks { ghosts, sight_ray, quick_outline: Some(Vec::new()), ..BodyMarks::default() };
+        let people = people(context, camera);
+        return BodyMarks {
+            ghosts,
+            sight_ray,
+            people,
+            quick_outline: Some(Vec::new()),
+            ..BodyMarks::default()
+        };
     }
     let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
     let limbs = project_limbs(model, &kinematics, camera, renderer);
@@ -215,6 +223,7 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
         sway: seen.swaying.as_ref().map(|body| SwayMarks::new(model, body, camera, renderer)),
         rivals: rivals(context, &kinematics, camera),
         ghosts: None,
+        people: people(context, camera),
         ellipses: Ellipses {
             joints: known.map_or_else(Vec::new, |known| known.ellipses(camera)),
             factor: seen.factor,
@@ -223,6 +232,20 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
             are_believed: known.is_some_and(|known| known.is_believed),
         },
     }
+}
+
+/// The people to choose from, where all of their box is before the camera.
+fn people(context: &Context<'_>, camera: &Camera) -> Vec<(usize, [DVec2; 8])> {
+    let tracks = context.people.iter().enumerate();
+    let mut boxes: Vec<(usize, PersonBox)> =
+        tracks.filter_map(|(number, track)| Some((number, track.at(context.selection.frame)?))).collect();
+    let depth = |person: &PersonBox| camera.depth(person.centre());
+    boxes.sort_by(|(_, a), (_, b)| depth(b).total_cmp(&depth(a)));
+    let corners = |person: PersonBox| {
+        let seen: Vec<DVec2> = person.corners().iter().filter_map(|corner| camera.project(*corner)).collect();
+        seen.try_into().ok()
+    };
+    boxes.into_iter().filter_map(|(number, person)| Some((number, corners(person)?))).collect()
 }
 
 /// Poses that rival the one on the screen, where they are to be seen.

@@ -9,7 +9,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, GHOST, JOINT, PICTURE_GROUND, WHITE};
 use backlit_ui::style::theme::{Theme, size};
 use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
-use backlit_ui::widgets::{Framing, Grip, JointLook, Overlay, SizeHandles, ViewTransform, grip_at};
+use backlit_ui::widgets::{Framing, Grip, JointLook, Overlay, SizeHandles, ViewTransform, cased, grip_at};
 use egui::{
     Align2, CursorIcon, Id, Key, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui,
     WidgetInfo, pos2, vec2,
@@ -78,6 +78,7 @@ pub(crate) fn show(
     shown.paint_marks(state, seen.mode());
     shown.paint_rivals(state);
     shown.paint_size_handles(state);
+    shown.offer_people(state);
     if let ShownModes::Wiped(_, _, at) = seen {
         comparison::paint_wipe(painter, rect, at);
     }
@@ -157,6 +158,39 @@ impl ShownPicture<'_> {
             ui.set_cursor_icon(CursorIcon::AllScroll);
         }
         state.hovered = inside.and_then(|at| view.pixel_at(at, self.input.picture.size));
+    }
+
+    /// People to choose from, as boxes; a click on one follows it.
+    fn offer_people(&self, state: &mut TileState) {
+        let (ui, picture) = (self.ui, self.overlay.painter.clip_rect());
+        for (number, corners) in &self.input.marks.people {
+            let points = corners.map(|px| self.overlay.at(px));
+            let place = Rect::from_points(&points).intersect(picture);
+            if !place.is_positive() {
+                continue;
+            }
+            let name = format!("Person {}", number + 1);
+            let response = ui.interact(place, self.id.with(("person", number)), Sense::CLICK);
+            response.widget_info(|| {
+                WidgetInfo::labeled(Role::Button, true, format!("Follow {name}, {}", self.input.name()))
+            });
+            let colour = if response.hovered() { WHITE } else { JOINT };
+            for (from, to) in
+                (0..8_usize).flat_map(|at| [1, 2, 4].map(|side| (at, at ^ side))).filter(|(a, b)| a < b)
+            {
+                for stroke in cased(1.25, colour) {
+                    self.overlay.painter.line_segment([points[from], points[to]], stroke);
+                }
+            }
+            let font = TextStyle::Body.resolve(ui.style());
+            let galley = ui.painter().layout_no_wrap(name, font, colour);
+            let label = Align2::CENTER_TOP.anchor_size(place.center_top(), galley.size() + vec2(10.0, 4.0));
+            self.overlay.painter.rect_filled(label, 3.0, CASING.gamma_multiply(0.8));
+            self.overlay.painter.galley(label.min + vec2(5.0, 2.0), galley, colour);
+            if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
+                state.events.push(TileEvent::FollowPerson(*number));
+            }
+        }
     }
 
     /// Poses that rival the one on the screen; a click on the weight of one takes it.

@@ -49,6 +49,8 @@ pub struct BodyMarks {
     pub ghosts: Option<GhostMarks>,
     /// Ellipses of joints.
     pub ellipses: Ellipses,
+    /// The corners of the boxes of people to choose from, the farthest first, each with its number from 0.
+    pub people: Vec<(usize, [DVec2; 8])>,
 }
 
 /// All that a tile shows. It keeps nothing but the pointer's state and its textures.

@@ -166,6 +166,7 @@ impl CameraViews {
             TileEvent::SetWeight(weight, drag) => {
                 requests.edits.push((Edit::WeighCamera { camera, weight }, drag));
             }
+            TileEvent::FollowPerson(number) => requests.request(FeatureRequest::FollowPerson(number)),
             TileEvent::TakeRival(rival) => {
                 if let Some((pose, _)) = context.rivals().get(rival) {
                     requests.take_rival(context.selection.frame, pose);

@@ -21,7 +21,7 @@ use backlit_tracking::silhouette::Label;
 use backlit_ui::style::format;
 
 use super::job::WindowReader;
-use super::{Applied, applied, refused, told};
+use super::{Applied, applied, people, refused, told};
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
@@ -181,6 +181,14 @@ pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Out
         silhouettes.doubts().map(|doubt| format!("{}.", format::capitalised(&doubt.to_string()))).collect();
     if !doubts.is_empty() {
         out.send(applied(move |_, _, requests| requests.inform(doubts.join(" "), None)));
+    }
+    if let Some(several) = silhouettes.several_people() {
+        out.send(applied(move |tracking, _, requests| {
+            // Where all frames are tracked next, the tracker says it.
+            if !tracking.tracks_then {
+                people::tell_of_several(&several, requests);
+            }
+        }));
     }
     match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
         _ if out.cancel().is_cancelled() => {}

@@ -13,7 +13,6 @@ use backlit_runs::track::{
     FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::observability::believed_joints;
@@ -21,7 +20,7 @@ use backlit_tracking::search::Hypothesis;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::{FrameEstimate, WhenToSearch};
 
-use super::{Applied, OtherPose, Tracking, applied, refused};
+use super::{Applied, OtherPose, Tracking, applied, people, refused};
 use crate::session::BelievedJoints;
 use crate::session::prediction::FitInputs;
 
@@ -121,7 +120,7 @@ impl TrackJob {
     }
 
     /// Why these frames cannot be tracked, in a sentence.
-    fn refusal(&self, frames: &[usize], cancel: &CancelToken) -> Option<String> {
+    fn refusal(&self, frames: &[usize], out: &Outbox<Applied>) -> Option<String> {
         if self.reader.cues == CueChoice::Keypoints {
             match self.reader.footage.take().keypoint_order() {
                 Ok(Some(_)) => {}
@@ -136,7 +135,10 @@ impl TrackJob {
         if frames.len() <= FEW {
             return None;
         }
-        let found = survey(&*self.reader, frames, LOOKED_AT, cancel);
+        let found = survey(&*self.reader, frames, LOOKED_AT, out.cancel());
+        if let Some(several) = found.several_people() {
+            out.send(applied(move |_, _, requests| people::tell_of_several(&several, requests)));
+        }
         found.check().err().map(|error| format!("Not tracked: {error}."))
     }
 }
@@ -145,7 +147,7 @@ impl Job<Applied> for TrackJob {
     fn step(&mut self, out: &Outbox<Applied>) -> Turn {
         if let Some(frames) = self.unseen.take()
             && !out.cancel().is_cancelled()
-            && let Some(why) = self.refusal(&frames, out.cancel())
+            && let Some(why) = self.refusal(&frames, out)
         {
             out.send(refused(why));
             return Turn::Done;

@@ -51,6 +51,12 @@ impl Tracking {
                 let what = "Learning the background without the body".to_owned();
                 self.begin(TrackingWork::Make(what), context, job);
             }
+            TrackingCommand::ChoosePerson => {
+                if let Some(reader) = reader(context) {
+                    self.find_people(reader, context);
+                }
+            }
+            TrackingCommand::FollowEverybody => self.follow_everybody(context, requests),
             TrackingCommand::Clear => clear(context, requests),
         }
     }
@@ -127,7 +133,12 @@ impl Tracking {
     }
 
     /// Begins work; what was under way is superseded.
-    fn begin(&mut self, work: TrackingWork, context: &Context<'_>, job: impl Job<Applied> + 'static) {
+    pub(super) fn begin(
+        &mut self,
+        work: TrackingWork,
+        context: &Context<'_>,
+        job: impl Job<Applied> + 'static,
+    ) {
         self.task.begin(context.pool, (), |()| job);
         self.work = Some(work);
     }

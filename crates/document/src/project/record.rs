@@ -10,6 +10,7 @@ use backlit_formats::json_text::unique_keys;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,9 @@ pub(crate) struct ProjectFile {
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    /// Written apart, in one line.
+    #[serde(default, skip_serializing)]
+    pub(crate) person: Option<FollowedPerson>,
     /// Written apart, a line a frame.
     #[serde(default, skip_serializing, deserialize_with = "unique_keys")]
     pub(crate) told: BTreeMap<usize, ToldRecord>,
@@ -114,6 +118,7 @@ impl ProjectFile {
                 .iter()
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
+            person: document.person.as_deref().cloned(),
             told: document.told.iter().map(told).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
         }
@@ -168,6 +173,7 @@ impl ProjectFile {
             calibration,
             plates: Arc::new(plates),
             masks: Arc::new(masks),
+            person: self.person.map(Arc::new),
         };
         Ok(Project { document, runs })
     }

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::fit::{DataView, Evidence};
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use image::{DynamicImage, RgbImage};
@@ -34,6 +35,7 @@ pub struct MadeWith {
     measurement: Arc<Vec<SegmentOptions>>,
     calibration: Option<Arc<Calibration>>,
     plates: Arc<PlateFiles>,
+    person: Option<Arc<FollowedPerson>>,
     masks: BTreeMap<usize, PathBuf>,
 }
 
@@ -107,6 +109,7 @@ impl Footage {
             measurement: measurement.clone(),
             calibration: self.calibration.clone(),
             plates: self.plates.clone(),
+            person: self.take().person().cloned(),
             masks: self.masks.get(&frame).cloned().unwrap_or_default(),
         }
     }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::metrics::ReferenceJoints;
+use glam::DVec2;
 use toml::Spanned;
 
 use super::reader::TakeReader;
@@ -72,7 +73,7 @@ impl Take {
         }
         let mut order = None;
         for frame in plate::spread(self.frame_count, MOST_LOOKED_AT) {
-            order = body_of(&self.tallest_people(frame)?).map(|body| body.order);
+            order = body_of(&self.subjects(frame)?).map(|body| body.order);
             if order.is_some() {
                 break;
             }
@@ -80,16 +81,33 @@ impl Take {
         Ok(*self.keypoint_order.get_or_init(|| order))
     }
 
-    /// The tallest person of each camera in a frame.
-    fn tallest_people(&self, frame: usize) -> Result<Vec<(&Camera, Person)>, TakeError> {
+    /// Whose keypoints count of those of a camera's frame: the one nearest to the person who is followed, else the tallest.
+    fn subject<'a>(&self, people: &'a [Person], camera: &Camera, frame: usize) -> Option<&'a Person> {
+        let Some(followed) = &self.person else { return tallest(people) };
+        let middle = camera.project(followed.own.at(frame)?.centre())?;
+        let off = |person: &&Person| {
+            let places = person.iter().flatten().map(|keypoint| keypoint.place);
+            let count = places.clone().count().max(1) as f64;
+            (places.sum::<DVec2>() / count).distance(middle)
+        };
+        people
+            .iter()
+            .filter(|person| tallest(std::slice::from_ref(*person)).is_some())
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
+    /// The person of each camera in a frame whose keypoints count.
+    fn subjects(&self, frame: usize) -> Result<Vec<(&Camera, Person)>, TakeError> {
         let mut people = Vec::new();
         for (index, camera) in self.full_rig.cameras().iter().enumerate() {
-            people.extend(tallest(&self.people(index, frame)?).map(|person| (camera, person.clone())));
+            let seen = self.people(index, frame)?;
+            people.extend(self.subject(&seen, camera, frame).map(|person| (camera, person.clone())));
         }
         Ok(people)
     }
 
-    /// The keypoints of a camera's frame as [cues](backlit_tracking::cues), in pixels of the `working` camera: of the tallest person.
+    /// The keypoints of a camera's frame as [cues](backlit_tracking::cues), in pixels of the `working` camera: of the person who
+    /// is followed, else of the tallest.
     pub fn keypoint_cues(
         &self,
         camera: usize,
@@ -98,8 +116,9 @@ impl Take {
     ) -> Result<Vec<JointKeypoint>, TakeError> {
         let Some(order) = self.keypoint_order()? else { return Ok(Vec::new()) };
         let people = self.people(camera, frame)?;
-        let full = self.full_rig.cameras().get(camera).zip(tallest(&people));
-        Ok(full.map_or_else(Vec::new, |(full, person)| cues_of(&self.model, person, order, full, working)))
+        let Some(full) = self.full_rig.cameras().get(camera) else { return Ok(Vec::new()) };
+        let person = self.subject(&people, full, frame);
+        Ok(person.map_or_else(Vec::new, |person| cues_of(&self.model, person, order, full, working)))
     }
 
     /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.
@@ -107,7 +126,7 @@ impl Take {
         let mut all = BTreeMap::new();
         let Some(order) = self.keypoint_order()? else { return Ok(all) };
         for &frame in frames {
-            let joints = joints_of(&self.model, &self.tallest_people(frame)?, order);
+            let joints = joints_of(&self.model, &self.subjects(frame)?, order);
             if !joints.is_empty() {
                 all.insert(frame, joints);
             }

@@ -7,6 +7,7 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::metrics::MarkerPlacement;
 use backlit_tracking::names;
+use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::reader::TakeReader;
@@ -51,6 +52,8 @@ pub struct Take {
     pub(super) start: Option<Pose>,
     pub(super) reference: Option<Reference>,
     pub(super) measurement: Vec<SegmentOptions>,
+    /// One of several people.
+    pub(super) person: Option<Arc<FollowedPerson>>,
     pub(super) seconds: Arc<[f64]>,
     pub(super) notes: Arc<[String]>,
     outside: Option<Outside>,
@@ -140,6 +143,7 @@ impl Take {
             start,
             reference,
             measurement,
+            person: None,
             cache,
             keypoint_order: Arc::default(),
         };
@@ -227,6 +231,12 @@ impl Take {
         &self.measurement
     }
 
+    /// Who is followed of several people; `None` where everybody in view is the subject.
+    #[must_use]
+    pub fn person(&self) -> Option<&Arc<FollowedPerson>> {
+        self.person.as_ref()
+    }
+
     /// When each frame was taken, seconds from frame 0 on: by the first camera that is a video, else by the frame rate.
     #[must_use]
     pub fn seconds(&self) -> &[f64] {
@@ -278,6 +288,12 @@ impl Take {
         let cameras = self.measurement.iter().zip(&self.footage);
         let measurement = cameras.map(|(own, footage)| other(own, is_plate(footage))).collect();
         Self { measurement, ..self.clone() }
+    }
+
+    /// The same take of one of several people: pixels of others are unknown, and their keypoints do not count.
+    #[must_use]
+    pub fn with_person(&self, person: Option<Arc<FollowedPerson>>) -> Self {
+        Self { person, ..self.clone() }
     }
 
     /// The same take whose keypoints are of a tool that puts its markers there; as it is where it has no keypoints.

@@ -5,7 +5,9 @@
 
 use thiserror::Error;
 
+use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitView};
+use crate::people::people_in_frame;
 use crate::silhouette::{Label, Mask};
 
 /// A mask of which more is unknown says nothing: with a black plate nearly all of it is.
@@ -132,6 +134,8 @@ pub struct Survey {
     pub frames: Vec<usize>,
     /// By camera, in the order in which they were first seen.
     pub cameras: Vec<CameraSurvey>,
+    /// How many people are in view in half of the frames or more, as far as cameras tell people apart.
+    pub people: usize,
 }
 
 /// Why a take cannot be tracked.
@@ -154,8 +158,12 @@ pub fn survey<E>(
     mut views: impl FnMut(usize) -> Result<Vec<FitView>, E>,
 ) -> Result<Survey, E> {
     let mut cameras: Vec<CameraSurvey> = Vec::new();
+    let mut people = Vec::new();
     for &frame in frames {
-        for view in views(frame)?.iter().filter(|view| view.weight > 0.0) {
+        let views = views(frame)?;
+        let usable = views.iter().filter(|view| check_view(view).is_ok());
+        people.push(people_in_frame(usable, &CancelToken::new()).len());
+        for view in views.iter().filter(|view| view.weight > 0.0) {
             let name = view.camera.name();
             let index = cameras.iter().position(|one| one.camera == name).unwrap_or_else(|| {
                 cameras.push(CameraSurvey { camera: name.to_owned(), good: 0, bad: None });
@@ -172,7 +180,9 @@ pub fn survey<E>(
             }
         }
     }
-    Ok(Survey { frames: frames.to_vec(), cameras })
+    people.sort_unstable();
+    let people = people.get(people.len() / 2).copied().unwrap_or(0);
+    Ok(Survey { frames: frames.to_vec(), cameras, people })
 }
 
 impl Survey {
@@ -202,6 +212,14 @@ impl Survey {
                 all => format!("{worst} (so, or nobody seen, in {bad} of {all} frames)"),
             })
         })
+    }
+
+    /// That several people are in view, in words; `None` where it is one, as far as cameras tell people apart.
+    #[must_use]
+    pub fn several_people(&self) -> Option<String> {
+        let people = self.people;
+        (people > 1)
+            .then(|| format!("{people} people are in view, and one body is fitted to the silhouettes of all"))
     }
 }
 

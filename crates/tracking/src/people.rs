@@ -1,0 +1,436 @@
+//! One of several people: the parts of the visual hull that are people, who is where from frame to frame, and which pixels are
+//! another's.
+//!
+//! Cubes of the [hull](crate::visual_hull) that touch are a part; parts as large as a person are people. From one frame to the next every
+//! cube goes to the person whose box was nearest, so that people who touch stay apart. Two cameras leave crossings of sight
+//! rays that look like people: three or more are needed. Lengths are metres, in world axes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Camera;
+use crate::cancel::CancelToken;
+use crate::fit::{Evidence, FitView};
+use crate::silhouette::{Label, Mask};
+use crate::visual_hull::{HullView, VisualHull};
+
+/// Fewer cameras than that cannot tell people from crossings of sight rays.
+pub const FEWEST_CAMERAS: usize = 3;
+/// Cubes along the longest side of the hull's box.
+const CELLS: usize = 56;
+/// A part is a person if its longest side is within these lengths, metres, and it has this share of the cubes of the largest.
+const SIDES_M: [f64; 2] = [0.7, 3.0];
+const LEAST_SHARE: f64 = 0.25;
+/// A person explains this share of the places of its silhouettes that nobody else does.
+const LEAST_NEW: f64 = 0.2;
+/// A smaller part belongs to the person whose box is nearer than that, metres: a hand that a gap cut off.
+const LOOSE_M: f64 = 0.3;
+/// A person is not farther than that, metres, from where it was in the frame before.
+const STEP_M: f64 = 0.6;
+/// A person is there where it has this share of the cubes that people have on average.
+const LEAST_THERE: f64 = 0.3;
+/// Who is in fewer frames than this share of them is nobody.
+const LEAST_FRAMES: f64 = 0.1;
+/// Between and beyond the frames in which somebody was seen, the place is known for so many frames.
+const REACH: usize = 30;
+/// Silhouettes reach so far beyond a person's box, metres: cubes are coarse, and clothes move.
+const MARGIN_M: f64 = 0.1;
+
+/// Where a person is: a box along the axes of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 6]", into = "[f64; 6]")]
+pub struct PersonBox {
+    /// Its lowest corner.
+    pub low: DVec3,
+    /// Its highest corner.
+    pub high: DVec3,
+}
+
+impl From<[f64; 6]> for PersonBox {
+    fn from([a, b, c, d, e, f]: [f64; 6]) -> Self {
+        Self { low: DVec3::new(a, b, c), high: DVec3::new(d, e, f) }
+    }
+}
+
+impl From<PersonBox> for [f64; 6] {
+    fn from(PersonBox { low, high }: PersonBox) -> Self {
+        [low.x, low.y, low.z, high.x, high.y, high.z]
+    }
+}
+
+impl PersonBox {
+    /// The box about some points; `None` about none.
+    fn about<'a>(points: impl Iterator<Item = &'a DVec3>) -> Option<Self> {
+        let grow = |Self { low, high }: Self, at: &DVec3| Self { low: low.min(*at), high: high.max(*at) };
+        let none = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+        Some(points.fold(none, grow)).filter(|found| found.low.is_finite())
+    }
+
+    /// Its middle.
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        0.5 * (self.low + self.high)
+    }
+
+    /// Its eight corners.
+    #[must_use]
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|corner| {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
+            DVec3::new(side(0), side(1), side(2))
+        })
+    }
+
+    fn grown(&self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        point.distance(point.clamp(self.low, self.high))
+    }
+
+    /// Whether a half-line meets it (slabs).
+    fn is_met(&self, from: DVec3, along: DVec3) -> bool {
+        let (to_low, to_high) = ((self.low - from) / along, (self.high - from) / along);
+        let (enter, leave) = (to_low.min(to_high).max_element(), to_low.max(to_high).min_element());
+        enter <= leave && leave >= 0.0
+    }
+}
+
+/// Where a person is in the frames of a take.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct PersonTrack {
+    /// By frame; frames in which nothing of the person was seen are left out.
+    pub boxes: BTreeMap<usize, PersonBox>,
+}
+
+impl PersonTrack {
+    /// Where the person is in a frame: straight between the frames in which it was seen. `None` far from these.
+    #[must_use]
+    pub fn at(&self, frame: usize) -> Option<PersonBox> {
+        let before = self.boxes.range(..=frame).next_back();
+        let after = self.boxes.range(frame..).next();
+        let near = |&(other, _): &(&usize, &PersonBox)| other.abs_diff(frame) <= REACH;
+        match (before, after) {
+            (Some((&first, a)), Some((&last, b))) if last - first <= 2 * REACH => {
+                let part = (frame - first) as f64 / (last - first).max(1) as f64;
+                Some(PersonBox { low: a.low.lerp(b.low, part), high: a.high.lerp(b.high, part) })
+            }
+            _ => before.filter(near).or(after.filter(near)).map(|(_, found)| *found),
+        }
+    }
+}
+
+/// The people of one frame, each as the cubes of its part of the hull, the largest first.
+pub type PeopleInFrame = Vec<Vec<DVec3>>;
+
+/// The people that silhouettes of one frame show. Nobody with fewer than [`FEWEST_CAMERAS`] silhouettes that count, or when
+/// cancelled.
+pub fn people_in_frame<'a>(
+    views: impl IntoIterator<Item = &'a FitView>,
+    cancel: &CancelToken,
+) -> PeopleInFrame {
+    let counted = views.into_iter().filter(|view| view.weight > 0.0);
+    let views: Vec<HullView<&Camera, &Mask>> = counted
+        .filter_map(|view| match &view.evidence {
+            Evidence::Mask(silhouette) => Some(HullView { camera: &*view.camera, silhouette: &**silhouette }),
+            Evidence::Measurement(_) => None,
+        })
+        .collect();
+    if views.len() < FEWEST_CAMERAS {
+        return Vec::new();
+    }
+    let Some(hull) = VisualHull::carve(&views, CELLS, cancel) else { return Vec::new() };
+    let mut parts = parts(&hull);
+    parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
+    let least = LEAST_SHARE * parts.first().map_or(0.0, |part| part.len() as f64);
+    let is_person = |part: &Vec<DVec3>| {
+        let side = PersonBox::about(part.iter()).map_or(0.0, |found| (found.high - found.low).max_element());
+        part.len() as f64 >= least && (SIDES_M[0]..=SIDES_M[1]).contains(&side)
+    };
+    let (people, loose): (Vec<_>, Vec<_>) = parts.into_iter().partition(is_person);
+    let mut people = explaining(people, &views, hull.voxel);
+    let boxes: Vec<PersonBox> = people.iter().filter_map(|part| PersonBox::about(part.iter())).collect();
+    for part in loose {
+        let distance =
+            |found: &PersonBox| part.iter().map(|&at| found.distance(at)).fold(f64::INFINITY, f64::min);
+        let nearest = boxes.iter().map(distance).zip(0..).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, person)) = nearest.filter(|(distance, _)| *distance < LOOSE_M) {
+            people[person].extend(part);
+        }
+    }
+    people
+}
+
+/// The parts without crossings of sight rays: whoever explains most of the silhouettes first, then whoever explains most of what is
+/// left. A part that explains little more than those before it is nobody.
+fn explaining(parts: Vec<Vec<DVec3>>, views: &[HullView<&Camera, &Mask>], voxel: f64) -> Vec<Vec<DVec3>> {
+    // A place in a silhouette is as large as the cubes that the camera sees from nearest.
+    let side = |camera: &Camera| {
+        let nearest = parts.iter().flatten().map(|&at| camera.depth(at)).fold(f64::INFINITY, f64::min);
+        voxel * camera.intrinsics().mean_focal_px() / nearest.max(voxel)
+    };
+    let sides: Vec<f64> = views.iter().map(|view| side(view.camera)).collect();
+    let places = |part: &Vec<DVec3>| -> BTreeSet<(usize, [i64; 2])> {
+        let of_view = |(view, HullView { camera, .. }): (usize, &HullView<&Camera, &Mask>)| {
+            let place = |&at: &DVec3| {
+                Some((view, (camera.project(at)? / sides[view]).to_array().map(|x| x.floor() as i64)))
+            };
+            part.iter().filter_map(place).collect::<Vec<_>>()
+        };
+        views.iter().enumerate().flat_map(of_view).collect()
+    };
+    let explained_by: Vec<_> = parts.iter().map(places).collect();
+    let mut left: Vec<_> = explained_by.into_iter().zip(parts).collect();
+    let (mut people, mut explained) = (Vec::new(), BTreeSet::new());
+    while !left.is_empty() {
+        let news: Vec<usize> = left.iter().map(|(places, _)| places.difference(&explained).count()).collect();
+        let most = (0..left.len()).rev().max_by_key(|&index| news[index]).unwrap_or(0);
+        let (places, part) = left.remove(most);
+        if (news[most] as f64) < LEAST_NEW * places.len() as f64 {
+            break;
+        }
+        explained.extend(places);
+        people.push(part);
+    }
+    people
+}
+
+/// The hull's surface, cut where its cubes do not touch.
+fn parts(hull: &VisualHull) -> Vec<Vec<DVec3>> {
+    let cell = |at: DVec3| ((at - hull.bounds[0]) / hull.voxel).to_array().map(|along| along.floor() as i32);
+    let places: BTreeMap<[i32; 3], DVec3> =
+        hull.shell.iter().map(|voxel| (cell(voxel.centre), voxel.centre)).collect();
+    let mut left: BTreeSet<[i32; 3]> = places.keys().copied().collect();
+    let mut parts = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let (mut part, mut waiting) = (Vec::new(), vec![first]);
+        while let Some(at) = waiting.pop() {
+            part.push(places[&at]);
+            for step in 0..27 {
+                let beside = [at[0] + step % 3 - 1, at[1] + step / 3 % 3 - 1, at[2] + step / 9 - 1];
+                if left.remove(&beside) {
+                    waiting.push(beside);
+                }
+            }
+        }
+        parts.push(part);
+    }
+    parts
+}
+
+/// Who is who in all frames: a track a person, those who are seen longest first.
+#[must_use]
+pub fn link(frames: &BTreeMap<usize, PeopleInFrame>) -> Vec<PersonTrack> {
+    // From the first of the frames that show the most people, forwards and backwards.
+    let most = frames.values().map(Vec::len).max().unwrap_or(0);
+    let Some((&anchor, people)) = frames.iter().find(|(_, people)| people.len() == most && most > 0) else {
+        return Vec::new();
+    };
+    let begun = people.iter().filter_map(|part| PersonBox::about(part.iter()));
+    let mut tracks: Vec<PersonTrack> =
+        begun.map(|found| PersonTrack { boxes: BTreeMap::from([(anchor, found)]) }).collect();
+    let mut backwards = tracks.clone();
+    follow(&mut tracks, frames.range(anchor + 1..));
+    follow(&mut backwards, frames.range(..anchor).rev());
+    let earlier = backwards.split_off(most);
+    for (track, before) in tracks.iter_mut().zip(backwards) {
+        track.boxes.extend(before.boxes);
+    }
+    tracks.extend(earlier);
+    let shown = frames.values().filter(|people| !people.is_empty()).count() as f64;
+    tracks.retain(|track| track.boxes.len() as f64 >= LEAST_FRAMES * shown);
+    tracks.sort_by_key(|track| std::cmp::Reverse(track.boxes.len()));
+    tracks
+}
+
+/// Goes on with tracks through frames in their order, the nearest first. Who comes in begins a track.
+fn follow<'a>(tracks: &mut Vec<PersonTrack>, frames: impl Iterator<Item = (&'a usize, &'a PeopleInFrame)>) {
+    let mut boxes: Vec<PersonBox> =
+        tracks.iter().filter_map(|track| track.boxes.values().next()).copied().collect();
+    for (&frame, people) in frames {
+        let average = people.iter().map(Vec::len).sum::<usize>() as f64 / people.len().max(1) as f64;
+        let mut cubes: Vec<Vec<DVec3>> = vec![Vec::new(); tracks.len()];
+        for part in people {
+            let mut free = 0;
+            for &at in part {
+                let far = |found: &PersonBox| [found.distance(at), found.centre().distance(at)];
+                let nearer = |(a, _): &([f64; 2], usize), (b, _): &([f64; 2], usize)| {
+                    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+                };
+                let nearest = boxes.iter().map(far).zip(0..).min_by(nearer);
+                match nearest.filter(|([distance, _], _)| *distance < STEP_M) {
+                    Some((_, person)) => cubes[person].push(at),
+                    None => free += 1,
+                }
+            }
+            if 2 * free > part.len() {
+                cubes.push(part.clone());
+                tracks.push(PersonTrack::default());
+                boxes.extend(PersonBox::about(part.iter()));
+            }
+        }
+        for ((track, last), cubes) in tracks.iter_mut().zip(&mut boxes).zip(cubes) {
+            let is_there = cubes.len() as f64 >= LEAST_THERE * average;
+            if let Some(found) = PersonBox::about(cubes.iter()).filter(|_| is_there) {
+                track.boxes.insert(frame, found);
+                *last = found;
+            }
+        }
+    }
+}
+
+/// The person who is followed, and the others of the take.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FollowedPerson {
+    /// Who is followed.
+    pub own: PersonTrack,
+    /// Everybody else.
+    pub others: Vec<PersonTrack>,
+}
+
+impl FollowedPerson {
+    /// One of the people of a take, by number from 0; `None` of no such number.
+    #[must_use]
+    pub fn of(people: &[PersonTrack], number: usize) -> Option<Self> {
+        let mut others = people.to_vec();
+        (number < others.len()).then(|| Self { own: others.remove(number), others })
+    }
+
+    /// Makes subject that is, or may be, another's unknown in a camera without distortion: pixels whose sight ray meets another's box.
+    pub fn hide_others(&self, camera: &Camera, frame: usize, mask: &mut Mask) {
+        let others: Vec<PersonBox> = self.others.iter().filter_map(|other| other.at(frame)).collect();
+        if others.is_empty() {
+            return;
+        }
+        let others: Vec<PersonBox> = others.iter().map(|other| other.grown(MARGIN_M)).collect();
+        let (eye, width) = (camera.centre(), mask.width());
+        for (index, label) in mask.labels_mut().iter_mut().enumerate() {
+            if *label != Label::Subject {
+                continue;
+            }
+            let pixel = DVec2::new((index % width) as f64, (index / width) as f64);
+            let Some(ray) = camera.ray_in_world(pixel) else { continue };
+            if others.iter().any(|other| other.is_met(eye, ray)) {
+                *label = Label::Unknown;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures;
+
+    const SIZE: DVec3 = DVec3::new(0.5, 0.3, 1.7);
+    const PICTURE: [usize; 2] = [320, 240];
+
+    /// A person on the floor, as a box.
+    fn standing(x: f64, y: f64) -> PersonBox {
+        let foot = DVec3::new(x, y, 0.0);
+        PersonBox { low: foot - 0.5 * SIZE.with_z(0.0), high: foot + SIZE * DVec3::new(0.5, 0.5, 1.0) }
+    }
+
+    fn cameras(count: usize) -> Vec<Camera> {
+        let camera = |number: usize| {
+            let angle = 0.4 + 1.3 * number as f64;
+            let at = DVec3::new(6.0 * angle.cos(), 6.0 * angle.sin(), 2.4);
+            fixtures::camera(
+                PICTURE.map(|side| side as u64),
+                [300.0, 300.0, 159.5, 119.5],
+                at,
+                DVec3::new(0.0, 0.0, 0.9),
+                DVec3::Z,
+            )
+        };
+        (0..count).map(camera).collect()
+    }
+
+    fn silhouette(camera: &Camera, people: &[PersonBox]) -> Mask {
+        fixtures::covered(PICTURE, |x, y| {
+            let ray = camera.ray_in_world(DVec2::new(x as f64, y as f64)).unwrap();
+            people.iter().any(|person| person.is_met(camera.centre(), ray))
+        })
+    }
+
+    fn found(cameras: &[Camera], people: &[PersonBox]) -> PeopleInFrame {
+        let view = |camera: &Camera| FitView::of_mask(camera.clone(), silhouette(camera, people));
+        people_in_frame(&cameras.iter().map(view).collect::<Vec<_>>(), &CancelToken::new())
+    }
+
+    /// Two who walk past each other within a hand's breadth, and a third who comes in late.
+    fn walk(frame: usize) -> Vec<PersonBox> {
+        let t = 0.08 * frame as f64;
+        let mut people = vec![standing(t - 1.2, 0.2), standing(1.2 - t, -0.2)];
+        if frame >= 20 {
+            people.push(standing(-0.3, 1.3));
+        }
+        people
+    }
+
+    #[test]
+    fn people_who_pass_each_other_keep_their_names_and_who_comes_in_has_one() {
+        let cameras = cameras(4);
+        let frames: BTreeMap<usize, PeopleInFrame> =
+            (0..30).map(|frame| (frame, found(&cameras, &walk(frame)))).collect();
+        assert_eq!([frames[&0].len(), frames[&29].len()], [2, 3]);
+        let people = link(&frames);
+        assert_eq!(people.len(), 3);
+        let off = |track: &PersonTrack, frame: usize, person: usize| {
+            (track.at(frame).unwrap().centre() - walk(frame)[person].centre()).truncate().length()
+        };
+        let first = usize::from(off(&people[0], 0, 0) > 1.0);
+        for (track, person) in people.iter().zip([first, 1 - first]) {
+            for frame in 0..30 {
+                let off = off(track, frame, person);
+                assert!(off < 0.25, "frame {frame}, person {person}: {off}");
+            }
+        }
+        assert!(people[2].boxes.keys().all(|frame| *frame >= 20), "{:?}", people[2].boxes.keys());
+    }
+
+    #[test]
+    fn pixels_of_others_are_unknown_and_ones_own_are_not() {
+        let (cameras, people) = (cameras(4), [standing(-0.9, 0.1), standing(0.9, -0.2)]);
+        let tracks = link(&BTreeMap::from([(7, found(&cameras, &people))]));
+        let number = tracks.iter().position(|track| track.boxes[&7].centre().x < 0.0).unwrap();
+        let followed = FollowedPerson::of(&tracks, number).unwrap();
+        assert_eq!(FollowedPerson::of(&tracks, 2), None);
+        let mut apart = 0;
+        for camera in &cameras {
+            let [own, other] = people.map(|person| silhouette(camera, &[person]));
+            let mut mask = silhouette(camera, &people);
+            followed.hide_others(camera, 7, &mut mask);
+            let is_subject = |label: &Label| *label == Label::Subject;
+            for ((label, own), other) in mask.labels().iter().zip(own.labels()).zip(other.labels()) {
+                assert!(!is_subject(label) || is_subject(own), "what is subject is one's own");
+                let is_either = is_subject(own) || is_subject(other);
+                assert_eq!(*label == Label::Background, !is_either);
+            }
+            let share = mask.count(Label::Subject) as f64 / own.count(Label::Subject) as f64;
+            apart += usize::from(share > 0.95);
+        }
+        assert!(apart >= 3, "both are apart in most views: {apart}");
+    }
+
+    #[test]
+    fn two_cameras_tell_nobody_apart() {
+        let people = [standing(-0.9, 0.1), standing(0.9, -0.2)];
+        assert!(found(&cameras(2), &people).is_empty());
+        assert!(link(&BTreeMap::from([(0, Vec::new())])).is_empty());
+    }
+
+    #[test]
+    fn a_place_is_known_between_frames_and_not_far_from_them() {
+        let track =
+            PersonTrack { boxes: BTreeMap::from([(10, standing(0.0, 0.0)), (20, standing(1.0, 0.0))]) };
+        assert!((track.at(15).unwrap().centre().x - 0.5).abs() < 1e-12);
+        assert_eq!(track.at(25), Some(standing(1.0, 0.0)));
+        assert_eq!(track.at(20 + REACH + 1), None);
+    }
+}
