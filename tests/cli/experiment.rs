@@ -18,7 +18,7 @@ fn the_single_limb_is_measured_plotted_and_told() {
     let numbers: Value = serde_json::from_str(&file).unwrap();
     assert_eq!(numbers["format"], "backlit-experiment 1");
     let costs = numbers["report"]["parts"][0]["curves"][1]["costs"].as_array().unwrap();
-    assert_eq!(costs.len(), 26);
+    assert_eq!(costs.len(), 61);
 }
 
 #[test]

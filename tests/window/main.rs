@@ -25,6 +25,7 @@ mod observability;
 mod opening;
 mod painter;
 mod panels;
+mod people;
 mod posing;
 mod readable;
 mod recovery;

@@ -54,7 +54,7 @@ pub enum Command {
     /// Find a person's own lengths and radii from several frames of a take
     FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
-    Track(track::TrackArguments),
+    Track(Box<track::TrackArguments>),
     /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
     /// Learn the background of a take again, without the tracked body

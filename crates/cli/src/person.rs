@@ -47,10 +47,9 @@ impl PersonArguments {
             "--person: {} cameras cannot tell people apart; expected {FEWEST_CAMERAS} or more",
             cameras.len()
         );
-        let rate = footage.take().frame_rate();
         let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras.to_vec()));
         let spinner = progress::spinner();
-        let found = people::find(&reader, frames, rate, cancel, |done, all| {
+        let found = people::find(&reader, frames, cancel, |done, all| {
             spinner.set_message(format!("looking for people in {all} frames: {done}"));
         })?;
         spinner.finish_and_clear();
@@ -74,9 +73,9 @@ impl PersonArguments {
 
 /// "person 2, frames 0 to 69, first at (0.31, -0.20, 0.90) m".
 fn place_text(number: usize, track: &PersonTrack) -> String {
-    let ends = track.boxes.first_key_value().zip(track.boxes.last_key_value());
+    let ends = track.places.first_key_value().zip(track.places.last_key_value());
     let Some(((first, at), (last, _))) = ends else { return format!("person {number}") };
-    let [x, y, z] = at.centre().to_array();
+    let [x, y, z] = at.bounds.centre().to_array();
     format!("person {number}, frames {first} to {last}, first at ({x:.2}, {y:.2}, {z:.2}) m")
 }
 

@@ -237,8 +237,9 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
 /// The people to choose from, where all of their box is before the camera.
 fn people(context: &Context<'_>, camera: &Camera) -> Vec<(usize, [DVec2; 8])> {
     let tracks = context.people.iter().enumerate();
-    let mut boxes: Vec<(usize, PersonBox)> =
-        tracks.filter_map(|(number, track)| Some((number, track.at(context.selection.frame)?))).collect();
+    let mut boxes: Vec<(usize, PersonBox)> = tracks
+        .filter_map(|(number, track)| Some((number, track.at(context.selection.frame)?.bounds)))
+        .collect();
     let depth = |person: &PersonBox| camera.depth(person.centre());
     boxes.sort_by(|(_, a), (_, b)| depth(b).total_cmp(&depth(a)));
     let corners = |person: PersonBox| {

@@ -163,6 +163,7 @@ impl ShownPicture<'_> {
     /// People to choose from, as boxes; a click on one follows it.
     fn offer_people(&self, state: &mut TileState) {
         let (ui, picture) = (self.ui, self.overlay.painter.clip_rect());
+        let mut labels: Vec<Rect> = Vec::new();
         for (number, corners) in &self.input.marks.people {
             let points = corners.map(|px| self.overlay.at(px));
             let place = Rect::from_points(&points).intersect(picture);
@@ -184,7 +185,12 @@ impl ShownPicture<'_> {
             }
             let font = TextStyle::Body.resolve(ui.style());
             let galley = ui.painter().layout_no_wrap(name, font, colour);
-            let label = Align2::CENTER_TOP.anchor_size(place.center_top(), galley.size() + vec2(10.0, 4.0));
+            let mut label =
+                Align2::CENTER_TOP.anchor_size(place.center_top(), galley.size() + vec2(10.0, 4.0));
+            while let Some(other) = labels.iter().find(|other| other.intersects(label)) {
+                label = label.translate(vec2(0.0, other.bottom() - label.top() + 1.0));
+            }
+            labels.push(label);
             self.overlay.painter.rect_filled(label, 3.0, CASING.gamma_multiply(0.8));
             self.overlay.painter.galley(label.min + vec2(5.0, 2.0), galley, colour);
             if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {

@@ -31,14 +31,13 @@ impl Tracking {
         let job = one_step(move |out: &Outbox<Applied>| {
             let (calibration, plates) = (reader.footage.calibration.clone(), reader.footage.plates.clone());
             let everybody = reader.footage.with_replacements(calibration, plates, None);
-            let rate = everybody.take().frame_rate();
             reader.footage = Arc::new(everybody);
             let tell = |done, all| out.send(told(format!("{LOOKING}: {done} of {all} frames")));
-            let found = people::find(&Arc::new(reader), &frames, rate, out.cancel(), tell);
+            let found = people::find(&Arc::new(reader), &frames, out.cancel(), tell);
             match found {
                 _ if out.cancel().is_cancelled() => {}
                 Ok(found) => {
-                    out.send(applied(|tracking, _, requests| tracking.offer_people(found, requests)))
+                    out.send(applied(|tracking, _, requests| tracking.offer_people(found, requests)));
                 }
                 Err(error) => out.send(refused(format!("People cannot be looked for: {error}."))),
             }

@@ -84,7 +84,7 @@ impl Take {
     /// Whose keypoints count of those of a camera's frame: the one nearest to the person who is followed, else the tallest.
     fn subject<'a>(&self, people: &'a [Person], camera: &Camera, frame: usize) -> Option<&'a Person> {
         let Some(followed) = &self.person else { return tallest(people) };
-        let middle = camera.project(followed.own.at(frame)?.centre())?;
+        let middle = camera.project(followed.own.at(frame)?.bounds.centre())?;
         let off = |person: &&Person| {
             let places = person.iter().flatten().map(|keypoint| keypoint.place);
             let count = places.clone().count().max(1) as f64;

@@ -26,6 +26,8 @@ const MIDDLE: DVec3 = DVec3::new(0.0, -0.5, 0.9);
 /// The way of the walker beside the one of the exercise, and where the other stands.
 const ASIDE: DVec3 = DVec3::new(-0.55, 0.0, 0.0);
 const STANDS: DVec3 = DVec3::new(0.35, -0.6, 0.0);
+/// So late in the exercise the walker is in all pictures, seconds.
+const BEGINS: f64 = 1.2;
 /// The movement of the other has 30 frames a second.
 const OTHER_RATE: f64 = 30.0;
 
@@ -46,7 +48,7 @@ pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
 #[must_use]
 pub fn poses(model: &Model, frame: usize) -> [Pose; 2] {
     let seconds = frame as f64 / FRAME_RATE;
-    let mut walks = exercise::pose(model, seconds);
+    let mut walks = exercise::pose(model, BEGINS + seconds);
     let mut stands = motion::pose(model, seconds * OTHER_RATE);
     walks.root += ASIDE;
     stands.root += STANDS;
@@ -83,11 +85,11 @@ fn silhouette(figures: &[Figure], camera: &Camera) -> Result<Mask, MaskError> {
     Ok(all)
 }
 
-/// Writes the take into a folder that is there: cameras, a mask a frame, no start.
+/// Writes the take of both, or of those of them, into a folder that is there: cameras, a mask a frame, no start.
 ///
 /// # Errors
 /// What cannot be written.
-pub fn write(folder: &Path, model: &Model, size_px: [u64; 2]) -> Result<(), TwoPeopleError> {
+pub fn write(folder: &Path, model: &Model, size_px: [u64; 2], who: &[usize]) -> Result<(), TwoPeopleError> {
     let failed = |path: &Path| {
         let path = path.display().to_string();
         |error| TwoPeopleError::Folder { path, error }
@@ -105,8 +107,9 @@ pub fn write(folder: &Path, model: &Model, size_px: [u64; 2]) -> Result<(), TwoP
         std::fs::create_dir_all(folder.join(name)).map_err(failed(&folder.join(name)))?;
     }
     for frame in 0..FRAMES {
+        let poses = poses(model, frame);
         let figures: Option<Vec<Figure>> =
-            poses(model, frame).iter().map(|pose| Figure::new(model, pose, Build::default())).collect();
+            who.iter().map(|&who| Figure::new(model, poses.get(who)?, Build::default())).collect();
         let figures = figures.ok_or(TwoPeopleError::Figure)?;
         for camera in rig.cameras() {
             let path = folder.join(camera.name()).join(format!("{frame:02}.png"));

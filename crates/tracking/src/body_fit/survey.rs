@@ -162,7 +162,7 @@ pub fn survey<E>(
     for &frame in frames {
         let views = views(frame)?;
         let usable = views.iter().filter(|view| check_view(view).is_ok());
-        people.push(people_in_frame(usable, &CancelToken::new()).len());
+        people.push(people_in_frame(usable, &CancelToken::new()).people.len());
         for view in views.iter().filter(|view| view.weight > 0.0) {
             let name = view.camera.name();
             let index = cameras.iter().position(|one| one.camera == name).unwrap_or_else(|| {
