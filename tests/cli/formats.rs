@@ -130,7 +130,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
     let (project, fit) = section.split_once("| `fit` | unit |").unwrap();
     let mut fields = rows(project);
     fields.remove("field");
-    let optional = ["calibration", "told"].map(str::to_owned);
+    let optional = ["calibration", "person", "told"].map(str::to_owned);
     let expected: BTreeSet<String> =
         keys(&written).into_iter().chain(optional).filter(|key| key != "format").collect();
     assert_eq!(missing(&expected, &fields), [""; 0]);
