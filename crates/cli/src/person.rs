@@ -59,7 +59,7 @@ impl PersonArguments {
                 found.iter().zip(1..).map(|(track, number)| place_text(number, track)).collect();
             match all.len() {
                 0 => bail!("--person {number}: nobody as large as a person is in view of these cameras"),
-                people => bail!("--person {number}: {people} are in view: {}", all.join("; ")),
+                _ => bail!("--person {number}: there is no such person; in view are: {}", all.join("; ")),
             }
         };
         output::complain(&format!(
