@@ -157,6 +157,21 @@ impl<'a> Context<'a> {
         step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.iteration.point)
     }
 
+    /// The frame whose pictures are on the screen, and the pose that is drawn over them: those of before, while the pictures of the
+    /// frame that was gone to are read.
+    pub(crate) fn pictured(&self) -> (usize, &'a Pose) {
+        let (frame, session) = (self.selection.frame, self.session);
+        let before = || {
+            let predicted = session.predicted.as_deref()?;
+            let (drawn, shown) = (predicted.scene.frame.as_ref()?, session.last_frame.as_ref()?);
+            let is_whole =
+                Arc::ptr_eq(drawn, shown) && Arc::ptr_eq(&predicted.scene.model, &self.document().model);
+            is_whole.then_some((shown.frame, &predicted.pose))
+        };
+        let is_there = session.frames.get(frame).is_some() || self.busy.load_broke;
+        before().filter(|_| !is_there).unwrap_or_else(|| (frame, self.shown_pose()))
+    }
+
     /// The poses that rival the one on the screen with their weights, likeliest first, where they are to be seen.
     pub(crate) fn rivals(&self) -> Vec<(&'a Pose, f64)> {
         let (shown, frame) = (self.shown_pose(), self.selection.frame);

@@ -8,7 +8,7 @@ use backlit_document::edit::Edit;
 use backlit_document::history::Version;
 use backlit_document::project::{ProjectError, write_project};
 use backlit_formats::atomic;
-use backlit_jobs::{Task, once};
+use backlit_jobs::{Outbox, Task, once, one_step};
 use backlit_take::source::TakeSource;
 use backlit_ui::style::format;
 
@@ -58,7 +58,11 @@ impl Files {
         });
         inspector.state.is_opening = may_leave;
         if may_leave {
-            self.open.begin(&inspector.state.pool, (), |()| once(move |_| opening.read()));
+            let job = move |out: &Outbox<Opened>| {
+                let opened = opening.read(|share| out.send(Opened::Drawn(share)));
+                out.send(opened);
+            };
+            self.open.begin(&inspector.state.pool, (), |()| one_step(job));
         }
     }
 
@@ -142,8 +146,10 @@ impl Files {
     }
 
     fn take_in_opened(&mut self, inspector: &mut Inspector) {
+        let mut share = inspector.state.opened_share;
         for opened in inspector.state.notices.outputs("Opening the take", &mut self.open) {
             match opened {
+                Opened::Drawn(drawn) => share = Some(drawn),
                 Opened::Take(footage, source, project) => {
                     self.dropped.forget();
                     inspector.take_opened(&footage, source, project);
@@ -157,6 +163,7 @@ impl Files {
             }
         }
         inspector.state.is_opening = self.open.is_busy();
+        inspector.state.opened_share = share.filter(|_| inspector.state.is_opening);
     }
 
     fn take_in_written(&mut self, state: &mut State) {

@@ -56,6 +56,7 @@ fn context<'a>(
         notices: &state.notices,
         busy: Activity {
             opening: state.is_opening,
+            share: state.opened_share.or_else(|| features.tracking.share()),
             loading: refresh.frame.is_busy(),
             load_broke: refresh.frame.failure().is_some(),
             fitting: features.fit.is_running(),

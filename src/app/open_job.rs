@@ -10,6 +10,8 @@ use backlit_document::take_match::match_take;
 use backlit_formats::{Footage, Take, TakeError};
 use backlit_take::source::TakeSource;
 
+use crate::context::activity::WorkShare;
+
 /// Something to open.
 #[derive(Debug)]
 pub enum Opening {
@@ -48,20 +50,25 @@ pub(crate) enum Opened {
     TakeMissing { project: PathBuf, why: String },
     /// Nothing; why not.
     Nothing(String),
+    /// Not yet: so many pictures of a simulated take are drawn.
+    Drawn(WorkShare),
 }
 
 /// The footage of a take, where it came from, and the project that named it.
 type OpenedParts = (Footage, Option<TakeSource>, Option<OpenedProject>);
 
 impl Opening {
-    pub(crate) fn read(&self) -> Opened {
+    /// Opens it; `tell` hears how far that is.
+    pub(crate) fn read(&self, tell: impl Fn(WorkShare)) -> Opened {
+        let mut tell = |done, total| tell(WorkShare { done, total });
         let parts = match self {
-            Self::Take(source) => {
-                source.footage().map(|footage| (footage, Some(source.clone()), None)).map_err(Opened::nothing)
-            }
+            Self::Take(source) => source
+                .footage(&mut tell)
+                .map(|footage| (footage, Some(source.clone()), None))
+                .map_err(Opened::nothing),
             Self::Ready(take) => Ok((Footage::new((**take).clone()), None, None)),
-            Self::Project(path) => open_project(path, None),
-            Self::Moved { project, take } => open_project(project, Some(take)),
+            Self::Project(path) => open_project(path, None, &mut tell),
+            Self::Moved { project, take } => open_project(project, Some(take), &mut tell),
         };
         match parts {
             Ok((footage, source, project)) => Opened::Take(Arc::new(footage), source, project),
@@ -76,14 +83,18 @@ impl Opened {
     }
 }
 
-fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<OpenedParts, Opened> {
+fn open_project(
+    path: &Path,
+    moved_to: Option<&Path>,
+    tell: &mut dyn FnMut(usize, usize),
+) -> Result<OpenedParts, Opened> {
     let Project { mut document, runs } = read_project(path).map_err(Opened::nothing)?;
     let no_take = || Opened::Nothing(format!("{}: the project names no take", path.display()));
     let source = match (moved_to, document.take.take().ok_or_else(no_take)?) {
         (Some(take), _) => TakeSource::Path(take.to_owned()),
         (None, source) => source.named_by(path),
     };
-    let footage = source.footage().map_err(|error| {
+    let footage = source.footage(tell).map_err(|error| {
         let is_missing = is_missing(&error) && matches!(source, TakeSource::Path(_));
         let error = error.context("the project's take cannot be opened");
         match is_missing {
@@ -103,4 +114,22 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<OpenedParts, Ope
 /// Whether the take, or a file of it, is not there.
 fn is_missing(error: &anyhow::Error) -> bool {
     matches!(error.downcast_ref::<TakeError>(), Some(TakeError::File(file)) if file.is_missing())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use backlit_take::demonstration::Demonstration;
+
+    use super::*;
+
+    #[test]
+    fn a_take_that_is_drawn_tells_how_far_it_is() {
+        let told = RefCell::new(Vec::new());
+        let opening = Opening::Take(TakeSource::Demonstration(Demonstration::TwoCameras));
+        let opened = opening.read(|share| told.borrow_mut().push(share));
+        assert!(matches!(opened, Opened::Take(..)));
+        assert_eq!(told.into_inner(), [0, 1].map(|done| WorkShare { done, total: 2 }));
+    }
 }

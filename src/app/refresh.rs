@@ -132,6 +132,11 @@ impl Inspector {
 
     fn refresh_prediction(&mut self) {
         let Some(inputs) = self.context().fit_inputs() else { return };
+        if self.context().pictured().0 != self.state.selection.frame {
+            // The body does not go ahead of the pictures that it is drawn over.
+            self.state.session.is_stale = true;
+            return;
+        }
         let pose = self.shown_pose().clone();
         let shown = self.state.session.predicted.clone();
         self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&inputs, &pose));
@@ -148,9 +153,10 @@ impl Inspector {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::testing::{Breaks, open};
+    use crate::app::testing::{Breaks, open, open_take};
     use crate::context::preferences::Layout;
     use backlit_document::edit::Edit;
+    use backlit_take::demonstration::Demonstration;
 
     #[test]
     fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
@@ -166,6 +172,21 @@ mod tests {
         app.state.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
         app.settle();
         assert!(!app.state.session.is_stale, "it is drawn now");
+    }
+
+    #[test]
+    fn the_body_stays_in_its_pictures_until_those_of_the_next_frame_are_there() {
+        let mut app = open_take(Demonstration::Spheres, Layout::Pose);
+        let poses = [0, 1].map(|frame| app.document().pose_at(frame).clone());
+        assert_ne!(poses[0], poses[1]);
+        app.state.session.frames.clear();
+        app.state.go_to_frame(1);
+        app.refresh();
+        assert_eq!(app.context().pictured(), (0, &poses[0]));
+        assert_eq!(app.state.session.predicted.as_ref().unwrap().pose, poses[0]);
+        app.settle();
+        assert_eq!(app.context().pictured(), (1, &poses[1]));
+        assert_eq!(app.state.session.predicted.as_ref().unwrap().pose, poses[1]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use backlit_document::history::{Gesture, History};
 use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
 
+use crate::context::activity::WorkShare;
 use crate::context::arrangement::Kept;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
@@ -43,6 +44,8 @@ pub struct State {
     pub(crate) project: Option<PathBuf>,
     /// Whether a take is being opened, or is about to be.
     pub(crate) is_opening: bool,
+    /// How many of its pictures are drawn, where it has to be drawn first.
+    pub(crate) opened_share: Option<WorkShare>,
     /// The project that was not opened since its take was not there.
     pub(crate) lost_take: Option<PathBuf>,
     pub(crate) clock: Clock,
@@ -70,6 +73,7 @@ impl State {
             status: None,
             project: None,
             is_opening: false,
+            opened_share: None,
             lost_take: None,
             clock,
             now: 0.0,

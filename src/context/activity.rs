@@ -10,6 +10,8 @@ use crate::session::playback::FrameRange;
 pub(crate) struct Activity {
     /// A take is being opened.
     pub(crate) opening: bool,
+    /// How much is done of what takes its time, where that can be told.
+    pub(crate) share: Option<WorkShare>,
     /// The frame is being read and segmented.
     pub(crate) loading: bool,
     /// Whether reading the frame on the screen broke down.
@@ -31,6 +33,20 @@ impl Activity {
     /// Whether a bar under the toolbar says that something takes its time.
     pub(crate) fn is_long(self) -> bool {
         self.opening || self.fitting || self.tracking
+    }
+}
+
+/// How much of some work is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct WorkShare {
+    pub(crate) done: usize,
+    pub(crate) total: usize,
+}
+
+impl WorkShare {
+    /// From 0 to 1.
+    pub(crate) fn value(self) -> f32 {
+        self.done as f32 / self.total.max(1) as f32
     }
 }
 

@@ -26,7 +26,7 @@ use backlit_tracking::people::PersonTrack;
 use backlit_tracking::search::Origin;
 use backlit_ui::style::format;
 
-use crate::context::activity::TrackingProgress;
+use crate::context::activity::{TrackingProgress, WorkShare};
 use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
@@ -61,8 +61,8 @@ enum TrackingWork {
     Track(TrackingProgress),
     /// Other poses are looked for in a frame.
     Search(usize),
-    /// Something that changes nothing when it is stopped; how far it is, in words.
-    Make(String),
+    /// Something that changes nothing when it is stopped; how far it is, in words, and how much of it is done.
+    Make(String, Option<WorkShare>),
 }
 
 /// What is done with a result of a job, on the window's thread.
@@ -77,9 +77,9 @@ fn refused(why: String) -> Applied {
     applied(move |_, _, requests| requests.complain(why))
 }
 
-/// How far the work is, in words.
-fn told(text: String) -> Applied {
-    applied(move |tracking, _, _| tracking.work = Some(TrackingWork::Make(text)))
+/// How far the work is, in words, and how much of it is done where that can be told.
+fn told(text: String, share: Option<WorkShare>) -> Applied {
+    applied(move |tracking, _, _| tracking.work = Some(TrackingWork::Make(text, share)))
 }
 
 /// A pose that a search has found.
@@ -167,7 +167,9 @@ impl Feature for Tracking {
             TrackingWork::Search(_) => {
                 return Some("Looking for other poses that fit this frame. Esc stops it.".to_owned());
             }
-            TrackingWork::Make(at) => return Some(format!("{at}. Esc stops it; nothing is changed then.")),
+            TrackingWork::Make(at, _) => {
+                return Some(format!("{at}. Esc stops it; nothing is changed then."));
+            }
             TrackingWork::Track(progress) => progress,
         };
         let direction = match tracking.between {
@@ -192,6 +194,17 @@ impl Feature for Tracking {
 impl Tracking {
     pub(crate) const fn is_busy(&self) -> bool {
         self.task.is_busy()
+    }
+
+    /// How much of the work under way is done, where that can be told.
+    pub(crate) fn share(&self) -> Option<WorkShare> {
+        match self.work.as_ref()? {
+            TrackingWork::Make(_, share) => *share,
+            TrackingWork::Track(TrackingProgress { done, total, .. }) => {
+                Some(WorkShare { done: *done, total: *total })
+            }
+            TrackingWork::Search(_) => None,
+        }
     }
 
     pub(crate) fn progress(&self) -> Option<TrackingProgress> {

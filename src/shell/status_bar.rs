@@ -7,6 +7,7 @@ use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::Icon;
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
 
+use crate::context::activity::WorkShare;
 use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests, command_button as command};
@@ -47,7 +48,10 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return doing.to_owned();
     }
     if context.busy.opening && !context.busy.tracking {
-        return "Opening the take…".to_owned();
+        return match context.busy.share {
+            Some(WorkShare { done, total }) => format!("Drawing the take: {done} of {total} pictures."),
+            None => "Opening the take…".to_owned(),
+        };
     }
     if session.take.is_none() {
         return "Open a take, or drop its folder anywhere.".to_owned();

@@ -8,6 +8,7 @@ use egui::{
 };
 
 use super::menus;
+use crate::context::activity::WorkShare;
 use crate::context::command::{
     Command, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
@@ -60,7 +61,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
         let mut bar = response.response.rect;
         bar.set_top(bar.bottom() - BUSY);
         let palette = theme::palette(ui);
-        let share = context.busy.track.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
+        let share = context.busy.share.map_or(1.0, WorkShare::value);
         bar.set_width(bar.width() * share.max(0.02));
         ui.painter().rect_filled(bar, 0.0, palette.accent);
     }

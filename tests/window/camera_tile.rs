@@ -164,6 +164,7 @@ impl Scene {
             held: &[],
             doubts: &[],
             keypoints: &[],
+            is_behind: false,
             shows_hover_card: false,
         }
     }

@@ -212,8 +212,8 @@ fn of_spheres(
     let options = SphereBodyOptions { spheres, levels, ..SphereBodyOptions::default() };
     let posed = posed.collect();
     let cancel = CancelToken::new();
-    let body = sphere_body(&fit.model, posed, &options, &FitOptions::default(), &cancel, |what| {
-        spinner.set_message(what);
+    let body = sphere_body(&fit.model, posed, &options, &FitOptions::default(), &cancel, |at| {
+        spinner.set_message(at.doing);
     })?;
     spinner.finish_and_clear();
     Ok(body)

@@ -37,14 +37,18 @@ impl TakeSource {
     pub fn open(&self) -> anyhow::Result<Take> {
         match self {
             Self::BuiltIn => Ok(builtin::open()?),
-            Self::Demonstration(which) => which.take(),
+            Self::Demonstration(which) => which.take(&mut |_, _| {}),
             Self::Path(path) => Ok(Take::open(path)?),
         }
     }
 
-    /// Opens the take with its footage.
-    pub fn footage(&self) -> anyhow::Result<Footage> {
-        let mut footage = Footage::new(self.open()?);
+    /// Opens the take with its footage. Simulated pictures take their time: `tell` hears how many are drawn, and of how many.
+    pub fn footage(&self, tell: &mut dyn FnMut(usize, usize)) -> anyhow::Result<Footage> {
+        let take = match self {
+            Self::Demonstration(which) => which.take(tell)?,
+            _ => self.open()?,
+        };
+        let mut footage = Footage::new(take);
         footage.drawn = self.demonstration().and_then(Demonstration::drawn);
         Ok(footage)
     }

@@ -75,6 +75,17 @@ pub struct SphereBody {
     pub rms: [f64; 2],
 }
 
+/// How far [`sphere_body`] is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SphereBodyProgress {
+    /// What is done now.
+    pub doing: &'static str,
+    /// Parts of the work that are done.
+    pub done: usize,
+    /// All parts.
+    pub total: usize,
+}
+
 /// Makes the body of spheres of a person from frames. `fit` is how poses are fitted between rounds.
 ///
 /// # Errors
@@ -85,12 +96,19 @@ pub fn sphere_body(
     options: &SphereBodyOptions,
     fit: &FitOptions,
     cancel: &CancelToken,
-    mut progress: impl FnMut(&'static str),
+    mut progress: impl FnMut(SphereBodyProgress),
 ) -> Result<SphereBody, SphereBodyError> {
     options.check()?;
     check(model, &frames)?;
+    // Carving, the rounds with poses between them, and each coarser level.
+    let total = 2 * options.rounds.max(1) + options.levels.saturating_sub(1);
+    let mut done = 0;
+    let mut tell = |doing| {
+        progress(SphereBodyProgress { doing, done, total });
+        done += 1;
+    };
     let capsules = overlap(model, &frames, RendererKind::Capsule);
-    progress("carving limbs");
+    tell("carving limbs");
     let trees = trees::carved(model, &frames, options)?;
     let carved = overlap(&trees, &frames, OWN);
     let begin = trees.at_level(FINEST)?;
@@ -99,15 +117,14 @@ pub fn sphere_body(
         if cancel.is_cancelled() {
             return Err(SphereBodyError::Cancelled);
         }
-        progress("moving spheres");
+        tell("moving spheres");
         (body, rms) = refine::refine(&body, &begin, &frames, options);
         if round + 1 < options.rounds {
-            progress("moving poses");
+            tell("moving poses");
             pose_again(&body, &mut frames, fit, cancel)?;
         }
     }
-    progress("moving coarser spheres");
-    let body = with_coarser(&trees, &body, &frames, options)?;
+    let body = with_coarser(&trees, &body, &frames, options, || tell("moving coarser spheres"))?;
     let end = overlap(&body, &frames, OWN);
     Ok(SphereBody {
         spheres: body.spheres_by_level(),
@@ -166,6 +183,7 @@ fn with_coarser(
     finest: &Model,
     frames: &[PosedViews],
     options: &SphereBodyOptions,
+    mut tell: impl FnMut(),
 ) -> Result<Model, SphereBodyError> {
     let count = trees.limbs().iter().map(|limb| limb.coarser.len()).max().unwrap_or(0);
     let mut levels: Vec<Vec<SphereLevel>> = Vec::with_capacity(trees.limbs().len());
@@ -177,6 +195,7 @@ fn with_coarser(
         let moved = if level == count {
             finest.clone()
         } else {
+            tell();
             let alone = trees.at_level(level)?;
             refine::refine(&alone, &alone, frames, options).0
         };

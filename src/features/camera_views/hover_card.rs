@@ -16,6 +16,8 @@ use super::{TileInput, overlays};
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
 const ROW: f32 = 18.0;
+/// Stretches of a limb's axis that the card keeps off.
+const AXIS_POINTS: usize = 16;
 
 /// Between the card's edge and its text.
 const MARGIN: f32 = 12.0;
@@ -42,7 +44,9 @@ impl HoverCard {
         let at = shown.overlay.at(DVec2::new(pixel[0] as f64, pixel[1] as f64));
         let more = rows.len() + usize::from(derivative.is_some());
         let height = size::HOVER_CARD.y + more as f32 * ROW;
-        let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
+        let bounds = picture.intersect(ui.ctx().content_rect());
+        let limb = self.limb_points(shown);
+        let card = place(at, vec2(size::HOVER_CARD.x, height), bounds, &limb);
         let edge = if card.left() > at.x { card.left() } else { card.right() };
         let painter = ui.painter_at(picture);
         let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
@@ -74,15 +78,30 @@ impl HoverCard {
         });
     }
 
+    /// The limb that is held at the pixel.
+    fn limb(&self) -> Option<usize> {
+        match self.grip {
+            Some(Grip::Limb(limb) | Grip::Joint(JointId::End(limb))) => Some(limb),
+            _ => None,
+        }
+    }
+
+    /// Points of the outline and the axis of the limb that the card tells of, on the screen.
+    fn limb_points(&self, shown: &ShownPicture<'_>) -> Vec<Pos2> {
+        let owner = || shown.input.picture.sample(self.pixel[0], self.pixel[1])?.owner;
+        let limb = self.limb().or_else(owner).and_then(|limb| shown.input.marks.limbs.get(limb)?.as_ref());
+        let Some(limb) = limb else { return Vec::new() };
+        let [start, end] = limb.ends_px;
+        let axis = (0..=AXIS_POINTS).map(|step| start.lerp(end, step as f64 / AXIS_POINTS as f64));
+        axis.chain(limb.outline()).map(|px| shown.overlay.at(px)).collect()
+    }
+
     /// What is under the pointer, what the modifiers do, and how well a joint is known.
     fn grip_rows(&self, input: &TileInput<'_>) -> Vec<(String, String)> {
         let mut rows = Vec::new();
         let Some(grip) = self.grip else { return rows };
         let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
-        let limb = match grip {
-            Grip::Limb(limb) | Grip::Joint(JointId::End(limb)) => Some(limb),
-            _ => None,
-        };
+        let limb = self.limb();
         let held = limb.and_then(|limb| overlays::held_words(input.held, input.body, limb));
         let known = input.marks.ellipses.joints.iter().find(|known| Some(known.joint) == joint);
         let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
@@ -155,22 +174,25 @@ fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle) {
     two_words(ui, ROW, &format!("{label} {value}"), words);
 }
 
-/// The card's place: to the right of the pixel and above it; flipped where it would leave `bounds`, and moved
-/// inside where it fits on neither side.
-fn place(at: Pos2, card: Vec2, bounds: Rect) -> Rect {
-    let left = if at.x + DISTANCE + card.x <= bounds.right() {
-        at.x + DISTANCE
-    } else if at.x - DISTANCE - card.x >= bounds.left() {
-        at.x - DISTANCE - card.x
-    } else {
-        at.x + DISTANCE
-    };
-    let top = if at.y - card.y >= bounds.top() {
-        at.y - card.y
-    } else {
-        at.y.min(bounds.bottom() - card.y).max(bounds.top())
-    };
-    Rect::from_min_size(pos2(left, top), card)
+/// The card's place within `bounds`, never under the pointer: beside the pixel, to the right and above it first, then left or
+/// below, then beside the limb that is looked at; where it covers the fewest `points` of that limb.
+fn place(at: Pos2, card: Vec2, bounds: Rect, points: &[Pos2]) -> Rect {
+    let [left, right] =
+        points.iter().fold([at.x; 2], |[left, right], point| [left.min(point.x), right.max(point.x)]);
+    let beside = [
+        at.x + DISTANCE,
+        at.x - DISTANCE - card.x,
+        right.max(at.x) + DISTANCE,
+        left.min(at.x) - DISTANCE - card.x,
+    ];
+    let fits = |left: f32| left >= bounds.left() && left + card.x <= bounds.right();
+    let lowest = (bounds.bottom() - card.y).max(bounds.top());
+    let tops = [at.y - card.y, at.y].map(|top| top.clamp(bounds.top(), lowest));
+    let places = beside.iter().filter(|left| fits(**left)).flat_map(|left| tops.map(|top| pos2(*left, top)));
+    let places = places.map(|corner| Rect::from_min_size(corner, card));
+    let covered = |place: &Rect| points.iter().filter(|point| place.contains(**point)).count();
+    let narrow = Rect::from_min_size(pos2(beside[0], tops[0]), card);
+    places.min_by_key(covered).unwrap_or(narrow)
 }
 
 #[cfg(test)]
@@ -181,14 +203,31 @@ mod tests {
     fn the_card_flips_at_edges_and_is_never_under_the_pointer() {
         let bounds = Rect::from_min_max(pos2(0.0, 0.0), pos2(500.0, 400.0));
         let at = pos2(100.0, 300.0);
-        let card = place(at, size::HOVER_CARD, bounds);
+        let card = place(at, size::HOVER_CARD, bounds, &[]);
         assert_eq!((card.left(), card.bottom()), (126.0, 300.0));
         for at in [pos2(480.0, 300.0), pos2(20.0, 20.0), pos2(490.0, 10.0), pos2(0.0, 399.0)] {
-            let card = place(at, size::HOVER_CARD, bounds);
+            let card = place(at, size::HOVER_CARD, bounds, &[]);
             assert!(bounds.contains_rect(card), "{at:?}: {card:?}");
             assert!(!card.expand(20.0).x_range().contains(at.x), "{at:?}: {card:?}");
         }
         let narrow = Rect::from_min_max(pos2(0.0, 0.0), pos2(220.0, 200.0));
-        assert!(!place(pos2(110.0, 100.0), size::HOVER_CARD, narrow).contains(pos2(110.0, 100.0)));
+        assert!(!place(pos2(110.0, 100.0), size::HOVER_CARD, narrow, &[]).contains(pos2(110.0, 100.0)));
+    }
+
+    #[test]
+    fn the_card_does_not_cover_the_limb_that_it_tells_of() {
+        let bounds = Rect::from_min_max(pos2(0.0, 0.0), pos2(700.0, 600.0));
+        // A forearm that points up and to the right of the pointer, where the card would lie.
+        let line = |to: Pos2| {
+            (0..=20).map(|step| pos2(350.0, 300.0).lerp(to, step as f32 / 20.0)).collect::<Vec<_>>()
+        };
+        for to in [pos2(450.0, 200.0), pos2(450.0, 400.0), pos2(250.0, 400.0), pos2(250.0, 200.0)] {
+            let points = line(to);
+            let card = place(points[2], size::HOVER_CARD, bounds, &points);
+            assert!(
+                bounds.contains_rect(card) && points.iter().all(|point| !card.contains(*point)),
+                "{to:?}: {card:?}"
+            );
+        }
     }
 }

@@ -102,7 +102,7 @@ impl<'a> CameraPane<'a> {
         let camera = context.session.take.as_ref()?.cameras.get(index)?;
         let limb_colours = limb_colours(&context.document().model);
         let marks = body_marks(context, index, camera);
-        Some(Self { context, index, camera, pose: context.shown_pose(), limb_colours, marks })
+        Some(Self { context, index, camera, pose: context.pictured().1, limb_colours, marks })
     }
 
     fn input(&self, place: TilePlace<'a>, tile: TileView, chosen: CameraViewPreferences) -> TileInput<'_> {
@@ -110,7 +110,7 @@ impl<'a> CameraPane<'a> {
         let document = context.document();
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let uses = document.cameras.get(index);
-        let told = document.told_of(context.selection.frame, self.pose);
+        let told = document.told_of(context.pictured().0, self.pose);
         let told = told.filter(|_| self.marks.ghosts.is_none());
         TileInput {
             index,
@@ -147,6 +147,7 @@ impl<'a> CameraPane<'a> {
                     .map_or(&[], |camera| &camera.keypoints),
                 false => &[],
             },
+            is_behind: context.pictured().0 != context.selection.frame,
             shows_hover_card: true,
         }
     }
@@ -192,7 +193,7 @@ impl<'a> CameraPane<'a> {
 /// What a camera sees of the body on the screen, or of those in its place.
 fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks {
     let document = context.document();
-    let (model, renderer, pose) = (&document.model, document.fit.renderer, context.shown_pose());
+    let (model, renderer, pose) = (&document.model, document.fit.renderer, context.pictured().1);
     let kinematics = Kinematics::new(model, pose);
     let sight_ray = ray_in(context, &kinematics, index, camera);
     if let Some(ghosts) = context.ghosts {
@@ -237,9 +238,8 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
 /// The people to choose from, where all of their box is before the camera.
 fn people(context: &Context<'_>, camera: &Camera) -> Vec<(usize, [DVec2; 8])> {
     let tracks = context.people.iter().enumerate();
-    let mut boxes: Vec<(usize, PersonBox)> = tracks
-        .filter_map(|(number, track)| Some((number, track.at(context.selection.frame)?.bounds)))
-        .collect();
+    let mut boxes: Vec<(usize, PersonBox)> =
+        tracks.filter_map(|(number, track)| Some((number, track.at(context.pictured().0)?.bounds))).collect();
     let depth = |person: &PersonBox| camera.depth(person.centre());
     boxes.sort_by(|(_, a), (_, b)| depth(b).total_cmp(&depth(a)));
     let corners = |person: PersonBox| {

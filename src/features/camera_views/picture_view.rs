@@ -137,7 +137,7 @@ impl ShownPicture<'_> {
         let inside = pressed_at.or(at.filter(|_| response.contains_pointer()));
         let grips = Grips { body: self.input.body, joints: &marks.joints, limbs: &marks.limbs, view: *view };
         // Without handles there is nothing to hold: limbs are only shown.
-        let under = inside.filter(|_| !marks.joints.is_empty());
+        let under = inside.filter(|_| !(marks.joints.is_empty() || self.input.is_behind));
         let sized = self.size_handles();
         let under = under.and_then(|at| {
             let size = sized.and_then(|(_, handles)| handles.grip_at(at));

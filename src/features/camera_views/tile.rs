@@ -110,6 +110,8 @@ pub struct TileInput<'a> {
     pub doubts: &'a [LimbTrust],
     /// Where another tool saw joints, while the tracker looks at that too.
     pub keypoints: &'a [JointKeypoint],
+    /// The pictures of another frame are being read: nothing can be taken hold of in these.
+    pub is_behind: bool,
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
 }

@@ -13,6 +13,7 @@ use backlit_ui::style::format;
 
 use super::{Applied, applied, refused, told};
 use crate::context::Context;
+use crate::context::activity::WorkShare;
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::unavailable::{Why, because};
 
@@ -55,7 +56,10 @@ impl BackgroundJob {
         let name = self.footage.cameras[camera].name().to_owned();
         let all = self.files.len() + 1 + self.waiting.len();
         let number = self.files.len() + 1;
-        out.send(told(format!("Learning the background without the body: {name}, {number} of {all}")));
+        out.send(told(
+            format!("Learning the background without the body: {name}, {number} of {all}"),
+            Some(WorkShare { done: number - 1, total: all }),
+        ));
         let learnt = plate_without_body(self.footage.take(), camera, &self.model, &self.poses, out.cancel())?;
         let folder = match &self.folder {
             Some(folder) => folder.clone(),

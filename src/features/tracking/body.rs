@@ -13,7 +13,7 @@ use backlit_tracking::body_fit::{
     BodyFit, BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, FirstSizes, Person, fit_body, frames as choice,
 };
 use backlit_tracking::body_spheres::{
-    PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
+    PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, SphereBodyProgress, sphere_body,
 };
 use backlit_tracking::fit::{Evidence, FitOptions};
 use backlit_tracking::render::RendererKind;
@@ -22,6 +22,7 @@ use backlit_ui::style::format;
 
 use super::job::WindowReader;
 use super::{Applied, applied, people, refused, told};
+use crate::context::activity::WorkShare;
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
@@ -132,7 +133,10 @@ fn sizes_text(fit: &BodyFit) -> String {
 /// Limbs carved from all silhouettes, and spheres in them.
 pub(super) fn spheres(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<Applied>) {
     let (options, fit) = (sphere_options(&frames), FitOptions::default());
-    let tell = |what: &str| out.send(told(format!("Making a body of spheres: {what}")));
+    let tell = |SphereBodyProgress { doing, done, total }| {
+        let text = format!("Making a body of spheres: {doing}, {} of {total}", done + 1);
+        out.send(told(text, Some(WorkShare { done, total })));
+    };
     match sphere_body(model, frames, &options, &fit, out.cancel(), tell) {
         Ok(body) => out.send(applied(move |_, context, requests| take_in_spheres(&body, context, requests))),
         Err(SphereBodyError::Cancelled) => {}
@@ -190,7 +194,7 @@ pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Out
             }
         }));
     }
-    match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text))) {
+    match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text, None))) {
         _ if out.cancel().is_cancelled() => {}
         Ok(person) => out.send(applied(move |tracking, context, requests| {
             take_in_person(frame, &person, context, requests);

@@ -12,6 +12,7 @@ use super::job::WindowReader;
 use super::{Applied, Tracking, TrackingWork, applied, refused, told};
 use crate::context::Context;
 use crate::context::Requests;
+use crate::context::activity::WorkShare;
 use crate::context::command::{Command, HistoryCommand, TrackingCommand};
 use crate::context::unavailable::{Why, because, no_silhouette, no_take};
 
@@ -32,7 +33,10 @@ impl Tracking {
             let (calibration, plates) = (reader.footage.calibration.clone(), reader.footage.plates.clone());
             let everybody = reader.footage.with_replacements(calibration, plates, None);
             reader.footage = Arc::new(everybody);
-            let tell = |done, all| out.send(told(format!("{LOOKING}: {done} of {all} frames")));
+            let tell = |done, total| {
+                let share = Some(WorkShare { done, total });
+                out.send(told(format!("{LOOKING}: {done} of {total} frames"), share));
+            };
             let found = people::find(&Arc::new(reader), &frames, out.cancel(), tell);
             match found {
                 _ if out.cancel().is_cancelled() => {}
@@ -42,7 +46,7 @@ impl Tracking {
                 Err(error) => out.send(refused(format!("People cannot be looked for: {error}."))),
             }
         });
-        self.begin(TrackingWork::Make(LOOKING.to_owned()), context, job);
+        self.begin(TrackingWork::Make(LOOKING.to_owned(), None), context, job);
     }
 
     /// Shows who was found, if there is anybody to choose from.

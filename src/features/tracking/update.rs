@@ -49,7 +49,7 @@ impl Tracking {
             TrackingCommand::LearnBackground => {
                 let Some(job) = BackgroundJob::new(context) else { return };
                 let what = "Learning the background without the body".to_owned();
-                self.begin(TrackingWork::Make(what), context, job);
+                self.begin(TrackingWork::Make(what, None), context, job);
             }
             TrackingCommand::ChoosePerson => {
                 if let Some(reader) = reader(context) {
@@ -159,7 +159,7 @@ impl Tracking {
             _ => (body::SIZE_FRAMES, body::sizes, "Fitting the body to several frames"),
         };
         let job = BodyJob { reader, waiting: body::frames(context, most), read: Vec::new(), make };
-        self.begin(TrackingWork::Make(what.to_owned()), context, job);
+        self.begin(TrackingWork::Make(what.to_owned(), None), context, job);
         requests.request(SessionRequest::LeaveStep);
     }
 
@@ -189,7 +189,7 @@ impl Tracking {
         let (model, fit) = (reader.fit.model.clone(), (*reader.fit.fit).clone());
         let search = PersonSearch { model, fit, start, frames, sizes };
         let job = one_step(move |out: &Outbox<_>| body::find_person(search, &reader, out));
-        self.begin(TrackingWork::Make(what.to_owned()), context, job);
+        self.begin(TrackingWork::Make(what.to_owned(), None), context, job);
         requests.request(SessionRequest::LeaveStep);
     }
 

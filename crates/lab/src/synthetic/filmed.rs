@@ -64,7 +64,7 @@ pub struct FilmedFrame {
     pub cues: FrameCues,
 }
 
-/// Films squats for this many seconds at [`DRAWN_RATE`], every so manieth frame.
+/// Films squats for this many seconds at [`DRAWN_RATE`], every so manieth frame. `tell` hears how many pictures are drawn, and of how many.
 ///
 /// # Errors
 /// A size that no camera can have, or a body of other limbs.
@@ -73,6 +73,7 @@ pub fn film(
     seconds: f64,
     size_px: [u64; 2],
     every: usize,
+    mut tell: impl FnMut(usize, usize),
 ) -> Result<Vec<FilmedFrame>, ExperimentError> {
     let build = Build { cloth: 1.12, folds: 0.006, pattern: PATTERN };
     let cameras = squats::cameras(size_px)?;
@@ -81,7 +82,8 @@ pub fn film(
     let mut random = Pcg64Mcg::seed_from_u64(SEED);
     let offsets = KEYPOINTS.map(|_| normal_vector(&mut random) * OFFSET_M);
     let count = (seconds * DRAWN_RATE).ceil() as usize;
-    let mut frames = Vec::with_capacity(count.div_ceil(every));
+    let total = count.div_ceil(every);
+    let mut frames = Vec::with_capacity(total);
     for frame in (0..count).step_by(every) {
         let truth = squats::pose(model, frame as f64 / DRAWN_RATE);
         let Some(figure) = Figure::new(model, &truth, build) else {
@@ -93,6 +95,7 @@ pub fn film(
         let mut watched = Vec::new();
         let mut cues = FrameCues::default();
         for (index, (camera, plate)) in cameras.iter().zip(&plates).enumerate() {
+            tell(cameras.len() * frames.len() + index, cameras.len() * total);
             // Cloth stands off the body's capsules by less than this.
             let ramp = Ramp::Distance { inner_px: 1.0, outer_px: CLOTH_PX };
             let view = View::new(model, &joints, camera, RendererKind::Capsule, ramp);

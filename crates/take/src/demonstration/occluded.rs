@@ -24,9 +24,9 @@ pub(super) fn truth(frame: usize) -> Pose {
 }
 
 /// The take. Its conditions hold, which is tested.
-pub(super) fn take(name: &str) -> anyhow::Result<Take> {
+pub(super) fn take(name: &str, tell: &mut dyn FnMut(usize, usize)) -> anyhow::Result<Take> {
     let model = builtin::full_body();
-    let frames = film(&model, SECONDS, SIZE_PX, EVERY)?;
+    let frames = film(&model, SECONDS, SIZE_PX, EVERY, tell)?;
     let truths: Vec<Pose> = frames.iter().map(|frame| frame.truth.clone()).collect();
     let start = perturb(&model, &truths[0], START.0, START.1, SEED);
     let films = squats::cameras(SIZE_PX)?.into_iter().enumerate();

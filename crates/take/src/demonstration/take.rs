@@ -67,19 +67,24 @@ struct SimulatedTake {
 }
 
 impl Demonstration {
-    /// Makes its take.
+    /// Makes its take. `tell` hears how many pictures are drawn, and of how many.
     ///
     /// # Errors
     /// Returns an error if the footage is not there. Simulated takes can be made always, which is tested.
-    pub fn take(self) -> anyhow::Result<Take> {
+    pub fn take(self, tell: &mut dyn FnMut(usize, usize)) -> anyhow::Result<Take> {
         match self {
             Self::RealFootage => return super::real::take(self.name()),
-            Self::Cues => return super::occluded::take(self.name()),
+            Self::Cues => return super::occluded::take(self.name(), tell),
             _ => {}
         }
         let SimulatedTake { model, cameras, truths, start, frame_rate } = self.simulated()?;
+        let (mut done, total) = (0, cameras.len() * truths.len());
         let film = |camera: Arc<Camera>| {
-            let pictures = truths.iter().map(|truth| self.picture(&model, truth, &camera));
+            let pictures = truths.iter().map(|truth| {
+                tell(done, total);
+                done += 1;
+                self.picture(&model, truth, &camera)
+            });
             let pictures = pictures.collect::<anyhow::Result<_>>()?;
             anyhow::Ok(CameraFilm::of(&camera, pictures))
         };
@@ -261,7 +266,15 @@ mod tests {
     #[test]
     fn every_demonstration_is_a_take() {
         for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
-            let take = demonstration.take().unwrap();
+            let take = {
+                let mut told = Vec::new();
+                let take = demonstration.take(&mut |done, total| told.push((done, total))).unwrap();
+                let is_drawn = demonstration != Demonstration::RealFootage;
+                let total = take.frame_count() * take.rig().count();
+                let all: Vec<_> = (0..total).filter(|_| is_drawn).map(|done| (done, total)).collect();
+                assert_eq!(told, all, "{demonstration:?}");
+                take
+            };
             assert_eq!(take.name(), demonstration.name());
             assert!(take.start().is_some());
             assert!(demonstration.used_cameras() <= take.rig().count());

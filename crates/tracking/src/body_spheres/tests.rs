@@ -107,9 +107,13 @@ fn a_person_is_carved_and_filled() {
     let model = builtin::upper_body();
     let options =
         SphereBodyOptions { spheres: 120, step: 0.02, rounds: 1, steps: 15, ..SphereBodyOptions::default() };
+    let mut told = Vec::new();
+    let tell = |at: SphereBodyProgress| told.push((at.doing, at.done, at.total));
     let body =
-        sphere_body(&model, frames.clone(), &options, &FitOptions::default(), &CancelToken::new(), |_| {})
+        sphere_body(&model, frames.clone(), &options, &FitOptions::default(), &CancelToken::new(), tell)
             .unwrap();
+    let parts = ["carving limbs", "moving spheres", "moving coarser spheres"];
+    assert_eq!(told, [0, 1, 2].map(|done| (parts[done], done, 3)));
     let [capsules, carved, end] = body.iou.unwrap();
     assert!(end > capsules + 0.05 && end > carved + 0.1 && end > 0.88, "{capsules} {carved} {end}");
     assert_eq!(body.spheres.len(), 2);
