@@ -18,6 +18,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2};
 use egui_kittest::kittest::Queryable;
 
+use crate::readable::{SIZES, assert_readable, look};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::window::{
     Setup, Window, WindowState, arm, built_in, choose, click, freeze, press, settle, undo, wait_until,
@@ -332,6 +333,33 @@ fn the_pane_as_a_plot_and_as_a_map() {
         run_map(&mut harness);
         pane(&mut snapshots, &mut harness, &format!("basin_map_{}", theme_name(theme)));
     }
+}
+
+#[test]
+fn every_word_of_the_results_can_be_read() {
+    let mut wrong = Vec::new();
+    for size in SIZES {
+        let mut harness = open(arm().sized(size.x, size.y));
+        choose_by(&mut harness, |settings| {
+            let compared = |(method, renderer)| ComparedFit { method, renderer };
+            let spheres = RendererKind::SphereTree { spheres: Some(64) };
+            let renderers = [RendererKind::Cylinder, spheres, RendererKind::Capsule];
+            settings.compared = ComparedMethod::ALL.into_iter().zip(renderers).map(compared).collect();
+            settings.starts = 1;
+        });
+        set_starts(&mut harness, "10 30 60 90", "2 5 10 20");
+        click(&mut harness, "Run starts");
+        choose_by(&mut harness, |settings| settings.cells = 3);
+        click(&mut harness, "Run map");
+        for view in ["Angles", "Map"] {
+            choose(&mut harness, Role::RadioButton, view);
+            harness.state_mut().inspector.state.notices.close_all();
+            harness.run_steps(2);
+            let place = format!("{view} at {} × {}", size.x.round(), size.y.round());
+            look(&harness, &place, &mut wrong);
+        }
+    }
+    assert_readable(&wrong);
 }
 
 #[test]

@@ -28,7 +28,7 @@ const SECTIONS: [&str; 9] = [
 const MENUS: [&str; 6] = ["File", "Edit", "View", "Fit", "Demonstrate", "Help"];
 
 /// The smallest window, the commonest laptop, a large one, and that at one and a half times.
-const SIZES: [Vec2; 4] =
+pub(crate) const SIZES: [Vec2; 4] =
     [vec2(1024.0, 640.0), vec2(1366.0, 768.0), vec2(1600.0, 1000.0), vec2(1600.0 / 1.5, 1000.0 / 1.5)];
 
 fn open(setup: Setup, layout: Layout, size: Vec2) -> Window {
@@ -38,7 +38,7 @@ fn open(setup: Setup, layout: Layout, size: Vec2) -> Window {
 }
 
 /// What cannot be read in the window as it is, with the place.
-fn look(window: &Window, place: &str, wrong: &mut Vec<String>) {
+pub(crate) fn look(window: &Window, place: &str, wrong: &mut Vec<String>) {
     let rect = window.ctx.content_rect();
     // The panel on the right scrolls, and what is longer than a card in it.
     let scrolls = |clip: egui::Rect| clip.height() > 60.0 && clip.height() < rect.height() - 20.0;
@@ -55,7 +55,7 @@ fn look_over(window: &Window, place: &str, wrong: &mut Vec<String>) {
 }
 
 #[track_caller]
-fn assert_readable(wrong: &[String]) {
+pub(crate) fn assert_readable(wrong: &[String]) {
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
 }
 

@@ -12,6 +12,8 @@ use crate::style::theme::{Palette, gradient_colour, size};
 pub const NAME: f32 = 22.0;
 /// Room for a map's axes, across and up.
 pub const AXES: egui::Vec2 = vec2(52.0, 56.0);
+/// Free at a map's right.
+const MARGIN: f32 = 8.0;
 /// Radius of the dot in a cell within the limit, as a part of its side, and at most.
 const DOT: f32 = 0.12;
 const LARGEST_DOT: f32 = 3.0;
@@ -43,7 +45,7 @@ pub fn best_across(area: Rect, count: usize) -> (usize, f32) {
 
 /// The square of a map in an area, with room for its axes.
 pub fn grid_in(area: Rect) -> Rect {
-    let room = Rect::from_min_max(area.min + vec2(44.0, 22.0), area.max - vec2(8.0, 34.0));
+    let room = Rect::from_min_max(area.min + vec2(44.0, 22.0), area.max - vec2(MARGIN, 34.0));
     let side = room.width().min(room.height()).max(40.0).floor();
     Rect::from_min_size(pos2(room.left().round(), room.top().round()), vec2(side, side))
 }
@@ -96,11 +98,17 @@ pub fn axes(ui: &Ui, grid: Rect, labels: &[String; 2], ends_degrees: f64) {
         let align = [Align2::RIGHT_BOTTOM, Align2::RIGHT_CENTER, Align2::RIGHT_TOP][(2.0 * share) as usize];
         paint_text(ui, up, align, degrees(value), theme::tick(), palette.text2);
     }
-    let (above, name) = (grid.left_top() - vec2(0.0, 6.0), format!("Up: {}", labels[1]));
-    paint_text(ui, above, Align2::LEFT_BOTTOM, name, TextStyle::Small, palette.text);
-    let below = pos2(grid.left(), grid.bottom() + 19.0);
-    let name = format!("Across: {}", labels[0]);
-    paint_text(ui, below, Align2::LEFT_TOP, name, TextStyle::Small, palette.text);
+    let names = [
+        (format!("Up: {}", labels[1]), grid.top() - 6.0, Align2::LEFT_BOTTOM),
+        (format!("Across: {}", labels[0]), grid.bottom() + 19.0, Align2::LEFT_TOP),
+    ];
+    for (name, y, align) in names {
+        // A long name reaches to the left of its map, not into the next one.
+        let text = ui.painter().layout_no_wrap(name, TextStyle::Small.resolve(ui.style()), palette.text);
+        let x = grid.left().min(grid.right() + MARGIN - text.size().x);
+        let rect = align.anchor_size(pos2(x, y), text.size());
+        ui.painter().galley(rect.min, text, palette.text);
+    }
 }
 
 /// The bar that says which colour is which distance.

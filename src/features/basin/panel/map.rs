@@ -8,8 +8,8 @@ use backlit_ui::widgets::heat_map::{
 };
 use backlit_ui::widgets::{choice, paint_text, segmented, within};
 use egui::{
-    Align, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
-    vec2,
+    Align, Color32, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextStyle, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 use crate::features::basin::{BasinResults, MapColour};
@@ -24,6 +24,8 @@ const LEAST: f32 = 240.0;
 const LEAST_OF_SEVERAL: f32 = 96.0;
 const BETWEEN: f32 = 12.0;
 const CHOICE: f32 = 116.0;
+/// Width of a map’s dot and of its counts, beside its name.
+const COUNTS: f32 = 78.0;
 /// Shares of the sequential map that stand for found and not found.
 const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
@@ -52,12 +54,12 @@ pub(crate) fn ui(ui: &mut Ui, results: &BasinResults, colour: &mut MapColour) ->
     } else {
         egui::Vec2::ZERO
     };
-    let grids = grids(Rect::from_min_max(area.min, area.max - room), map);
+    let (grids, name_height) = grids(ui, Rect::from_min_max(area.min, area.max - room), map);
     let directions = result.directions(grid);
     let (mut under, mut clicked) = (None, None);
     for (choice, square) in &grids {
         if result.options.choices.len() > 1 {
-            name(ui, map, *choice, *square);
+            name(ui, map, *choice, (*square, name_height));
         }
         axes(ui, *square, &directions, grid.degrees);
         let cells = cells(ui, map, *choice, *square);
@@ -97,31 +99,44 @@ pub(crate) fn choice_box(ui: &mut Ui, results: &mut BasinResults) {
 }
 
 /// The squares of the maps that are shown, each with its choice: all of them side by side, unless one is chosen or
-/// they would be too small to be read.
-fn grids(area: Rect, map: &ShownMap<'_>) -> Vec<(usize, Rect)> {
+/// they would be too small to be read; and the height of their names.
+fn grids(ui: &Ui, area: Rect, map: &ShownMap<'_>) -> (Vec<(usize, Rect)>, f32) {
     let count = map.result.options.choices.len();
     if count < 2 {
-        return vec![(0, grid_in(area))];
+        return (vec![(0, grid_in(area))], NAME);
     }
     let (across, side) = best_across(area, count);
     let one = map.choice.filter(|choice| *choice < count).or((side < LEAST_OF_SEVERAL).then_some(0));
-    let grid = |place: Rect| grid_in(place.with_min_y(place.top() + NAME));
+    let grid = |place: Rect, name: f32| grid_in(place.with_min_y(place.top() + name));
     if let Some(choice) = one {
-        return vec![(choice, grid(area))];
+        return (vec![(choice, grid(area, NAME))], NAME);
     }
     // Close to each other: what is left over stays at the edges.
     let rows = count.div_ceil(across) as f32;
-    let each = vec2(side, side) + AXES + vec2(BETWEEN, NAME);
+    let name = name_height(ui, map, side + AXES.x - BETWEEN);
+    let each = vec2(side, side) + AXES + vec2(BETWEEN, name);
     let size = vec2(each.x * across as f32, each.y * rows).min(area.size());
-    places(Rect::from_min_size(area.min, size), count, across).into_iter().map(grid).enumerate().collect()
+    let places = places(Rect::from_min_size(area.min, size), count, across).into_iter();
+    (places.map(|place| grid(place, name)).enumerate().collect(), name)
+}
+
+/// Height of the maps' names: of more than one line where one of them is too long for its map.
+fn name_height(ui: &Ui, map: &ShownMap<'_>, width: f32) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    let lines = |name: &str| {
+        let text = ui.painter().layout(name.to_owned(), font.clone(), Color32::WHITE, width - COUNTS);
+        text.rows.len()
+    };
+    let most = map.result.options.choices.iter().map(|choice| lines(&choice.name)).max().unwrap_or(1);
+    NAME + (most.max(1) - 1) as f32 * ui.text_style_height(&TextStyle::Body)
 }
 
 /// Which fit a map is of, and how much of it was found.
-fn name(ui: &mut Ui, map: &ShownMap<'_>, choice: usize, grid: Rect) {
+fn name(ui: &mut Ui, map: &ShownMap<'_>, choice: usize, (grid, height): (Rect, f32)) {
     let palette = theme::palette(ui);
     // Above the names of the axes, and as far left as those of the heights.
-    let left_top = grid.left_top() - vec2(0.8 * AXES.x, NAME + 22.0);
-    let row = Rect::from_min_max(left_top, pos2(grid.right(), left_top.y + NAME));
+    let left_top = grid.left_top() - vec2(0.8 * AXES.x, height + 22.0);
+    let row = Rect::from_min_max(left_top, pos2(grid.right(), left_top.y + height));
     let dot = row.left_center() + vec2(4.0, 0.0);
     ui.painter().circle_filled(dot, 4.0, run_style(choice).colour);
     let [tried, found] = map.result.counts(choice);
@@ -134,7 +149,7 @@ fn name(ui: &mut Ui, map: &ShownMap<'_>, choice: usize, grid: Rect) {
             format::short(map.result.options.success_mm)
         ));
         ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(name).color(palette.text)).truncate());
+            ui.add(egui::Label::new(RichText::new(name).color(palette.text)).wrap());
         });
     });
 }
@@ -279,6 +294,6 @@ fn success_legend(ui: &Ui, area: Rect) {
         let swatch = Rect::from_min_size(corner, egui::Vec2::splat(size::ICON));
         ui.painter().rect(swatch, 0.0, gradient_colour(share), palette.edge(), StrokeKind::Inside);
         let at = swatch.right_center() + vec2(6.0, 0.0);
-        paint_text(ui, at, egui::Align2::LEFT_CENTER, text, egui::TextStyle::Small, palette.text2);
+        paint_text(ui, at, egui::Align2::LEFT_CENTER, text, TextStyle::Small, palette.text2);
     }
 }

@@ -20,6 +20,8 @@ const ROW: f32 = 19.0;
 /// Width of the names of the levels, and of the counts of a choice of fit.
 const LEVEL: f32 = 84.0;
 const CHOICE: f32 = 44.0;
+/// Width of the counts of a choice where there is no room for their unit.
+const BARE_CHOICE: f32 = 30.0;
 /// Choices of fit stand this many degrees beside each other, so that their bars do not cover each other.
 const BESIDE: f64 = 0.5;
 /// Half a bar's cap, degrees.
@@ -123,7 +125,11 @@ fn read_out(ui: &mut Ui, name: &str, level: &LevelReport) {
 }
 
 fn share(success: Option<f64>) -> String {
-    success.map_or_else(|| format::MISSING.to_owned(), |s| format!("{} %", format::number(100.0 * s, 0)))
+    success.map_or_else(|| format::MISSING.to_owned(), |share| percent(share) + " %")
+}
+
+fn percent(share: f64) -> String {
+    format::number(100.0 * share, 0)
 }
 
 /// The counts of every level, as far as they have come: one column a choice.
@@ -138,7 +144,7 @@ fn counts(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts) {
                 let ends = [rect.left_center(), rect.right_center()];
                 let stroke = Stroke::new(style.width, style.colour);
                 paint_run_sample(ui.painter(), ends, index, stroke, 1.0);
-                ui.add(egui::Label::new(RichText::new(&choice.name).color(palette.text)).truncate());
+                ui.add(egui::Label::new(RichText::new(&choice.name).color(palette.text)).wrap());
             });
         }
         ui.add_space(space::ROW);
@@ -147,14 +153,21 @@ fn counts(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts) {
         }
         ui.add_space(space::ROW);
         let limit = format::short(result.options.success_mm);
-        hint(ui, format!("Found: root and leaf joints end less than {limit} mm off on average."));
+        let unit = if is_wide(ui, result) { "" } else { ", percent" };
+        hint(ui, format!("Found{unit}: root and leaf joints end less than {limit} mm off on average."));
     });
+}
+
+/// Whether there is room for a column a choice with its unit.
+fn is_wide(ui: &Ui, result: &BasinResult) -> bool {
+    LEVEL + CHOICE * result.report.choices.len() as f32 <= ui.available_width()
 }
 
 /// One level: the share of each choice in its colour's order, with the counts where there is one choice alone.
 fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
     let palette = theme::palette(ui);
     let choices = &result.report.choices;
+    let (unit, column) = if is_wide(ui, result) { (" %", CHOICE) } else { ("", BARE_CHOICE) };
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let typed = &starts.levels[level];
     let name = format!("{}°, {} cm", typed.degrees, format::short(100.0 * typed.metres));
@@ -168,14 +181,14 @@ fn row(ui: &mut Ui, result: &BasinResult, starts: &RandomStarts, level: usize) {
         let text = match (choices.len(), level.rate.tried) {
             (_, 0) => format::MISSING.to_owned(),
             (1, _) => format!("{}   {} of {}", share(level.rate.success), level.rate.found, level.rate.tried),
-            _ => share(level.rate.success),
+            _ => level.rate.success.map_or_else(|| format::MISSING.to_owned(), |share| percent(share) + unit),
         };
         said += &format!("; {}: {} of {}", choice.name, level.rate.found, level.rate.tried);
-        let at = rect.left_center() + vec2(LEVEL + CHOICE * index as f32, 0.0);
+        let at = rect.left_center() + vec2(LEVEL + column * index as f32, 0.0);
         let (at, align) = if choices.len() == 1 {
             (at, left)
         } else {
-            (at + vec2(CHOICE, 0.0), egui::Align2::RIGHT_CENTER)
+            (at + vec2(column, 0.0), egui::Align2::RIGHT_CENTER)
         };
         paint_text(ui, at, align, text, egui::TextStyle::Monospace, colour);
     }
