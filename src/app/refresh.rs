@@ -59,6 +59,9 @@ impl Inspector {
         if is_missing {
             self.read_frame(&take, frame);
         } else {
+            if self.state.session.last_frame.as_ref().is_none_or(|last| last.frame != frame) {
+                self.state.session.frames.keep_distances_of(frame);
+            }
             self.state.session.last_frame = shown;
             if !self.refresh.frame.is_busy() && self.refresh.frame.failure().is_none() {
                 let (context, features, _) = self.split();

@@ -39,7 +39,7 @@ impl Layout {
 const MAX_RECENT: usize = 5;
 
 /// Megabytes that frames which were read may take at first, and may be chosen.
-pub(crate) const FRAMES_MB: usize = 1024;
+pub(crate) const FRAMES_MB: usize = 256;
 pub(crate) const FRAMES_MB_CHOICES: std::ops::RangeInclusive<usize> = 64..=65_536;
 
 /// The arrangement; what it is at first is said by the settings.

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use backlit_formats::footage::{CameraFrame, FrameData};
 
 /// Megabytes that are kept unless something else is chosen.
-const LIMIT_MB: usize = 512;
+const LIMIT_MB: usize = 128;
 /// This many frames are kept however large they are: what is shown, and what was read ahead.
 const FEWEST: usize = 4;
-/// Bytes of a pixel: its colours, its label, whether it is shadow, its distance.
-const BYTES_PER_PIXEL: usize = 3 + 1 + 1 + 4;
+/// Bytes of a pixel: its colours, its label, whether it is shadow. Distances are of the frame on the screen alone.
+const BYTES_PER_PIXEL: usize = 3 + 1 + 1;
 
 /// Memory that a frame's pictures and silhouettes take, about.
 fn bytes(frame: &FrameData) -> usize {
@@ -52,6 +52,12 @@ impl SegmentedFrames {
         self.shrink();
     }
 
+    /// Lets go of the distances of all frames but one.
+    pub(crate) fn keep_distances_of(&self, frame: usize) {
+        let others = self.frames.iter().filter(|other| other.frame != frame);
+        others.flat_map(|other| &other.cameras).for_each(CameraFrame::forget_distance);
+    }
+
     fn shrink(&mut self) {
         while self.bytes > self.limit && self.frames.len() > FEWEST {
             let dropped = self.frames.pop_front();
@@ -88,15 +94,27 @@ mod tests {
     fn the_newest_frames_are_kept_within_the_limit() {
         let mut cache = SegmentedFrames::default();
         cache.set_limit_mb(1);
-        // Nine bytes a pixel: ten frames of 90 kB and one more that does not fit.
-        for frame in 0..13 {
+        // Five bytes a pixel: twenty frames of 50 kB.
+        for frame in 0..23 {
             cache.insert(data(frame, 100));
         }
-        assert!(cache.get(1).is_none() && cache.get(2).is_some() && cache.get(12).is_some());
+        assert!(cache.get(2).is_none() && cache.get(3).is_some() && cache.get(22).is_some());
         cache.insert(data(5, 100));
-        assert!(cache.get(2).is_some(), "a frame that is loaded again replaces itself");
+        assert!(cache.get(3).is_some(), "a frame that is loaded again replaces itself");
         cache.set_limit_mb(0);
-        let kept = (0..13).filter(|&frame| cache.get(frame).is_some()).count();
+        let kept = (0..23).filter(|&frame| cache.get(frame).is_some()).count();
         assert_eq!(kept, FEWEST, "what is shown and read ahead stays");
+    }
+
+    #[test]
+    fn only_the_frame_on_the_screen_keeps_its_distance() {
+        let mut cache = SegmentedFrames::default();
+        (0..2).for_each(|frame| cache.insert(data(frame, 10)));
+        let distance = |frame: usize| cache.get(frame).unwrap().cameras[0].distance().unwrap();
+        let before = [0, 1].map(distance);
+        cache.keep_distances_of(1);
+        let after = [0, 1].map(distance);
+        assert!(Arc::ptr_eq(&before[1], &after[1]) && !Arc::ptr_eq(&before[0], &after[0]));
+        assert_eq!(before, after, "it is measured again");
     }
 }

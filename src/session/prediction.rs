@@ -295,6 +295,6 @@ impl FitInputs {
             evidence: frame.evidence(stage.data)?,
             weight: 1.0,
         };
-        Some(view.data(stage, frame.distance()))
+        Some(view.data(stage, frame.distance().as_deref()))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::fit::{DataView, Evidence};
@@ -46,7 +46,7 @@ pub struct CameraFrame {
     pub image: Option<Arc<RgbImage>>,
     /// Its silhouette.
     pub mask: Option<Arc<Mask>>,
-    distance: OnceLock<SignedDistance>,
+    distance: Arc<Mutex<Option<Arc<SignedDistance>>>>,
     /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
     pub grey_levels: Option<Arc<Measurement>>,
     /// Where another tool saw joints; empty where none has looked, or its file cannot be read.
@@ -57,9 +57,18 @@ pub struct CameraFrame {
 
 impl CameraFrame {
     /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
-    pub fn distance(&self) -> Option<&SignedDistance> {
+    pub fn distance(&self) -> Option<Arc<SignedDistance>> {
         let mask = self.mask.as_ref()?;
-        Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
+        Some(self.kept_distance().get_or_insert_with(|| Arc::new(SignedDistance::from_mask(mask))).clone())
+    }
+
+    /// Lets go of the distance, which is larger than picture and silhouette together; it is measured again when it is asked for.
+    pub fn forget_distance(&self) {
+        *self.kept_distance() = None;
+    }
+
+    fn kept_distance(&self) -> MutexGuard<'_, Option<Arc<SignedDistance>>> {
+        self.distance.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette. Grey levels of a simulation are
