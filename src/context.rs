@@ -166,10 +166,9 @@ impl<'a> Context<'a> {
             let (drawn, shown) = (predicted.scene.frame.as_ref()?, session.last_frame.as_ref()?);
             let is_whole =
                 Arc::ptr_eq(drawn, shown) && Arc::ptr_eq(&predicted.scene.model, &self.document().model);
-            is_whole.then_some((shown.frame, &predicted.pose))
+            (is_whole && shown.frame != frame).then_some((shown.frame, &predicted.pose))
         };
-        let is_there = session.frames.get(frame).is_some() || self.busy.load_broke;
-        before().filter(|_| !is_there).unwrap_or_else(|| (frame, self.shown_pose()))
+        before().filter(|_| !self.busy.load_broke).unwrap_or_else(|| (frame, self.shown_pose()))
     }
 
     /// The poses that rival the one on the screen with their weights, likeliest first, where they are to be seen.

@@ -41,8 +41,10 @@ pub struct Session {
     pub predicted: Option<Arc<Predicted>>,
     /// Whether [`predicted`](Self::predicted) is of an older pose than the one on the screen.
     pub is_stale: bool,
-    /// The frame that was shown last: it stays until the next one is there.
+    /// The frame on the screen: it stays until the next one is there with its prediction.
     pub(crate) last_frame: Option<Arc<FrameData>>,
+    /// Since when a frame that was read waits for its prediction.
+    pub(crate) waits_since: Option<f64>,
     /// Changes with the pictures on the screen.
     pub(crate) generation: u64,
     /// Where the subject is over the whole take, by camera.
@@ -99,9 +101,12 @@ impl Session {
         Some([camera.width(), camera.height()])
     }
 
-    /// A frame, or the one that was shown last as long as it is not there.
+    /// A frame, or the one that was shown last as long as it is not there with its prediction.
     pub fn shown_frame(&self, frame: usize) -> Option<&Arc<FrameData>> {
-        self.frames.get(frame).or(self.last_frame.as_ref())
+        match &self.last_frame {
+            Some(last) if last.frame != frame => Some(last),
+            last => self.frames.get(frame).or(last.as_ref()),
+        }
     }
 
     /// Whether a prediction's data are those of the frame on the screen.
@@ -120,6 +125,15 @@ impl Session {
         let mut frames = std::mem::take(&mut self.frames);
         frames.clear();
         *self = Self { take, source, frames, ..Self::default() };
+    }
+
+    /// Puts a frame on the screen.
+    pub(crate) fn show(&mut self, frame: Arc<FrameData>) {
+        if self.last_frame.as_ref().is_none_or(|last| last.frame != frame.frame) {
+            self.frames.keep_distances_of(frame.frame);
+        }
+        self.waits_since = None;
+        self.last_frame = Some(frame);
     }
 
     /// Takes in a frame that was read.

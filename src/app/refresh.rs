@@ -15,6 +15,9 @@ use crate::context::priority;
 use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
+/// A frame that was read waits for its prediction for at most so many seconds.
+const LONGEST_HELD: f64 = 0.1;
+
 /// What the footage is made again for.
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<FollowedPerson>>);
 
@@ -30,6 +33,7 @@ pub(crate) struct Refresh {
 impl Inspector {
     /// Takes in what was made for the screen.
     pub(crate) fn take_in_refreshed(&mut self) {
+        let frame = self.state.selection.frame;
         let (refresh, session, notices) =
             (&mut self.refresh, &mut self.state.session, &mut self.state.notices);
         for frame in notices.outputs("Reading the frame", &mut refresh.frame) {
@@ -37,6 +41,10 @@ impl Inspector {
         }
         for predicted in notices.outputs("Drawing the silhouettes of the pose", &mut refresh.prediction) {
             session.predict_seconds = Some(predicted.seconds);
+            // Pictures and body change together.
+            if let Some(drawn) = predicted.scene.frame.as_ref().filter(|drawn| drawn.frame == frame) {
+                session.show(drawn.clone());
+            }
             session.predicted = Some(predicted);
             session.generation += 1;
         }
@@ -59,10 +67,9 @@ impl Inspector {
         if is_missing {
             self.read_frame(&take, frame);
         } else {
-            if self.state.session.last_frame.as_ref().is_none_or(|last| last.frame != frame) {
-                self.state.session.frames.keep_distances_of(frame);
+            if !self.waits_for_prediction(frame) {
+                shown.into_iter().for_each(|shown| self.state.session.show(shown));
             }
-            self.state.session.last_frame = shown;
             if !self.refresh.frame.is_busy() && self.refresh.frame.failure().is_none() {
                 let (context, features, _) = self.split();
                 if let Some(ahead) = features.timeline.frame_to_read_ahead(&context) {
@@ -133,9 +140,31 @@ impl Inspector {
         }
     }
 
+    /// Whether a frame that was read is still to be shown together with its prediction: not for long, so that frames that come
+    /// faster than predictions are seen.
+    fn waits_for_prediction(&mut self, frame: usize) -> bool {
+        let (session, now) = (&mut self.state.session, self.state.now);
+        let is_other = session.last_frame.as_ref().is_some_and(|last| last.frame != frame);
+        let is_drawn = session.predicted.as_ref().is_some_and(|predicted| {
+            predicted
+                .scene
+                .frame
+                .as_ref()
+                .zip(session.last_frame.as_ref())
+                .is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+        });
+        if !is_other || !is_drawn || self.refresh.prediction.failure().is_some() {
+            session.waits_since = None;
+            return false;
+        }
+        let since = *session.waits_since.get_or_insert(now);
+        now - since < LONGEST_HELD
+    }
+
     fn refresh_prediction(&mut self) {
         let Some(inputs) = self.context().fit_inputs() else { return };
-        if self.context().pictured().0 != self.state.selection.frame {
+        let is_reading = self.state.session.frames.get(self.state.selection.frame).is_none();
+        if is_reading && self.context().pictured().0 != self.state.selection.frame {
             // The body does not go ahead of the pictures that it is drawn over.
             self.state.session.is_stale = true;
             return;
@@ -145,9 +174,13 @@ impl Inspector {
         self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&inputs, &pose));
         if self.state.session.is_stale {
             let posed = PosedInputs { inputs, pose };
+            let views = self.features.camera_views.pictures(&self.context());
             let predict = |posed: &PosedInputs| {
                 let posed = posed.clone();
-                once(move |_| Arc::new(Predicted::new(&posed.inputs, &posed.pose, shown.as_deref())))
+                once(move |_| {
+                    let predicted = Predicted::new(&posed.inputs, &posed.pose, shown.as_deref());
+                    Arc::new(predicted.with_pictures(&views))
+                })
             };
             self.refresh.prediction.need(&self.state.pool, posed, predict);
         }

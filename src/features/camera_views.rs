@@ -10,11 +10,12 @@ pub use overlays::Ellipses;
 pub(crate) use pane::TilePlace;
 pub use tile::{BodyMarks, TileInput, TileResponse, camera_tile};
 
+use crate::context::Context;
 use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
-use crate::session::prediction::Derivatives;
+use crate::session::prediction::{Derivatives, ViewedPicture};
 use crate::session::selection::Selection;
 
 mod comparison;
@@ -89,6 +90,22 @@ impl CameraViews {
     /// What the tiles of a layout show, by camera.
     pub(crate) fn tiles(&self, layout: Layout) -> &[TileView] {
         self.tiles.of(layout)
+    }
+
+    /// What the views show, by camera: a prediction makes these pictures beside it.
+    pub(crate) fn pictures(&self, context: &Context<'_>) -> Vec<Vec<ViewedPicture>> {
+        let (layout, frame) = (context.preferences.layout, context.selection.frame);
+        let of_tile = |(camera, tile): (usize, &TileView)| {
+            let has_full = self.full.of(camera, frame).is_some();
+            let view = |mode: ViewMode| {
+                let is_over_footage = has_full && matches!(mode, ViewMode::Footage | ViewMode::Tinted);
+                ViewedPicture { mode, is_over_footage }
+            };
+            let other = tile.comparison.map(|_| tile.other);
+            [Some(tile.mode), other].into_iter().flatten().map(view).collect()
+        };
+        let cameras = context.session.camera_count();
+        self.tiles(layout).iter().take(cameras).enumerate().map(of_tile).collect()
     }
 
     /// Shows a mode alone in all views of a layout.

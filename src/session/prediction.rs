@@ -11,7 +11,10 @@ use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::optimize::Iteration;
 use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, View, draw, prediction};
 use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_ui::drawing::{Derivative, body_outline};
+use backlit_ui::drawing::{
+    Derivative, PictureInput, ViewMode, body_outline, compose, compose_over_footage, limb_colours,
+};
+use egui::{Color32, ColorImage};
 use glam::DVec2;
 
 use rayon::prelude::*;
@@ -104,6 +107,21 @@ pub(crate) struct CameraPrediction {
     pub(crate) outlines: Vec<Vec<DVec2>>,
 }
 
+/// What a view shows of a frame and a prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ViewedPicture {
+    pub(crate) mode: ViewMode,
+    /// It lies over the footage at its full size.
+    pub(crate) is_over_footage: bool,
+}
+
+/// The picture of that.
+#[derive(Debug, Clone)]
+pub struct ComposedPicture {
+    pub(crate) shows: ViewedPicture,
+    pub(crate) image: Arc<ColorImage>,
+}
+
 /// What a pose predicts in every camera.
 #[derive(Debug, Clone)]
 pub struct Predicted {
@@ -118,6 +136,8 @@ pub struct Predicted {
     pub(crate) rms: Option<f64>,
     /// Each limb's part of the mismatch.
     pub(crate) mismatch_by_limb: Vec<f64>,
+    /// By camera, the pictures that its view shows, as far as they were made beside the prediction.
+    pub(crate) pictures: Vec<Vec<ComposedPicture>>,
     /// How long it took, in seconds.
     pub(crate) seconds: f64,
 }
@@ -156,8 +176,43 @@ impl Predicted {
             mismatch: measured.mismatch,
             rms: measured.rms,
             mismatch_by_limb,
+            pictures: Vec::new(),
             seconds: start.elapsed().as_secs_f64(),
         }
+    }
+
+    /// Makes the pictures that views show, by camera, so that the window need not.
+    pub(crate) fn with_pictures(self, views: &[Vec<ViewedPicture>]) -> Self {
+        let colours = limb_colours(&self.scene.model);
+        let compose = |(camera, views): (usize, &Vec<ViewedPicture>)| -> Vec<ComposedPicture> {
+            let Some(input) = self.picture(camera, &colours) else { return Vec::new() };
+            let compose =
+                |shows: &ViewedPicture| ComposedPicture { shows: *shows, image: shows.compose(&input) };
+            views.iter().map(compose).collect()
+        };
+        let pictures = views.par_iter().enumerate().map(compose).collect();
+        Self { pictures, ..self }
+    }
+
+    /// What there is to see in a camera, with its frame; `None` without one.
+    pub(crate) fn picture<'a>(
+        &'a self,
+        camera: usize,
+        limb_colours: &'a [Color32],
+    ) -> Option<PictureInput<'a>> {
+        let pictures = self.scene.frame.as_ref()?.cameras.get(camera)?;
+        let (predicted, of) = (self.cameras.get(camera)?, self.scene.cameras.get(camera)?);
+        Some(PictureInput {
+            size: [of.width(), of.height()],
+            frame: pictures.image.as_deref(),
+            mask: pictures.mask.as_deref(),
+            data: predicted.data.as_deref(),
+            prediction: Some(&predicted.prediction),
+            view: Some(&predicted.view),
+            gradient: predicted.gradient.as_ref(),
+            jacobian: predicted.jacobian.as_ref(),
+            limb_colours,
+        })
     }
 
     /// Intersection over union of the cameras that count and see somebody, all together: as the tracker has it.
@@ -191,6 +246,15 @@ impl Predicted {
     /// Whether it is of this pose and these parts.
     pub(crate) fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
         self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
+    }
+}
+
+impl ViewedPicture {
+    pub(crate) fn compose(self, input: &PictureInput<'_>) -> Arc<ColorImage> {
+        Arc::new(match self.is_over_footage {
+            true => compose_over_footage(self.mode, input),
+            false => compose(self.mode, input),
+        })
     }
 }
 

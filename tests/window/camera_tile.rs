@@ -164,6 +164,7 @@ impl Scene {
             held: &[],
             doubts: &[],
             keypoints: &[],
+            composed: &[],
             is_behind: false,
             shows_hover_card: false,
         }

@@ -28,6 +28,7 @@ use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 use crate::session::Session;
+use crate::session::prediction::ComposedPicture;
 
 /// The report's ramp is half grey at this many radii.
 const THESIS_HALF: f64 = 1.118_034;
@@ -123,6 +124,7 @@ impl<'a> CameraPane<'a> {
             settings: chosen.settings,
             subject_px: subject(session, index),
             picture: self.picture(),
+            composed: self.composed(),
             full: None,
             generation: egui::util::hash((session.generation, context.selection.frame)),
             camera: Some(self.camera),
@@ -158,21 +160,33 @@ impl<'a> CameraPane<'a> {
 
     fn picture(&self) -> PictureInput<'_> {
         let (session, frame) = (self.context.session, self.context.selection.frame);
-        let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
         let predicted = session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none());
-        let is_of_frame = predicted.is_some_and(|predicted| session.is_of_shown_frame(predicted, frame));
+        let of_frame = predicted.filter(|predicted| session.is_of_shown_frame(predicted, frame));
+        if let Some(picture) =
+            of_frame.and_then(|predicted| predicted.picture(self.index, &self.limb_colours))
+        {
+            return picture;
+        }
+        let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
         let predicted = predicted.and_then(|predicted| predicted.cameras.get(self.index));
         PictureInput {
-            size: self.size_px(),
             frame: pictures.and_then(|frame| frame.image.as_deref()),
             mask: pictures.and_then(|frame| frame.mask.as_deref()),
-            data: predicted.filter(|_| is_of_frame).and_then(|camera| camera.data.as_deref()),
             prediction: predicted.map(|camera| &camera.prediction),
             view: predicted.map(|camera| &camera.view),
             gradient: predicted.and_then(|camera| camera.gradient.as_ref()),
             jacobian: predicted.and_then(|camera| camera.jacobian.as_ref()),
             limb_colours: &self.limb_colours,
+            ..PictureInput::empty(self.size_px())
         }
+    }
+
+    /// Pictures that were made beside the prediction, where it is of the frame on the screen.
+    fn composed(&self) -> &[ComposedPicture] {
+        let (session, frame) = (self.context.session, self.context.selection.frame);
+        let predicted = session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none());
+        let of_frame = predicted.filter(|predicted| session.is_of_shown_frame(predicted, frame));
+        of_frame.and_then(|predicted| predicted.pictures.get(self.index)).map_or(&[], Vec::as_slice)
     }
 
     /// How far away the body is at a pixel, along the optical axis, metres; beside the body, its root's depth.

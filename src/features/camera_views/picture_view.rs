@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_ui::drawing::{
-    CalibrationMarks, JointId, ViewMode, compose, compose_over_footage, shows_footage,
-};
+use backlit_ui::drawing::{CalibrationMarks, JointId, ViewMode, shows_footage};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, GHOST, JOINT, PICTURE_GROUND, WHITE};
 use backlit_ui::style::theme::{Theme, size};
@@ -22,6 +20,7 @@ use super::pointer::{Grips, PointerInput};
 use super::tile::{TileLayout, TileState};
 use super::{TileEvent, TileInput, legend, overlays};
 use crate::context::marks::whole_percent;
+use crate::session::prediction::ViewedPicture;
 
 /// Circles of spheres: width in points, and opacity.
 const SPHERE_WIDTH: f32 = 1.0;
@@ -109,10 +108,11 @@ impl ShownPicture<'_> {
             let footage = cached_texture(ctx, id.with("full"), key, is_crisp, || full.clone());
             paint_picture(&overlay.painter, &overlay.view, size_px, &footage);
         }
-        let key = (input.generation, mode, over.is_some());
-        let texture = cached_texture(ctx, id.with("texture"), key, is_crisp, || match over {
-            Some(_) => compose_over_footage(mode, &input.picture),
-            None => compose(mode, &input.picture),
+        let shows = ViewedPicture { mode, is_over_footage: over.is_some() };
+        let key = (input.generation, mode, shows.is_over_footage);
+        let texture = cached_texture(ctx, id.with("texture"), key, is_crisp, || {
+            let made = input.composed.iter().find(|made| made.shows == shows);
+            made.map_or_else(|| shows.compose(&input.picture), |made| made.image.clone())
         });
         paint_picture(&overlay.painter, &overlay.view, size_px, &texture);
         if mode.has_outline() {

@@ -21,6 +21,7 @@ use super::pointer::{Pointer, rotation_owner};
 use super::{Ellipses, TileEvent, TileView, gutter, header, legend, picture_view};
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
+use crate::session::prediction::ComposedPicture;
 
 /// What one camera sees of bodies.
 #[derive(Clone, Debug, Default)]
@@ -76,6 +77,8 @@ pub struct TileInput<'a> {
     pub subject_px: Option<Rect>,
     /// Footage, data and prediction.
     pub picture: PictureInput<'a>,
+    /// Pictures of it that are made already.
+    pub composed: &'a [ComposedPicture],
     /// The footage at its full size, where `picture` has a part of it.
     pub full: Option<&'a Arc<ColorImage>>,
     /// Changes whenever anything in `picture` does. Textures are made again only then.
