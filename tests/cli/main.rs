@@ -13,6 +13,7 @@ mod formats;
 mod golden;
 mod import;
 mod observability;
+mod person;
 mod placement;
 mod prior;
 mod real_footage;

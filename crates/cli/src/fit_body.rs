@@ -22,7 +22,9 @@ use clap::Args;
 
 use super::fit_body_report;
 use super::fit_options::{Words, one_of};
+use super::person::PersonArguments;
 use super::take_options::{self, FrameSpan, PartArguments};
+use crate::interrupt;
 use crate::numbers::within;
 use crate::{output, progress};
 
@@ -57,6 +59,8 @@ pub struct FitBodyArguments {
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     cameras: Option<Vec<String>>,
+    #[command(flatten)]
+    person: PersonArguments,
     /// The body to begin with: a file, or the name of a built-in one [default: the take's]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
@@ -154,13 +158,20 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         output::check_folder_of(out)?;
     }
     let footage = take_options::open(&arguments.take)?;
+    let cameras =
+        take_options::camera_indices(footage.take(), arguments.cameras.as_deref()).context("--cameras")?;
+    let chosen = arguments.frames(footage.take())?;
+    // The body is tracked from one chosen frame to the next.
+    let between: Vec<usize> = match (chosen.iter().min(), chosen.iter().max()) {
+        (Some(&first), Some(&last)) => (first..=last).collect(),
+        _ => Vec::new(),
+    };
+    let footage = arguments.person.follow(footage, &cameras, &between, &interrupt::listen()?)?;
     let take = footage.take();
     let model = match &arguments.model {
         Some(argument) => Arc::new(model_file::resolve(argument)?),
         None => Arc::clone(take.model()),
     };
-    let cameras = take_options::camera_indices(take, arguments.cameras.as_deref()).context("--cameras")?;
-    let chosen = arguments.frames(take)?;
     // Joints are held near keypoints wherever there are some.
     let of_cameras = match arguments.without_keypoints || take.reference().is_some() {
         true => BTreeMap::new(),
