@@ -126,7 +126,7 @@ impl<'a> CameraPane<'a> {
             picture: self.picture(),
             composed: self.composed(),
             full: None,
-            generation: egui::util::hash((session.generation, context.selection.frame)),
+            generation: egui::util::hash((session.generation, context.pictured().0)),
             camera: Some(self.camera),
             raw_camera: session.take.as_ref().and_then(|take| take.take().rig().cameras().get(index)),
             body: &document.model,
