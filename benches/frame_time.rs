@@ -19,6 +19,10 @@ use backlit::features::scene::{Upright, Viewpoint};
 use backlit_take::source::TakeSource;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 
+/// The program's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Points of the window.
 const SIZE: egui::Vec2 = vec2(1600.0, 1000.0);
 /// Sixty frames a second.
