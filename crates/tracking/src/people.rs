@@ -13,9 +13,12 @@ use serde::{Deserialize, Serialize};
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitView};
+use crate::numbers::{OptionError, Range, check_options};
 use crate::silhouette::{Label, Mask};
 use crate::visual_hull::{HullView, VisualHull};
 
+/// No cube has a longer side, metres.
+const LARGEST_CUBE_M: f64 = 10.0;
 /// Fewer cameras than that cannot tell people from crossings of sight rays.
 pub const FEWEST_CAMERAS: usize = 3;
 /// Cubes along the longest side of the hull's box.
@@ -94,7 +97,7 @@ impl PersonBox {
 
 /// Where a person is in a frame: the surface of its part of the hull.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "WrittenPlace")]
 pub struct PersonPlace {
     /// What it is within.
     pub bounds: PersonBox,
@@ -114,6 +117,28 @@ impl PersonPlace {
 
     fn cubes(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.cubes_cm.iter().map(|at| DVec3::from_array(at.map(|along| f64::from(along) / 100.0)))
+    }
+}
+
+/// The same as a file has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenPlace {
+    bounds: PersonBox,
+    side_m: f64,
+    cubes_cm: Vec<[i16; 3]>,
+}
+
+impl TryFrom<WrittenPlace> for PersonPlace {
+    type Error = OptionError;
+
+    fn try_from(WrittenPlace { bounds, side_m, cubes_cm }: WrittenPlace) -> Result<Self, OptionError> {
+        let side = Range(|side| side > 0.0 && side <= LARGEST_CUBE_M, "above 0 and at most 10 metres");
+        let upwards =
+            Range(|length| length.is_finite() && length >= 0.0, "a highest corner above the lowest");
+        let lengths = (bounds.high - bounds.low).to_array().map(|length| ("bounds", length, upwards));
+        check_options([("side_m", side_m, side)].into_iter().chain(lengths))?;
+        Ok(Self { bounds, side_m, cubes_cm })
     }
 }
 
@@ -455,6 +480,25 @@ mod tests {
             apart += usize::from(share > 0.95);
         }
         assert!(apart >= 3, "both are apart in most views: {apart}");
+    }
+
+    #[test]
+    fn a_place_that_no_hull_has_is_not_read() {
+        let read = |bounds: &str, side: &str| -> Result<PersonPlace, String> {
+            let text = format!(r#"{{"bounds": [{bounds}], "side_m": {side}, "cubes_cm": [[0, 0, 90]]}}"#);
+            serde_json::from_str(&text).map_err(|error: serde_json::Error| error.to_string())
+        };
+        let good = "-1, -1, 0, 1, 1, 2";
+        let place = read(good, "0.1").unwrap();
+        assert_eq!(
+            serde_json::from_str::<PersonPlace>(&serde_json::to_string(&place).unwrap()).unwrap(),
+            place
+        );
+        for side in ["-1", "0", "1e300"] {
+            assert!(read(good, side).unwrap_err().contains("side_m"), "{side}");
+        }
+        assert!(read("-1, -1, 0, 1, -2, 2", "0.1").unwrap_err().contains("bounds"));
+        assert!(read("-1e308, -1, 0, 1e308, 1, 2", "0.1").unwrap_err().contains("bounds"));
     }
 
     #[test]
