@@ -9,7 +9,7 @@ const FIELD: usize = 56;
 /// Room for names at the left and at the top.
 const MARGIN: usize = 120;
 
-/// The matrix of windows of a second with the clips' in small numbers below.
+/// The matrix of windows with the clips' in small numbers below.
 #[must_use]
 pub fn to_svg(confusion: &Confusion) -> String {
     let count = confusion.classes.len();
@@ -51,7 +51,7 @@ pub fn to_svg(confusion: &Confusion) -> String {
             }
         }
     }
-    let legend = "rows: what it was; columns: what it was called; per cent of seconds, number of clips";
+    let legend = "rows: what it was; columns: what it was called; per cent of windows, number of clips";
     write_text(&mut out, [MARGIN, side + 8], "font-size=\"11\"", legend);
     out.push_str("</svg>\n");
     out

@@ -1,4 +1,4 @@
-//! How often names are right: of whole clips, of seconds, and of the frames of clips that were joined to takes.
+//! How often names are right: of whole clips, of windows, and of the frames of clips that were joined to takes.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ pub use left_out::{Fold, LEAST_KEPT, LeftOut, leave_out};
 pub struct Score {
     /// Of whole clips.
     pub clips: f64,
-    /// Of windows of a second, each seen by itself.
+    /// Of windows of two seconds, each seen by itself.
     pub windows: f64,
     /// Of the same windows, each named given the whole clip that it is a part of.
     pub in_context: f64,
@@ -38,7 +38,7 @@ pub struct Confusion {
     pub classes: Vec<String>,
     /// Clips.
     pub clips: Vec<Vec<usize>>,
-    /// Windows of a second.
+    /// Windows of two seconds.
     pub windows: Vec<Vec<usize>>,
 }
 
@@ -50,7 +50,7 @@ pub struct Evaluation {
     /// How far clips, windows and windows in context of the method that names takes would spread with other people of the same kind: deviations
     /// where people are drawn again, again and again (bootstrap).
     pub spread: [f64; 3],
-    /// Of the method that names takes, hidden Markov models and support vectors together.
+    /// Of the method that names takes, [`Method::Combined`].
     pub confusion: Confusion,
     /// The part of the clips that was said to be unknown, whose classes are known.
     pub unknown: f64,

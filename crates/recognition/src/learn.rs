@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
-use crate::augment::{self, TrackerNoise, unit};
+use crate::augment::{self, PersonVariation, TrackerNoise, unit};
 use crate::discriminant::{AxesOptions, Discriminant, Learnt, Nuisance, Sample, balanced_weights};
 use crate::features::body_size;
 use crate::hmm::{HiddenMarkov, HmmOptions};
@@ -35,10 +35,12 @@ pub struct NamedMotion {
 /// How a recognizer is learnt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LearnOptions {
-    /// Copies of each motion with other speed and a tracker's noise.
+    /// Copies of each motion by other people, with other speed and a tracker's noise.
     pub copies: usize,
     /// Most deviation of the noise of a copy along each axis, metres of an adult; each copy has a part of it.
     pub noise_m: f64,
+    /// How far the people of the copies differ from those who were recorded.
+    pub variation: PersonVariation,
     /// Axes that tell classes apart.
     pub axes: AxesOptions,
     /// The classes' models.
@@ -58,10 +60,11 @@ impl Default for LearnOptions {
         Self {
             copies: 4,
             noise_m: 0.03,
+            variation: PersonVariation::default(),
             axes: AxesOptions::default(),
             hmm: HmmOptions::default(),
-            cost: 0.03,
-            wide_cost: 0.001,
+            cost: 0.01,
+            wide_cost: 0.0003,
             switch_penalty: 6.0,
             seed: 1,
         }
@@ -121,7 +124,9 @@ pub fn prepare<'a>(
             memory_s: MEMORY_S,
         };
         let changed = augment::faster(&named.motion, speed);
-        let changed = augment::noisy(&changed, noise, options.seed + 1000 * number + copy as u64);
+        let seed = options.seed + 1000 * number + copy as u64;
+        let changed = augment::by_another_person(&changed, options.variation, seed);
+        let changed = augment::noisy(&changed, noise, seed);
         seen.push(Observed::new(&changed).map_err(LearnError::of(named))?);
     }
     Ok(Prepared { named, seen })
@@ -168,18 +173,18 @@ impl Recognizer {
             }
             samples
         };
-        let seconds =
+        let windows =
             samples(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
         let shorts = samples(&|seen| seen.short.clone());
-        let learnt = Discriminant::learn(&seconds, options.axes);
+        let learnt = Discriminant::learn(&windows, options.axes);
         let short = Discriminant::learn(&shorts, options.axes).discriminant;
-        let weights = balanced_weights(&seconds);
-        let novelty = Novelty::learn(&learnt, &seconds, &weights, options.axes);
+        let weights = balanced_weights(&windows);
+        let novelty = Novelty::learn(&learnt, &windows, &weights, options.axes);
         let Learnt { discriminant: long, nuisance: Nuisance { whitening, .. }, .. } = learnt;
-        let places: Vec<Vec<f64>> = seconds.iter().map(|one| long.project(&one.row)).collect();
-        let numbers: Vec<usize> = seconds.iter().map(|one| one.class).collect();
+        let places: Vec<Vec<f64>> = windows.iter().map(|one| long.project(&one.row)).collect();
+        let numbers: Vec<usize> = windows.iter().map(|one| one.class).collect();
         let white = |one: &Sample| &whitening * DVector::from_vec(long.standardised(&one.row));
-        let white: Vec<Vec<f64>> = seconds.iter().map(|one| white(one).as_slice().to_vec()).collect();
+        let white: Vec<Vec<f64>> = windows.iter().map(|one| white(one).as_slice().to_vec()).collect();
         let machine = |rows: &[Vec<f64>], cost: f64| {
             let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
             SupportVectors::learn(rows, &numbers, &costs, classes.len())

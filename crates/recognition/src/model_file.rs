@@ -1,4 +1,4 @@
-//! A recognizer as a file: `backlit-motions 2`, JSON. Numbers have six digits, which changes no name.
+//! A recognizer as a file: `backlit-motions 3`, JSON. Numbers have six digits, which changes no name.
 
 use std::ops::RangeInclusive;
 
@@ -11,7 +11,7 @@ use crate::features::{FRAME_FEATURES, MEASURE_COUNT};
 use crate::recognizer::Recognizer;
 
 /// Name and version of the format.
-pub const FORMAT: &str = "backlit-motions 2";
+pub const FORMAT: &str = "backlit-motions 3";
 
 /// Most classes, axes, states and known windows of a file.
 const MOST: [usize; 4] = [100, 100, 100, 1_000_000];
@@ -24,7 +24,7 @@ const DIGITS: i32 = 6;
 pub enum ModelError {
     #[error("line {line}: {message}; expected a file that `backlit recognise --train` wrote")]
     Json { line: usize, message: String },
-    #[error("`format` is {found}; expected \"{FORMAT}\"")]
+    #[error("`format` is {found}; expected \"{FORMAT}\": an older file has to be learnt again")]
     Format { found: String },
     #[error("`{field}` has {found}; expected {expected}")]
     Field { field: String, found: String, expected: String },
@@ -223,7 +223,7 @@ mod tests {
             assert!(message.contains("line"), "{message}");
         }
         for (from, to, expected) in [
-            ("backlit-motions 2", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
+            ("backlit-motions 3", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
             ("\"classes\": [", "\"classes\": [\"x\",", "`clouds` has 2 entries; expected 3"),
             ("\"switch_penalty\": ", "\"switch_penalty\": -", "`switch_penalty` has the number -"),
             ("\"origin\":[", "\"origin\":[1,", "origin` has 2 entries; expected 1"),

@@ -1,4 +1,4 @@
-//! Motions that are nothing known.
+//! Distances of motions from the classes' means; what is far from all of them is nothing known.
 //!
 //! Standardised measures z of a window are brought to the coordinates in which what does not make a class, within a person and between
 //! people, is the unit matrix N⁻¹ᐟ² ([`Nuisance::whitening`]). A window's strangeness is its squared distance there from the nearest class's mean m,
@@ -55,16 +55,20 @@ impl Novelty {
         }
     }
 
+    /// By class, the squared distance |N⁻¹ᐟ² (z − m)|² of a window's standardised measures from its mean.
+    #[must_use]
+    pub fn squared_distances(&self, standardised: &[f64]) -> Vec<f64> {
+        let along = |row: &Vec<f64>| row.iter().zip(standardised).map(|(w, z)| w * z).sum::<f64>();
+        let place: Vec<f64> = self.whitening.iter().map(along).collect();
+        let from = |mean: &Vec<f64>| place.iter().zip(mean).map(|(x, mean)| (x - mean).powi(2)).sum();
+        self.means.iter().map(from).collect()
+    }
+
     /// How far a window is from all that is known; of its standardised measures.
     #[must_use]
     pub fn strangeness(&self, standardised: &[f64]) -> f64 {
-        let along = |row: &Vec<f64>| row.iter().zip(standardised).map(|(w, z)| w * z).sum::<f64>();
-        let place: Vec<f64> = self.whitening.iter().map(along).collect();
-        let of_class = |mean: &Vec<f64>| {
-            let sum: f64 = place.iter().zip(mean).map(|(x, mean)| (x - mean).powi(2)).sum();
-            sum / place.len().max(1) as f64
-        };
-        self.means.iter().map(of_class).fold(f64::INFINITY, f64::min)
+        let nearest = self.squared_distances(standardised).into_iter().fold(f64::INFINITY, f64::min);
+        nearest / self.whitening.len().max(1) as f64
     }
 }
 
@@ -107,6 +111,13 @@ mod tests {
         assert!(at(0.0, 0.5) < 0.3 && at(20.0, 0.5) < 0.3, "{} {}", at(0.0, 0.5), at(20.0, 0.5));
         assert!(at(10.0, 0.5) > 1.0, "{}", at(10.0, 0.5));
         assert!(at(0.0, 4.0) > 2.0 * at(0.0, 1.5), "{} {}", at(0.0, 4.0), at(0.0, 1.5));
+    }
+
+    #[test]
+    fn the_mean_of_a_class_is_near_to_that_class_alone() {
+        let (novelty, axes) = learnt(3);
+        let [own, other] = novelty.squared_distances(&axes.standardised(&[0.0, 0.5]))[..] else { panic!() };
+        assert!(own < 0.5 && other > 20.0 * own, "{own} {other}");
     }
 
     #[test]

@@ -1,15 +1,16 @@
-//! A motion as classifiers see it: windows of a second, and short windows that follow each other.
+//! A motion as classifiers see it: windows of two seconds, and short windows that follow each other.
 
 use crate::features::{Channels, Normalised, window_measures};
 use crate::joints::{JointMotion, MotionError};
 
-/// A window of a second, frames at [`crate::features::RATE`].
-pub const WINDOW: usize = 30;
+/// A window, frames at [`crate::features::RATE`]: two seconds, so that what comes before and after a
+/// punch is seen too.
+pub const WINDOW: usize = 60;
 /// A short window.
 pub const SHORT: usize = 18;
 /// Frames from one short window to the next.
 pub const STEP: usize = 3;
-/// Frames from one window of a second to the next, where a motion is learnt from or counted.
+/// Frames from one window to the next, where a motion is learnt from or counted.
 pub const HOP: usize = 10;
 
 /// What is measured of a motion.
@@ -37,14 +38,14 @@ impl Observed {
         Ok(Self { short: (0..steps).map(short).collect(), channels, normalised, length })
     }
 
-    /// Measures of the second that begins at a frame; a motion shorter than that is measured whole.
+    /// Measures of the window that begins at a frame; a motion shorter than that is measured whole.
     #[must_use]
     pub fn window(&self, first: usize) -> Vec<f64> {
         let first = first.min(self.length.saturating_sub(WINDOW));
         window_measures(&self.channels, first, (first + WINDOW).min(self.length))
     }
 
-    /// Where windows of a second begin that cover the motion, about [`HOP`] frames apart.
+    /// Where windows begin that cover the motion, about [`HOP`] frames apart.
     #[must_use]
     pub fn window_starts(&self) -> Vec<usize> {
         let Some(room) = self.length.checked_sub(WINDOW).filter(|room| *room > 0) else { return vec![0] };
@@ -52,7 +53,7 @@ impl Observed {
         (0..=gaps).map(|index| (index * room + gaps / 2) / gaps).collect()
     }
 
-    /// The short windows that lie within the second that begins at a frame.
+    /// The short windows that lie within the window that begins at a frame.
     #[must_use]
     pub fn short_within(&self, first: usize) -> std::ops::Range<usize> {
         let from = first.div_ceil(STEP).min(self.short.len() - 1);
@@ -60,7 +61,7 @@ impl Observed {
         from..past.clamp(from + 1, self.short.len().max(from + 1))
     }
 
-    /// Where the second begins in whose middle a short window lies.
+    /// Where the window begins in whose middle a short window lies.
     #[must_use]
     pub fn window_about(&self, step: usize) -> usize {
         (step * STEP + SHORT / 2).saturating_sub(WINDOW / 2)
@@ -86,7 +87,7 @@ mod tests {
 
     #[test]
     fn windows_cover_a_motion_and_stay_within() {
-        for frames in [12, 18, 29, 30, 31, 44, 100] {
+        for frames in [12, 18, 44, 59, 60, 61, 74, 130] {
             let motion = walker(f64::from(frames) / 30.0, 1.0);
             let seen = Observed::new(&motion).unwrap();
             assert_eq!(seen.length, frames as usize);

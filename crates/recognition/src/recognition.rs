@@ -46,13 +46,13 @@ pub struct Recognition {
     pub stretches: Vec<Stretch>,
 }
 
-/// A moment is unknown where the seconds about it are, so far before and after it, seconds: a strange second alone makes nothing unknown.
+/// A moment is unknown where the windows about it are, so far before and after it, seconds: a strange window alone makes nothing unknown.
 const ABOUT_S: f64 = 1.5;
 /// What is less likely than that has no name: all other motions together are likelier.
 const LEAST_SURE: f64 = 0.5;
 
 impl Recognizer {
-    /// Names each frame of a motion and cuts it into stretches, by hidden Markov models and support vectors together.
+    /// Names each frame of a motion and cuts it into stretches, by [`Method::Combined`].
     ///
     /// # Errors
     /// The joints do not lie as a person's.
@@ -103,7 +103,7 @@ impl Recognizer {
             .collect()
     }
 
-    /// How strange a motion is as a whole, the middle one of its seconds; beyond 1 it is nothing known.
+    /// How strange a motion is as a whole, the middle one of its windows; beyond 1 it is nothing known.
     #[must_use]
     pub fn clip_strangeness(&self, seen: &Observed) -> f64 {
         median(seen.window_starts().into_iter().map(|start| self.strangeness(seen, start)).collect())

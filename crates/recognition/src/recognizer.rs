@@ -16,11 +16,11 @@ use crate::svm::SupportVectors;
 pub enum Method {
     /// Hidden Markov models of short windows.
     Hmm,
-    /// Support vector machines of windows of a second.
+    /// Support vector machines of windows of two seconds.
     Svm,
-    /// Nearest neighbours of windows of a second.
+    /// Nearest neighbours of windows of two seconds.
     Nearest,
-    /// Hidden Markov models and support vectors together.
+    /// Support vectors and distances from the classes' means together, of windows of two seconds.
     Combined,
 }
 
@@ -40,14 +40,14 @@ impl Method {
     }
 }
 
-/// Short windows overlap: so much of each is news.
-const NEWS: f64 = STEP as f64 / SHORT as f64;
-/// What a short window's news is of a second.
-const SECOND: f64 = STEP as f64 / WINDOW as f64;
+/// Windows overlap: the part of a short window that the one before it does not have.
+const NEW_PART_OF_SHORT: f64 = STEP as f64 / SHORT as f64;
+/// The same of a window, where one is looked at every [`STEP`] frames.
+const NEW_PART_OF_WINDOW: f64 = STEP as f64 / WINDOW as f64;
 /// Margins are made probabilities by a softmax of this many times the margin.
 const MARGIN_NATS: f64 = 6.0;
-/// What hidden Markov models say counts so much beside the support vectors: of people that were left out, they are sure too soon.
-const HMM_SHARE: f64 = 0.25;
+/// Weight of squared distances: measures of a window are not independent, so their sum says too much.
+const DISTANCE_WEIGHT: f64 = 0.3;
 /// Shares of neighbours count as at least so much.
 const LEAST_SHARE: f64 = 0.01;
 
@@ -73,11 +73,11 @@ pub struct Recognizer {
     pub clouds: Vec<PlaneCloud>,
     /// Axes of short windows.
     pub short: Discriminant,
-    /// Axes of windows of a second.
+    /// Axes of windows.
     pub long: Discriminant,
     /// A model a class, of short windows.
     pub models: Vec<HiddenMarkov>,
-    /// Planes between the classes along the axes of windows of a second.
+    /// Planes between the classes along the axes of windows.
     pub machine: SupportVectors,
     /// The same among all their standardised measures; learnt in coordinates in which people and moments scatter alike in all directions.
     pub wide_machine: SupportVectors,
@@ -125,31 +125,45 @@ impl Recognizer {
         self.models.iter().map(cloud).collect()
     }
 
-    /// By class, ln of its probability in the second that begins at a frame, seen by itself.
+    /// By class, ln of its probability in the window that begins at a frame, seen by itself.
     #[must_use]
     pub fn window_logs(&self, seen: &Observed, first: usize, method: Method) -> Vec<f64> {
-        let logs = match method {
-            Method::Hmm => {
-                let rows: Vec<Vec<f64>> =
-                    seen.short[seen.short_within(first)].iter().map(|row| self.short.project(row)).collect();
-                self.models.iter().map(|model| NEWS * model.log_likelihood(&rows)).collect()
-            }
-            Method::Svm => self.machine_logs(&seen.window(first)),
-            Method::Nearest => self.neighbour_logs(&seen.window(first)),
-            Method::Combined => {
-                let hmm = self.window_logs(seen, first, Method::Hmm);
-                let svm = self.window_logs(seen, first, Method::Svm);
-                hmm.iter().zip(svm).map(|(hmm, svm)| HMM_SHARE * hmm + svm).collect()
-            }
-        };
+        let logs = self.logs_of_measures(seen, first, method).unwrap_or_else(|| {
+            let rows: Vec<Vec<f64>> =
+                seen.short[seen.short_within(first)].iter().map(|row| self.short.project(row)).collect();
+            self.models.iter().map(|model| NEW_PART_OF_SHORT * model.log_likelihood(&rows)).collect()
+        });
         let sum = log_sum(logs.iter().copied());
         logs.iter().map(|log| log - sum).collect()
+    }
+
+    /// The same but for a constant, of methods that look at the measures of a whole window; hidden Markov models look at its short windows.
+    fn logs_of_measures(&self, seen: &Observed, first: usize, method: Method) -> Option<Vec<f64>> {
+        let logs_of = match method {
+            Method::Hmm => return None,
+            Method::Svm => Self::machine_logs,
+            Method::Nearest => Self::neighbour_logs,
+            Method::Combined => Self::combined_logs,
+        };
+        Some(logs_of(self, &seen.window(first)))
     }
 
     fn machine_logs(&self, measures: &[f64]) -> Vec<f64> {
         let narrow = self.machine.margins(&self.long.project(measures));
         let wide = self.wide_machine.margins(&self.long.standardised(measures));
         narrow.iter().zip(wide).map(|(narrow, wide)| MARGIN_NATS * 0.5 * (narrow + wide)).collect()
+    }
+
+    /// −w d²/2, with d the distances from the classes' means and w [`DISTANCE_WEIGHT`].
+    fn distance_logs(&self, measures: &[f64]) -> Vec<f64> {
+        let squared = self.novelty.squared_distances(&self.long.standardised(measures));
+        squared.iter().map(|squared| -0.5 * DISTANCE_WEIGHT * squared).collect()
+    }
+
+    /// The mean of both: support vectors know the borders between classes, distances count how people differ as noise.
+    fn combined_logs(&self, measures: &[f64]) -> Vec<f64> {
+        let both = self.machine_logs(measures).into_iter().zip(self.distance_logs(measures));
+        both.map(|(machine, distance)| 0.5 * (machine + distance)).collect()
     }
 
     fn neighbour_logs(&self, measures: &[f64]) -> Vec<f64> {
@@ -180,26 +194,17 @@ impl Recognizer {
     fn evidence(&self, seen: &Observed, method: Method) -> Vec<Vec<Vec<f64>>> {
         let moment = |step: usize| -> Vec<Vec<f64>> {
             let place = self.short.project(&seen.short[step]);
-            let window = || seen.window(seen.window_about(step));
-            let (weight, logs) = match method {
-                Method::Hmm => (NEWS, None),
-                Method::Svm => (0.0, Some(self.machine_logs(&window()))),
-                Method::Nearest => (0.0, Some(self.neighbour_logs(&window()))),
-                Method::Combined => (HMM_SHARE * NEWS, Some(self.machine_logs(&window()))),
-            };
-            let states = |(class, model): (usize, &HiddenMarkov)| {
-                let states = model.log_densities(&place).into_iter().map(|log| weight * log);
-                match &logs {
-                    Some(logs) => states.map(|state| state + SECOND * logs[class]).collect(),
-                    None => states.collect(),
-                }
+            let logs = self.logs_of_measures(seen, seen.window_about(step), method);
+            let states = |(class, model): (usize, &HiddenMarkov)| match &logs {
+                Some(logs) => vec![NEW_PART_OF_WINDOW * logs[class]; model.state_count()],
+                None => model.log_densities(&place).iter().map(|log| NEW_PART_OF_SHORT * log).collect(),
             };
             self.models.iter().enumerate().map(states).collect()
         };
         (0..seen.short.len()).map(moment).collect()
     }
 
-    /// How far the second that begins at a frame is from all that is known; beyond 1 it is unknown.
+    /// How far the window that begins at a frame is from all that is known; beyond 1 it is unknown.
     #[must_use]
     pub fn strangeness(&self, seen: &Observed, first: usize) -> f64 {
         self.novelty.strangeness(&self.long.standardised(&seen.window(first))) / self.novelty.threshold
@@ -273,15 +278,29 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_together_multiply_their_probabilities() {
+    fn the_class_whose_mean_is_nearer_is_likelier() {
         let recognizer = learnt();
-        let seen = Observed::new(&walker(2.0, 0.4)).unwrap();
-        let [hmm, svm, both] = [Method::Hmm, Method::Svm, Method::Combined]
-            .map(|method| recognizer.window_logs(&seen, 8, method));
-        let weighed: Vec<f64> = hmm.iter().zip(&svm).map(|(hmm, svm)| HMM_SHARE * hmm + svm).collect();
-        let sum = log_sum(weighed.iter().copied());
-        for class in 0..2 {
-            assert!((weighed[class] - sum - both[class]).abs() < 1e-9);
+        let mut before = f64::NEG_INFINITY;
+        for speed in [0.1, 0.3, 0.6, 0.9, 1.1] {
+            let measures = Observed::new(&walker(2.0, speed)).unwrap().window(0);
+            let squared = recognizer.novelty.squared_distances(&recognizer.long.standardised(&measures));
+            let logs = recognizer.distance_logs(&measures);
+            assert_eq!(logs[1] > logs[0], squared[1] < squared[0], "{speed}: {logs:?} {squared:?}");
+            assert!(logs[1] - logs[0] > before, "{speed}: {logs:?}");
+            before = logs[1] - logs[0];
         }
+    }
+
+    #[test]
+    fn combined_odds_lie_between_those_of_support_vectors_and_distances() {
+        let recognizer = learnt();
+        let measures = Observed::new(&walker(2.0, 0.4)).unwrap().window(0);
+        let odds = |logs: Vec<f64>| logs[1] - logs[0];
+        let [machine, distance] =
+            [recognizer.machine_logs(&measures), recognizer.distance_logs(&measures)].map(odds);
+        let combined = odds(recognizer.combined_logs(&measures));
+        assert!((machine - distance).abs() > 0.01);
+        let (least, most) = (machine.min(distance), machine.max(distance));
+        assert!(least < combined && combined < most, "{machine} {combined} {distance}");
     }
 }

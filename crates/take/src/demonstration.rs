@@ -165,7 +165,7 @@ const DEMONSTRATIONS: [DemonstrationData; 11] = [
         explanation: "Somebody walks in, squats, signals with the arms and boxes before three cameras. The silhouettes are \
              tracked as this opens, and the timeline’s lowest lane says what the motion is called. The Motions tile \
              shows why: the motion is a curve among the regions of known motions; click it to go to a moment. Hidden \
-             Markov models alone call the squats jumping: choose the method there.",
+             Markov models alone see a jump between squats and signals: choose the method there.",
     },
     DemonstrationData {
         which: Demonstration::Begin,

@@ -68,6 +68,8 @@ fn the_demonstration_opens_with_its_motions_named_and_each_frame_has_its_place()
     app.features.motions.preferences.method = Method::Hmm;
     app.settle();
     assert_ne!(Arc::as_ptr(app.features.motions.found.as_ref().unwrap()), before);
+    let between = marks(&app).at(135).unwrap();
+    assert_eq!(between.name, "jumping", "the demonstration says so of what lies between squats and signals");
 }
 
 #[test]

@@ -29,12 +29,13 @@ pub(super) fn class(name: &str) -> String {
 /// A method on its button, and what it does.
 pub(super) const fn method(method: Method) -> (&'static str, &'static str) {
     match method {
-        Method::Combined => {
-            ("Both together", "Hidden Markov models and support vectors, their probabilities multiplied")
-        }
+        Method::Combined => (
+            "Combined",
+            "Support vectors and the distances from the motions' means, among windows of two seconds: the mean of both",
+        ),
         Method::Hmm => ("Hidden Markov", "A Gaussian hidden Markov model a motion, of windows of 0.6 s"),
-        Method::Svm => ("Support vectors", "Planes between the motions, among windows of a second"),
-        Method::Nearest => ("Nearest", "What the fifteen nearest known windows of a second are called"),
+        Method::Svm => ("Support vectors", "Planes between the motions, among windows of two seconds"),
+        Method::Nearest => ("Nearest", "What the fifteen nearest known windows of two seconds are called"),
     }
 }
 
@@ -77,8 +78,8 @@ pub(super) fn missing(missing: &Missing) -> String {
                 .to_owned()
         }
         Missing::Short { seconds, least } => format!(
-            "Too few frames are tracked to name a motion: {seconds:.1} s without a gap. It takes {least:.1} s, and a \
-             second is better."
+            "Too few frames are tracked to name a motion: {seconds:.1} s without a gap. It takes {least:.1} s, and \
+             two seconds are better."
         ),
         Missing::Joint(joint) => format!(
             "This body has no {joint}. Motions are named by sixteen joints of the whole body, from head to toes, as the \
