@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod cameras;
+mod check;
 mod experiment;
 mod export;
 mod fit;

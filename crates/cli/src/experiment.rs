@@ -8,6 +8,7 @@ mod acquire;
 mod arguments;
 mod basin;
 mod begin;
+mod faults;
 mod fig51;
 mod fig52;
 mod fig54;
@@ -189,6 +190,8 @@ enum Chosen {
     Track(WithOutput<track::Speeds>),
     Basin(Box<basin::Arguments>),
     Acquire(Box<acquire::Arguments>),
+    #[command(name = faults::CalibrationFaults::NAME)]
+    CalibrationFaults(WithOutput<faults::CalibrationFaults>),
     Begin(Box<begin::Arguments>),
     Footage(Box<footage::Arguments>),
     NoStart(WithOutput<no_start::NoStart>),
@@ -224,6 +227,7 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         Chosen::Track(chosen) => chosen.run(),
         Chosen::Basin(chosen) => chosen.run(),
         Chosen::Acquire(chosen) => chosen.run(),
+        Chosen::CalibrationFaults(chosen) => chosen.run(),
         Chosen::Begin(chosen) => chosen.run(),
         Chosen::Footage(chosen) => chosen.run(),
         Chosen::NoStart(chosen) => chosen.run(),

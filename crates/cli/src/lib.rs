@@ -11,6 +11,7 @@
 
 mod background;
 mod cameras;
+mod check;
 mod evidence;
 mod experiment;
 mod export;
@@ -65,6 +66,8 @@ pub enum Command {
     Silhouettes(silhouettes::SilhouetteArguments),
     /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
     Sync(sync::SyncArguments),
+    /// Check the cameras of a take against one another: which one is wrong, and how
+    Check(check::CheckArguments),
     /// Learn from motion files how people move, for track --prior
     Prior(prior::PriorArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
@@ -91,6 +94,7 @@ impl Command {
             Self::Observability(arguments) => observability::run(&arguments),
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),
             Self::Sync(arguments) => sync::run(&arguments),
+            Self::Check(arguments) => check::run(&arguments),
             Self::Prior(arguments) => prior::run(&arguments),
             Self::Cameras(arguments) => cameras::run(&arguments),
             Self::SphereTree(arguments) => sphere_tree::run(&arguments),

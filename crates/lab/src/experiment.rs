@@ -5,8 +5,10 @@
 //! | [`sequence`] | a sequence, simulated or a take's, in the report's small pictures |
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`credibility`] | whether a filter errs as it says |
+//! | [`calibration_faults`] | calibrations with one known fault |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 
+pub mod calibration_faults;
 pub mod credibility;
 pub mod scene;
 pub mod sequence;

@@ -74,6 +74,7 @@
 //! | [`silhouette`] | masks, and views of them: measurements D, distance fields, overlap, outlines |
 //! | [`body`] | the articulated body: limbs, poses, kinematics, built-in models; [`body::metrics`] compares poses with a reference |
 //! | [`camera`] | calibrated cameras: pinhole, lens, place; pictures freed of the lens; [`camera::synchronise`] finds the offsets of their clocks |
+//! | [`diagnosis`] | which camera of a calibration is wrong, and how |
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; a pixel's gradient as a [`render::wrench`] |
 //! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, residuals of one's own; [`residual::prior`] is learnt from motion files |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
@@ -125,6 +126,7 @@ pub mod camera;
 pub mod cancel;
 #[doc(hidden)]
 pub mod cues;
+pub mod diagnosis;
 #[doc(hidden)]
 pub mod filter;
 pub mod fit;

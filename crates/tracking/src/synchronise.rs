@@ -24,8 +24,8 @@
 mod answer;
 mod evidence;
 mod network;
-mod outline;
-mod signals;
+pub(crate) mod outline;
+pub(crate) mod signals;
 
 pub use answer::{
     CameraOffset, Offset, PairCue, PairOffset, Synchronisation, SynchroniseError, SynchroniseOptions,

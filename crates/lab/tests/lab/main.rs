@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod builtin_take;
+mod calibration_faults;
 mod clocks;
 mod credibility;
 mod errata;

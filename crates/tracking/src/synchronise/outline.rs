@@ -16,31 +16,31 @@ const REACH: f64 = 2.0;
 
 /// A corner of a silhouette's convex hull.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Corner {
+pub(crate) struct Corner {
     /// Unit, in world axes.
-    pub(super) ray: DVec3,
+    pub(crate) ray: DVec3,
     /// The subject may go on here: the picture ends. Beside unknown pixels it may too, and such corners count all the same:
     /// on real footage with shadows and dark clothes leaving them out loses more (10 of 15 offsets told, 15 of 15 with them).
-    pub(super) is_open: bool,
+    pub(crate) is_open: bool,
 }
 
 /// One camera's silhouette at one time.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sighting {
-    pub(super) seconds: f64,
+pub(crate) struct Sighting {
+    pub(crate) seconds: f64,
     /// In order round the hull; empty where nothing is seen.
-    pub(super) hull: Vec<Corner>,
+    pub(crate) hull: Vec<Corner>,
     /// Subject pixels.
-    pub(super) area: f64,
+    pub(crate) area: f64,
 }
 
 /// What one camera saw over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    pub(super) camera: Camera,
-    pub(super) sightings: Vec<Sighting>,
+    pub(crate) camera: Camera,
+    pub(crate) sightings: Vec<Sighting>,
     /// The first mask that was not of the camera's size.
-    pub(super) wrong_size: Option<usize>,
+    pub(crate) wrong_size: Option<usize>,
 }
 
 impl Recording {
@@ -77,14 +77,15 @@ impl Recording {
     }
 
     /// The middle length of time between two frames, seconds.
-    pub(super) fn period(&self) -> f64 {
+    pub(crate) fn period(&self) -> f64 {
         let mut steps: Vec<f64> =
             self.sightings.windows(2).map(|pair| pair[1].seconds - pair[0].seconds).collect();
         upper_median(&mut steps).unwrap_or(0.0)
     }
 
     /// First and last time.
-    pub(super) fn span(&self) -> [f64; 2] {
+    #[must_use]
+    pub fn span(&self) -> [f64; 2] {
         let time = |sighting: Option<&Sighting>| sighting.map_or(0.0, |sighting| sighting.seconds);
         [time(self.sightings.first()), time(self.sightings.last())]
     }

@@ -24,21 +24,23 @@ const GAP: f64 = 2.6;
 
 /// A number over one camera's time.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Signal {
-    pub(super) samples: Vec<Sample>,
+pub(crate) struct Signal {
+    pub(crate) samples: Vec<Sample>,
     /// The usual time between two samples, seconds.
     period: f64,
 }
 
 /// A signal at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sample {
-    pub(super) seconds: f64,
-    pub(super) value: f64,
+pub(crate) struct Sample {
+    pub(crate) seconds: f64,
+    pub(crate) value: f64,
     /// What one pixel at the point of touch is in the value's unit.
-    pub(super) pixel: f64,
+    pub(crate) pixel: f64,
     /// How fast the value grows, pixels a second, or spreads a second.
     pub(super) velocity: f64,
+    /// Cosine of the angle from the line through both centres, first to second, to the ray of touch.
+    pub(crate) along: f64,
 }
 
 /// The same number as two cameras have it.
@@ -87,7 +89,7 @@ impl PairSignals {
 }
 
 impl Signal {
-    fn new(mut samples: Vec<Sample>, period: f64) -> Self {
+    pub(crate) fn new(mut samples: Vec<Sample>, period: f64) -> Self {
         for _ in 0..SMOOTHED {
             smooth(&mut samples, GAP * period);
         }
@@ -125,7 +127,7 @@ impl Signal {
 
     /// The sample at a time, between two others; `None` beyond the ends and in gaps. `near` is where the last one was found
     /// and moves along.
-    pub(super) fn at(&self, seconds: f64, near: &mut usize) -> Option<Sample> {
+    pub(crate) fn at(&self, seconds: f64, near: &mut usize) -> Option<Sample> {
         let time = |index: usize| self.samples.get(index).map(|sample| sample.seconds);
         while *near > 0 && time(*near).is_none_or(|time| time > seconds) {
             *near -= 1;
@@ -149,6 +151,7 @@ impl Signal {
             value: between(before.value, after.value),
             pixel: between(before.pixel, after.pixel),
             velocity: between(before.velocity, after.velocity),
+            along: between(before.along, after.along),
         })
     }
 }
@@ -185,7 +188,7 @@ fn velocity(samples: &[Sample], at: usize) -> f64 {
 }
 
 /// Low and high angle of both cameras about the line through their centres.
-fn tangents(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
+pub(crate) fn tangents(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
     let Some(pencil) = Pencil::of(recordings) else { return Vec::new() };
     let [a, b] = recordings.map(|recording| pencil.extremes(recording));
     a.into_iter().zip(b).map(|(a, b)| [a, b]).collect()
@@ -212,10 +215,11 @@ impl Pencil {
         Some(Self { baseline, zero, quarter: baseline.cross(zero) })
     }
 
-    /// A ray's angle, and the sine of its angle to the baseline.
-    fn angle(&self, ray: DVec3) -> (f64, f64) {
+    /// A ray's angle, and the sine and the cosine of its angle to the baseline.
+    fn angle(&self, ray: DVec3) -> (f64, f64, f64) {
         let across = ray.reject_from_normalized(self.baseline);
-        (across.dot(self.quarter).atan2(across.dot(self.zero)), across.length())
+        let angle = across.dot(self.quarter).atan2(across.dot(self.zero));
+        (angle, across.length(), ray.dot(self.baseline))
     }
 
     /// The low and the high angle over time, where they are the subject's own.
@@ -223,7 +227,8 @@ impl Pencil {
         let mut both = [Vec::new(), Vec::new()];
         let pixel = 1.0 / recording.camera.intrinsics().mean_focal_px();
         for sighting in &recording.sightings {
-            let angles: Vec<(f64, f64)> = sighting.hull.iter().map(|corner| self.angle(corner.ray)).collect();
+            let angles: Vec<(f64, f64, f64)> =
+                sighting.hull.iter().map(|corner| self.angle(corner.ray)).collect();
             let low = angles.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
             let high = angles.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0));
             let (Some(low), Some(high)) = (low, high) else { continue };
@@ -237,7 +242,8 @@ impl Pencil {
                 });
                 if !is_open && extreme.1 > pixel {
                     let pixel = pixel / extreme.1;
-                    signal.push(Sample { seconds: sighting.seconds, value: extreme.0, pixel, velocity: 0.0 });
+                    let (value, along) = (extreme.0, extreme.2);
+                    signal.push(Sample { seconds: sighting.seconds, value, pixel, velocity: 0.0, along });
                 }
             }
         }
@@ -253,6 +259,7 @@ fn height_and_area(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
         value,
         pixel: 1.0,
         velocity: 0.0,
+        along: 0.0,
     };
     let top = |recording: &Recording| -> Vec<Sample> {
         let of = |sighting: &Sighting| {

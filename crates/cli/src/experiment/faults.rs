@@ -1,0 +1,200 @@
+//! Calibrations with one known fault, and what the check of the cameras says of them.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Result;
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::synchronise::record;
+use backlit_lab::experiment::calibration_faults::{Fault, FilmedPerson};
+use backlit_tracking::body::builtin;
+use backlit_tracking::camera::Camera;
+use backlit_tracking::diagnosis::{DiagnosisOptions, FaultKind, Finding, diagnose};
+use clap::Args;
+use serde::Serialize;
+
+use super::{Experiment, Run};
+use crate::numbers::within;
+use crate::output::number;
+
+/// Calibrations with one known fault, found by the silhouettes of a person
+#[derive(Debug, Args, Serialize)]
+pub(crate) struct CalibrationFaults {
+    /// Calibrations of real rigs, before which a person is simulated, and takes; the built-in take's cameras always
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    calibrations: Vec<PathBuf>,
+    /// Height of the pictures, pixels [120 to 2160]
+    #[arg(long, value_name = "PIXELS", default_value_t = 480, allow_negative_numbers = true, value_parser = within(120..=2160_u64))]
+    height: u64,
+    /// Frames of the 12 seconds [20 to 1000]
+    #[arg(long, value_name = "N", default_value_t = 186, allow_negative_numbers = true, value_parser = within(20..=1000_usize))]
+    frames: usize,
+    /// Only this kind of fault
+    #[arg(long, value_name = "KIND", value_parser = clap::builder::PossibleValuesParser::new(FaultKind::ALL.map(FaultKind::name)))]
+    only: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    cases: Vec<Case>,
+}
+
+/// One fault of one rig.
+#[derive(Debug, Serialize)]
+struct Case {
+    rig: String,
+    /// `None`: nothing is wrong.
+    kind: Option<&'static str>,
+    camera: Option<usize>,
+    size: f64,
+    found: Vec<Told>,
+    took_s: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Told {
+    kind: &'static str,
+    camera: Option<usize>,
+    with: Option<usize>,
+    sizes: Vec<f64>,
+    evidence: f64,
+    apart_px: Option<[f64; 2]>,
+    rivals: Vec<(Option<usize>, &'static str, f64)>,
+}
+
+/// Faults that are tried of every camera, with their sizes, in the kind's unit; `None` as camera: of all at once.
+fn faults(cameras: &[Camera]) -> Vec<Fault> {
+    use FaultKind as K;
+    let mut all = Vec::new();
+    for camera in 0..cameras.len() {
+        let seed = camera as u64;
+        let with = (camera + 1) % cameras.len();
+        let fault = |kind, size| Fault { kind, camera: Some(camera), with, size, seed };
+        let sign = if camera % 2 == 0 { 1.0 } else { -1.0 };
+        all.extend([
+            fault(K::PictureTurned, 0.0),
+            fault(K::PictureScaled, [2.0, 0.5][camera % 2]),
+            fault(K::InvertedExtrinsics, 0.0),
+            fault(K::Unit, [1000.0, 0.001][camera % 2]),
+            fault(K::WorldAxes, 0.0),
+            fault(K::CameraAxes, 0.0),
+            fault(K::Swapped, 0.0),
+            fault(K::LensOrder, 0.0),
+            fault(K::Focal, 1.0 + 0.05 * sign),
+            fault(K::PrincipalPoint, 0.04),
+            fault(K::Turned, 0.5_f64.to_radians()),
+            fault(K::Turned, 2.0_f64.to_radians()),
+            fault(K::Shifted, 0.02),
+            fault(K::Shifted, 0.1),
+            fault(K::Offset, sign / 30.0),
+            fault(K::Offset, 0.2 * sign),
+            fault(K::Drift, 0.01 * sign),
+            fault(K::FrameRate, [0.5, 1.2, 0.8][camera % 3]),
+            fault(K::Bumped, 1.0_f64.to_radians()),
+        ]);
+    }
+    let of_all = |kind, size| Fault { kind, camera: None, with: 0, size, seed: 0 };
+    all.extend([
+        of_all(K::InvertedExtrinsics, 0.0),
+        of_all(K::CameraAxes, 0.0),
+        of_all(K::Unit, 1000.0),
+        of_all(K::Unit, 0.001),
+    ]);
+    all
+}
+
+impl Experiment for CalibrationFaults {
+    const NAME: &'static str = "calibration-faults";
+    type Report = Report;
+
+    fn run(&mut self, run: &Run) -> Result<Report> {
+        let model = std::sync::Arc::new(builtin::full_body());
+        let mut rigs: Vec<(String, FilmedPerson)> = Vec::new();
+        let studio = backlit_lab::synthetic::studio::cameras();
+        rigs.push((
+            "built-in".to_owned(),
+            FilmedPerson::simulated(studio.cameras(), &model, self.height, self.frames)?,
+        ));
+        for path in &self.calibrations {
+            let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            if path.is_dir() || path.ends_with("take.toml") {
+                let footage = crate::take_options::open(path)?;
+                let recordings = record(&footage, 1, &run.cancel, |_, _| {})?;
+                rigs.push((name, FilmedPerson::real(footage.take().rig().cameras().to_vec(), recordings)));
+                continue;
+            }
+            let rig = calibration::load(path, CalibrationOptions::default())?.rig;
+            rigs.push((name, FilmedPerson::simulated(rig.cameras(), &model, self.height, self.frames)?));
+        }
+        let mut cases = Vec::new();
+        for (at, (rig, person)) in rigs.iter().enumerate() {
+            let mut all = vec![None];
+            all.extend(faults(person.cameras()).into_iter().map(Some));
+            if let Some(only) = &self.only {
+                all.retain(|fault| fault.is_none_or(|fault| fault.kind.name() == only));
+            }
+            for (done, fault) in all.iter().enumerate() {
+                run.progress(at * all.len() + done, rigs.len() * all.len())?;
+                let (recordings, lenses) = person.with_fault(*fault)?;
+                let begun = Instant::now();
+                let found =
+                    diagnose(&recordings, &lenses, &DiagnosisOptions::default(), &run.cancel, |_, _| {})?;
+                let one = |finding: &Finding| Told {
+                    kind: finding.kind.name(),
+                    camera: finding.camera,
+                    with: finding.with,
+                    sizes: finding.sizes.iter().map(|size| size.value).collect(),
+                    evidence: finding.evidence.min(1e9),
+                    apart_px: finding.apart_px,
+                    rivals: finding
+                        .rivals
+                        .iter()
+                        .map(|rival| (rival.camera, rival.kind.name(), rival.behind))
+                        .collect(),
+                };
+                cases.push(Case {
+                    rig: rig.clone(),
+                    kind: fault.map(|fault| fault.kind.name()),
+                    camera: fault.and_then(|fault| fault.camera),
+                    size: fault.map_or(0.0, |fault| fault.size),
+                    found: found.findings.iter().map(one).collect(),
+                    took_s: begun.elapsed().as_secs_f64(),
+                });
+            }
+        }
+        Ok(Report { cases })
+    }
+
+    fn table(&self, report: &Report) -> String {
+        let mut text = "| what is wrong | faults | told | right camera | right kind | likeliest or a rival |\n|---|---|---|---|---|---|\n".to_owned();
+        let kinds = FaultKind::ALL.map(|kind| Some(kind.name()));
+        for kind in std::iter::once(None).chain(kinds) {
+            let cases: Vec<&Case> = report.cases.iter().filter(|case| case.kind == kind).collect();
+            if cases.is_empty() {
+                continue;
+            }
+            let count = |is_so: &dyn Fn(&Case, &Told) -> bool| {
+                cases.iter().filter(|case| case.found.first().is_some_and(|first| is_so(case, first))).count()
+            };
+            let is_camera = |case: &Case, first: &Told| {
+                first.camera == case.camera || case.kind == Some("swapped") && first.with == case.camera
+            };
+            let is_kind = |case: &Case, first: &Told| Some(first.kind) == case.kind;
+            let is_rival = |case: &Case, first: &Told| {
+                is_kind(case, first) || first.rivals.iter().any(|rival| Some(rival.1) == case.kind)
+            };
+            text += &format!(
+                "| {} | {} | {} | {} | {} | {} |\n",
+                kind.unwrap_or("nothing"),
+                cases.len(),
+                count(&|_, _| true),
+                count(&is_camera),
+                count(&is_kind),
+                count(&is_rival)
+            );
+        }
+        let mut seconds: Vec<f64> = report.cases.iter().map(|case| case.took_s).collect();
+        seconds.sort_by(f64::total_cmp);
+        text + &format!("a check took {} s (median)\n", number(seconds.get(seconds.len() / 2).copied(), 2))
+    }
+}

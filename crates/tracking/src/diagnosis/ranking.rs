@@ -1,0 +1,152 @@
+//! Hypotheses in the order of their evidence.
+
+use rayon::prelude::*;
+
+use super::diagnose::{DiagnosisOptions, Finding, Rival};
+use super::fault::{ClockChange, FaultKind};
+use super::fitting::Tried;
+use super::hypothesis::{Hypothesis, Repair};
+use super::outlines::Clock;
+use super::state::State;
+use super::tangency::{Residuals, correlation_length, median_px, noise, support};
+use crate::cancel::CancelToken;
+
+/// A rival is told if it is no farther behind, nats.
+const RIVAL_NATS: f64 = 7.0;
+/// Hypotheses that are tried at a time.
+const BATCH: usize = 16;
+
+/// All hypotheses at their best, the likeliest first.
+pub(super) struct Ranking {
+    /// With their evidence against no fault, nats.
+    ranked: Vec<(f64, Tried)>,
+    /// Deviation of an edge under the best, pixels.
+    pub(super) noise_px: f64,
+    /// Over how many samples residuals hang together.
+    correlated: f64,
+}
+
+impl State {
+    /// Tries all hypotheses; `None` when cancelled.
+    pub(super) fn rank(
+        &self,
+        cancel: &CancelToken,
+        on_progress: &mut impl FnMut(usize, usize),
+    ) -> Option<Ranking> {
+        let spread = self.spread();
+        let least = self.noise();
+        // The loss is narrow even where a fault makes much of it noise.
+        let first = least.min(0.1 * spread);
+        let hypotheses = Hypothesis::all(&self.cameras);
+        let mut tried: Vec<Tried> = Vec::new();
+        for (batch, some) in hypotheses.chunks(BATCH).enumerate() {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            on_progress(batch * BATCH, hypotheses.len());
+            tried.par_extend(some.par_iter().filter_map(|hypothesis| self.fit(*hypothesis, first)));
+        }
+        on_progress(hypotheses.len(), hypotheses.len());
+        let noise_px = tried.iter().map(|tried| noise(self.all(tried), spread)).fold(least, f64::min);
+        let supports = |all: &mut dyn Iterator<Item = &Residuals>| -> f64 {
+            all.map(|residuals| support(residuals, noise_px, spread)).sum()
+        };
+        let totals: Vec<f64> = tried.iter().map(|tried| supports(&mut self.all(tried))).collect();
+        let best = (0..tried.len()).max_by(|&a, &b| totals[a].total_cmp(&totals[b]));
+        let correlated = best.map_or(1.0, |best| correlation_length(self.all(&tried[best]), noise_px));
+        let none = supports(&mut self.full.residuals.iter()) / correlated;
+        let samples: usize = self.full.residuals.iter().map(Vec::len).sum();
+        let ln_samples = (samples as f64 / correlated).max(2.0).ln();
+        let evidence = |(tried, total): (Tried, f64)| {
+            let evidence = total / correlated - tried.hypothesis.cost(&tried.by, ln_samples) - none;
+            (evidence, tried)
+        };
+        let mut ranked: Vec<(f64, Tried)> = tried.into_iter().zip(totals).map(evidence).collect();
+        ranked.retain(|(_, tried)| tried.hypothesis.is_large_enough(&tried.by));
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Some(Ranking { ranked, noise_px, correlated })
+    }
+
+    /// The likeliest fault, if it is likely and large enough to be told.
+    pub(super) fn finding(&self, ranking: &Ranking, options: &DiagnosisOptions) -> Option<(Finding, Repair)> {
+        let (evidence, best) = ranking.ranked.first()?;
+        let hypothesis = &best.hypothesis;
+        let camera = &self.cameras[hypothesis.camera.unwrap_or(0)];
+        let is_large = self.effect(best) >= options.least_effect * camera.height() as f64;
+        if *evidence < options.least_evidence || !is_large {
+            return None;
+        }
+        let repair = hypothesis.repair(&self.cameras, &best.by, self.span(hypothesis), best.split)?;
+        let mut cameras = self.cameras.clone();
+        for (index, camera) in repair.cameras.iter().filter(|_| repair.after.is_none()) {
+            cameras[*index] = camera.clone();
+        }
+        let of_pair = |(pair, _): &(usize, Residuals)| self.full.residuals[*pair].clone();
+        let before: Residuals = best.residuals.iter().flat_map(of_pair).collect();
+        let after: Residuals = best.residuals.iter().flat_map(|(_, after)| after.clone()).collect();
+        let deviations: Vec<f64> =
+            best.deviations.iter().map(|deviation| deviation * ranking.correlated.sqrt()).collect();
+        let Clock { offset_s, rate } = repair.clock;
+        let clock = hypothesis.camera.filter(|_| hypothesis.kind.is_clock());
+        let finding = Finding {
+            camera: hypothesis.camera,
+            with: (hypothesis.kind == FaultKind::Swapped).then_some(hypothesis.form),
+            kind: hypothesis.kind,
+            sizes: hypothesis.sizes(camera, &best.by, &deviations),
+            since_s: repair.after,
+            evidence: *evidence,
+            apart_px: median_px(&before).zip(median_px(&after)).map(|(before, after)| [before, after]),
+            rivals: ranking.rivals(),
+            cameras,
+            clock: clock.map(|camera| ClockChange { camera, offset_s, rate }),
+        };
+        Some((finding, repair))
+    }
+
+    /// The residuals of all pairs under a hypothesis.
+    fn all<'b>(&'b self, tried: &'b Tried) -> impl Iterator<Item = &'b Residuals> {
+        let other = |pair: usize| tried.residuals.iter().find(|(at, _)| *at == pair);
+        self.full
+            .residuals
+            .iter()
+            .enumerate()
+            .map(move |(pair, own)| other(pair).map_or(own, |(_, other)| other))
+    }
+
+    /// How far a fault moves what is seen: what one in ten of the numbers that its repair changes is changed by or more, pixels. A clock that is
+    /// wrong shows only where the subject moves.
+    fn effect(&self, tried: &Tried) -> f64 {
+        let mut changes: Vec<f64> = Vec::new();
+        for (pair, residuals) in &tried.residuals {
+            for (after, before) in residuals.iter().zip(&self.full.residuals[*pair]) {
+                match (after, before) {
+                    (Some(after), Some(before)) => changes.push((after - before).abs()),
+                    (Some(_), None) => changes.push(self.spread()),
+                    _ => {}
+                }
+            }
+        }
+        if tried.hypothesis.kind == FaultKind::Bumped {
+            changes.retain(|change| *change > 1e-9);
+        }
+        changes.sort_by(f64::total_cmp);
+        changes.get(changes.len() * 9 / 10).copied().unwrap_or(0.0)
+    }
+}
+
+impl Ranking {
+    /// Other cameras and kinds that are hardly less likely than the first.
+    fn rivals(&self) -> Vec<Rival> {
+        let Some((evidence, best)) = self.ranked.first() else { return Vec::new() };
+        let mut told = vec![(best.hypothesis.camera, best.hypothesis.kind)];
+        let mut rivals = Vec::new();
+        for (other, tried) in &self.ranked[1..] {
+            let (camera, kind) = (tried.hypothesis.camera, tried.hypothesis.kind);
+            if evidence - other < RIVAL_NATS && !told.contains(&(camera, kind)) {
+                told.push((camera, kind));
+                rivals.push(Rival { camera, kind, behind: evidence - other });
+            }
+        }
+        rivals
+    }
+}
