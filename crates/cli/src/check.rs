@@ -1,6 +1,6 @@
 //! `backlit check`: which camera of a take is wrong, and how, from what all cameras see of the person.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use backlit_formats::calibration::backlit::to_text;
 use backlit_formats::synchronise::{USUAL_FRAMES, record};
@@ -12,10 +12,11 @@ use glam::DVec2;
 use indicatif::ProgressBar;
 use serde_json::json;
 
+use super::interrupt::{self, Interrupted};
 use super::numbers::within;
 use super::output::{self, number};
 use super::table::Table;
-use super::{interrupt, take_options};
+use super::take_options;
 
 const AFTER_HELP: &str = "\
 A half-plane through two cameras that touches the person touches both silhouettes. Where cameras disagree on \
@@ -54,18 +55,33 @@ pub(crate) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     };
     let take = footage.take();
     let every = take.frame_count().div_ceil(arguments.frames);
-    let recordings = record(&footage, every, &cancel, at)?;
-    let found = diagnose(&recordings, take.rig().cameras(), &DiagnosisOptions::default(), &cancel, at)?;
+    let checked = record(&footage, every, &cancel, at).map_err(anyhow::Error::from).and_then(|recordings| {
+        Ok(diagnose(&recordings, take.rig().cameras(), &DiagnosisOptions::default(), &cancel, at)?)
+    });
     bar.finish_and_clear();
-    if let (Some(out), Some(last)) = (&arguments.out, found.findings.last()) {
-        let rig = full_size(take, &last.cameras)?;
-        atomic::write(out, to_text(&rig).as_bytes())?;
+    if cancel.is_cancelled() {
+        return Err(Interrupted.into());
     }
+    let found = checked?;
+    let written = match &arguments.out {
+        Some(out) => write(out, take, &found)?,
+        None => String::new(),
+    };
     if arguments.json {
         output::print_json(&to_json(take, &found))
     } else {
-        output::print(&text(take, &found))
+        output::print(&(text(take, &found) + &written))
     }
+}
+
+/// Writes the repaired cameras, and says whether there are any.
+fn write(out: &Path, take: &Take, found: &Diagnosis) -> anyhow::Result<String> {
+    let is_repair = |finding: &&Finding| !finding.kind.is_clock() && finding.kind != FaultKind::Bumped;
+    let Some(last) = found.findings.iter().rfind(is_repair) else {
+        return Ok("nothing to write: nothing was found that other cameras repair\n".to_owned());
+    };
+    atomic::write(out, to_text(&full_size(take, &last.cameras)?).as_bytes())?;
+    Ok(format!("wrote the repaired cameras to {}\n", out.display()))
 }
 
 /// Cameras of the working size, for pictures as large as on the disk.
@@ -115,9 +131,11 @@ fn text(take: &Take, found: &Diagnosis) -> String {
             let (who, what) = (name(take, rival.camera), rival.kind.description());
             out += &format!("  or, {behind} times less likely: {who} {what}\n");
         }
-        if finding.kind == FaultKind::Offset {
-            out += "  backlit sync TAKE --write puts the offset into the take\n";
-        }
+        out += match finding.kind {
+            FaultKind::Offset => "  backlit sync TAKE --write puts the offset into the take\n",
+            FaultKind::Bumped => "  leave it out from then on, or calibrate it again\n",
+            _ => "",
+        };
     }
     let mut table = Table::new(["cameras", "apart, px", "repaired", "of the frames, %"]);
     for pair in &found.pairs {

@@ -10,6 +10,7 @@ use backlit_lab::experiment::calibration_faults::{Fault, FilmedPerson};
 use backlit_tracking::body::builtin;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::diagnosis::{DiagnosisOptions, FaultKind, Finding, diagnose};
+use backlit_tracking::statistics::upper_median;
 use clap::Args;
 use serde::Serialize;
 
@@ -47,12 +48,12 @@ struct Case {
     kind: Option<&'static str>,
     camera: Option<usize>,
     size: f64,
-    found: Vec<Told>,
+    found: Vec<ToldFault>,
     took_s: f64,
 }
 
 #[derive(Debug, Serialize)]
-struct Told {
+struct ToldFault {
     kind: &'static str,
     camera: Option<usize>,
     with: Option<usize>,
@@ -139,7 +140,7 @@ impl Experiment for CalibrationFaults {
                 let begun = Instant::now();
                 let found =
                     diagnose(&recordings, &lenses, &DiagnosisOptions::default(), &run.cancel, |_, _| {})?;
-                let one = |finding: &Finding| Told {
+                let one = |finding: &Finding| ToldFault {
                     kind: finding.kind.name(),
                     camera: finding.camera,
                     with: finding.with,
@@ -166,35 +167,46 @@ impl Experiment for CalibrationFaults {
     }
 
     fn table(&self, report: &Report) -> String {
-        let mut text = "| what is wrong | faults | told | right camera | right kind | likeliest or a rival |\n|---|---|---|---|---|---|\n".to_owned();
-        let kinds = FaultKind::ALL.map(|kind| Some(kind.name()));
-        for kind in std::iter::once(None).chain(kinds) {
-            let cases: Vec<&Case> = report.cases.iter().filter(|case| case.kind == kind).collect();
-            if cases.is_empty() {
-                continue;
-            }
-            let count = |is_so: &dyn Fn(&Case, &Told) -> bool| {
-                cases.iter().filter(|case| case.found.first().is_some_and(|first| is_so(case, first))).count()
-            };
-            let is_camera = |case: &Case, first: &Told| {
-                first.camera == case.camera || case.kind == Some("swapped") && first.with == case.camera
-            };
-            let is_kind = |case: &Case, first: &Told| Some(first.kind) == case.kind;
-            let is_rival = |case: &Case, first: &Told| {
-                is_kind(case, first) || first.rivals.iter().any(|rival| Some(rival.1) == case.kind)
-            };
-            text += &format!(
-                "| {} | {} | {} | {} | {} | {} |\n",
-                kind.unwrap_or("nothing"),
-                cases.len(),
-                count(&|_, _| true),
-                count(&is_camera),
-                count(&is_kind),
-                count(&is_rival)
-            );
+        let mut text = "| | faults | told | right camera | right kind | right, or a rival |\n|---|---|---|---|---|---|\n".to_owned();
+        for kind in std::iter::once(None).chain(FaultKind::ALL.map(|kind| Some(kind.name()))) {
+            text += &row(kind.unwrap_or("nothing"), report.cases.iter().filter(|case| case.kind == kind));
+        }
+        let mut rigs: Vec<&str> = report.cases.iter().map(|case| case.rig.as_str()).collect();
+        rigs.dedup();
+        for rig in rigs {
+            text += &row(rig, report.cases.iter().filter(|case| case.rig == rig && case.kind.is_some()));
         }
         let mut seconds: Vec<f64> = report.cases.iter().map(|case| case.took_s).collect();
-        seconds.sort_by(f64::total_cmp);
-        text + &format!("a check took {} s (median)\n", number(seconds.get(seconds.len() / 2).copied(), 2))
+        let median = upper_median(&mut seconds);
+        text + &format!("a check took {} s (median)\n", number(median, 2))
+    }
+}
+
+impl Case {
+    /// What the first finding has right: that there is one, the camera, the kind, the kind among it and its rivals.
+    fn right(&self) -> [bool; 4] {
+        let Some(first) = self.found.first() else { return [false; 4] };
+        let is_exchanged = self.kind == Some("swapped") && first.with == self.camera;
+        let is_camera = first.camera == self.camera || is_exchanged;
+        let is_kind = Some(first.kind) == self.kind;
+        let is_rival = first.rivals.iter().any(|rival| Some(rival.1) == self.kind);
+        [true, is_camera, is_kind, is_kind || is_rival]
+    }
+}
+
+/// A row of the table; nothing without cases.
+fn row<'a>(name: &str, cases: impl Iterator<Item = &'a Case>) -> String {
+    let mut counts = [0; 5];
+    for case in cases {
+        counts[0] += 1;
+        for (count, is_right) in counts[1..].iter_mut().zip(case.right()) {
+            *count += usize::from(is_right);
+        }
+    }
+    let [all, told, camera, kind, rival] = counts;
+    if all == 0 {
+        String::new()
+    } else {
+        format!("| {name} | {all} | {told} | {camera} | {kind} | {rival} |\n")
     }
 }

@@ -78,6 +78,22 @@ fn a_fault_of_all_cameras_is_told_of_all() {
 }
 
 #[test]
+fn the_last_finding_has_cameras_with_all_faults_repaired() {
+    let person = person();
+    let of_all = Fault { kind: FaultKind::Unit, camera: None, with: 0, size: 1000.0, seed: 0 };
+    let (recordings, lenses) = person.with_fault(Some(of_all)).unwrap();
+    let in_millimetres = FilmedPerson::real(lenses, recordings);
+    let focal = Fault { kind: FaultKind::Focal, camera: Some(3), with: 0, size: 1.05, seed: 0 };
+    let found = checked(&in_millimetres, Some(focal));
+    let kinds: Vec<FaultKind> = found.findings.iter().map(|finding| finding.kind).collect();
+    assert_eq!(kinds, [FaultKind::Focal, FaultKind::Unit]);
+    for (camera, own) in found.findings[1].cameras.iter().zip(person.cameras()) {
+        assert!(camera.centre().distance(own.centre()) < 1e-6, "{}", camera.name());
+        assert!((camera.intrinsics().fx / own.intrinsics().fx - 1.0).abs() < 0.01, "{}", camera.name());
+    }
+}
+
+#[test]
 fn cameras_that_cannot_be_checked_are_refused() {
     let (recordings, lenses) = person().with_fault(None).unwrap();
     let check = |recordings: &[Recording], lenses: usize, cancel: &CancelToken| {

@@ -30,7 +30,7 @@ impl Default for DiagnosisOptions {
 /// What the cameras say of one another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnosis {
-    /// What is wrong, the clearest first; each was found with those before it repaired.
+    /// What is wrong; each was found with those before it repaired.
     pub findings: Vec<Finding>,
     /// Every two cameras.
     pub pairs: Vec<PairAgreement>,
@@ -140,7 +140,7 @@ pub fn diagnose(
     }
     let subject_m = state.subject();
     if let Some(finding) = subject_m.and_then(|tall| state.unit_of_all(tall)) {
-        findings.insert(0, finding);
+        findings.push(finding);
     }
     let agreement = |(at, cameras): (usize, &[usize; 2])| {
         let [a, b] = [&before[at], &state.full.residuals[at]];
