@@ -30,6 +30,9 @@ pub(crate) struct CalibrationFaults {
     /// Frames of the 12 seconds [20 to 1000]
     #[arg(long, value_name = "N", default_value_t = 186, allow_negative_numbers = true, value_parser = within(20..=1000_usize))]
     frames: usize,
+    /// A fault is told where it explains so much more than none, nats [0 to 1000]
+    #[arg(long, value_name = "NATS", default_value_t = DiagnosisOptions::default().least_evidence, allow_negative_numbers = true, value_parser = within(0.0..=1e3_f64))]
+    least_evidence: f64,
     /// Only this kind of fault
     #[arg(long, value_name = "KIND", value_parser = clap::builder::PossibleValuesParser::new(FaultKind::ALL.map(FaultKind::name)))]
     only: Option<String>,
@@ -138,8 +141,9 @@ impl Experiment for CalibrationFaults {
                 run.progress(at * all.len() + done, rigs.len() * all.len())?;
                 let (recordings, lenses) = person.with_fault(*fault)?;
                 let begun = Instant::now();
-                let found =
-                    diagnose(&recordings, &lenses, &DiagnosisOptions::default(), &run.cancel, |_, _| {})?;
+                let options =
+                    DiagnosisOptions { least_evidence: self.least_evidence, ..DiagnosisOptions::default() };
+                let found = diagnose(&recordings, &lenses, &options, &run.cancel, |_, _| {})?;
                 let one = |finding: &Finding| ToldFault {
                     kind: finding.kind.name(),
                     camera: finding.camera,
