@@ -32,17 +32,15 @@ pub(super) struct Tried {
 impl State {
     /// The best size of a fault of this kind.
     pub(super) fn fit(&self, hypothesis: Hypothesis, noise: f64) -> Option<Tried> {
-        let start = hypothesis.start();
-        match hypothesis.kind {
-            FaultKind::Offset | FaultKind::Drift | FaultKind::FrameRate => {
-                let offset = self.best_offset(&hypothesis, noise)?;
-                let mut start = start;
-                start[0] = offset;
-                self.descend(hypothesis, start, &WIDTHS[1..], 0.0, noise)
-            }
-            FaultKind::Bumped => self.fit_bump(hypothesis, noise),
-            _ => self.descend(hypothesis, start, &WIDTHS, 0.0, noise),
+        let mut start = hypothesis.start();
+        if hypothesis.kind == FaultKind::Bumped {
+            return self.fit_bump(hypothesis, noise);
         }
+        if hypothesis.kind.is_clock() {
+            start[0] = self.best_offset(&hypothesis, noise)?;
+            return self.descend(hypothesis, start, &WIDTHS[1..], 0.0, noise);
+        }
+        self.descend(hypothesis, start, &WIDTHS, 0.0, noise)
     }
 
     fn best_offset(&self, hypothesis: &Hypothesis, noise: f64) -> Option<f64> {

@@ -87,12 +87,6 @@ impl Outlines {
         })
     }
 
-    /// First and last time, seconds.
-    pub(super) fn span(&self) -> [f64; 2] {
-        let time = |outline: Option<&Outline>| outline.map_or(0.0, |outline| outline.seconds);
-        [time(self.frames.first()), time(self.frames.last())]
-    }
-
     /// What this camera would have recorded.
     pub(super) fn seen_by(&self, camera: &Camera) -> Recording {
         let sighting = |outline: &Outline| {

@@ -135,6 +135,6 @@ impl State {
     }
 
     pub(super) fn span(&self, hypothesis: &Hypothesis) -> [f64; 2] {
-        self.full.outlines[hypothesis.camera.unwrap_or(0)].span()
+        self.full.recordings[hypothesis.camera.unwrap_or(0)].span()
     }
 }
