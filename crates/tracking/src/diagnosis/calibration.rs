@@ -33,27 +33,23 @@ fn quarter_turned(camera: &Camera) -> Option<Camera> {
 /// The same camera at another place.
 pub(super) fn placed(camera: &Camera, rotation: DMat3, translation: DVec3) -> Option<Camera> {
     let place = CameraFromWorld { rotation, translation };
-    let size = [camera.width() as u64, camera.height() as u64];
-    Camera::new(camera.name(), size, *camera.intrinsics(), *camera.distortion(), place).ok()
+    rebuilt(camera, *camera.intrinsics(), *camera.distortion(), place)
 }
 
 /// The same camera with another pinhole and lens.
 pub(super) fn with_lens(camera: &Camera, intrinsics: Intrinsics, lens: Distortion) -> Option<Camera> {
-    let size = [camera.width() as u64, camera.height() as u64];
-    Camera::new(camera.name(), size, intrinsics, lens, *camera.camera_from_world()).ok()
+    rebuilt(camera, intrinsics, lens, *camera.camera_from_world())
 }
 
 /// The pinhole, lens and place of another camera, under the own name.
 pub(super) fn renamed(camera: &Camera, numbers: &Camera) -> Option<Camera> {
+    rebuilt(camera, *numbers.intrinsics(), *numbers.distortion(), *numbers.camera_from_world())
+}
+
+/// A camera with the name and the picture size of another.
+fn rebuilt(camera: &Camera, k: Intrinsics, lens: Distortion, place: CameraFromWorld) -> Option<Camera> {
     let size = [camera.width() as u64, camera.height() as u64];
-    Camera::new(
-        camera.name(),
-        size,
-        *numbers.intrinsics(),
-        *numbers.distortion(),
-        *numbers.camera_from_world(),
-    )
-    .ok()
+    Camera::new(camera.name(), size, k, lens, place).ok()
 }
 
 /// The 23 other ways to name the axes of a right-handed world, as rotations.
