@@ -17,6 +17,7 @@ mod footage;
 mod frame_basin;
 mod measures;
 mod no_start;
+mod refinement;
 mod sequence;
 mod sizes;
 mod sync;
@@ -195,6 +196,8 @@ enum Chosen {
     Begin(Box<begin::Arguments>),
     Footage(Box<footage::Arguments>),
     NoStart(WithOutput<no_start::NoStart>),
+    #[command(name = refinement::RefinedRigs::NAME)]
+    RefineCameras(WithOutput<refinement::RefinedRigs>),
     Sync(WithOutput<sync::ShiftedTake>),
     Trust(WithOutput<trust::Trust>),
 }
@@ -231,6 +234,7 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         Chosen::Begin(chosen) => chosen.run(),
         Chosen::Footage(chosen) => chosen.run(),
         Chosen::NoStart(chosen) => chosen.run(),
+        Chosen::RefineCameras(chosen) => chosen.run(),
         Chosen::Sync(chosen) => chosen.run(),
         Chosen::Trust(chosen) => chosen.run(),
     }

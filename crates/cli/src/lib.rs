@@ -29,6 +29,7 @@ mod person;
 mod prior;
 mod progress;
 mod recognise;
+mod refine_cameras;
 mod render;
 mod silhouettes;
 mod sphere_tree;
@@ -68,6 +69,8 @@ pub enum Command {
     Sync(sync::SyncArguments),
     /// Check the cameras of a take against one another: which one is wrong, and how
     Check(check::CheckArguments),
+    /// Refine the cameras of a take by the silhouettes of a person
+    RefineCameras(Box<refine_cameras::RefineCamerasArguments>),
     /// Learn from motion files how people move, for track --prior
     Prior(prior::PriorArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
@@ -95,6 +98,7 @@ impl Command {
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),
             Self::Sync(arguments) => sync::run(&arguments),
             Self::Check(arguments) => check::run(&arguments),
+            Self::RefineCameras(arguments) => refine_cameras::run(&arguments),
             Self::Prior(arguments) => prior::run(&arguments),
             Self::Cameras(arguments) => cameras::run(&arguments),
             Self::SphereTree(arguments) => sphere_tree::run(&arguments),

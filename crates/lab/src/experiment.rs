@@ -6,10 +6,12 @@
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`credibility`] | whether a filter errs as it says |
 //! | [`calibration_faults`] | calibrations with one known fault |
+//! | [`disturbed_cameras`] | cameras that are not where their calibration says |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 
 pub mod calibration_faults;
 pub mod credibility;
+pub mod disturbed_cameras;
 pub mod scene;
 pub mod sequence;
 pub mod starts;

@@ -17,18 +17,21 @@
 pub use crate::body_spheres;
 
 mod approach;
+mod cameras;
 mod fit;
 pub mod frames;
 mod options;
 mod own_sizes;
 mod person;
 mod problem;
+mod refine;
 mod report;
 pub mod scale;
 pub mod survey;
 pub mod widening;
 
 pub use approach::{Approach, approach};
+pub use cameras::{CameraChoice, CameraDeviations, CameraState};
 pub use fit::{BodyFitError, BodyProgress, FirstSizes, fit_body};
 pub use frames::{BodyFrame, PosedFrame};
 pub use options::{BodyFitOptions, BodyStage, CLOTHED, WELL_SEEN};
@@ -36,4 +39,8 @@ pub use own_sizes::{
     Doubt, FEWEST_FRAMES, Judged, OwnSizes, OwnSizesError, OwnSizesOptions, OwnSizesProgress, own_sizes,
 };
 pub use person::{Person, PersonError, PersonOptions, PersonProgress, find_person};
+pub use refine::{
+    CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress, RefinedCamera, RefinedCameras,
+    refine_cameras,
+};
 pub use report::{BodyFit, SizeEstimate};

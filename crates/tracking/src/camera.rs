@@ -9,6 +9,7 @@ pub use crate::synchronise;
 mod adjust;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod camera;
+mod change;
 mod distortion;
 mod rectify;
 mod rig;
@@ -17,6 +18,7 @@ pub use adjust::{Adjusted, Sighting, adjust};
 pub use camera::{
     Camera, CameraError, CameraFromWorld, FARTHEST, Intrinsics, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE,
 };
+pub use change::CameraChange;
 pub use distortion::Distortion;
 pub use rectify::Rectification;
 pub use rig::{Rig, RigError, up_of};

@@ -15,6 +15,7 @@ use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::NormalEquations;
 
 pub(crate) mod body_size;
+pub(crate) mod camera_columns;
 mod composite;
 pub mod cue;
 pub mod interpenetration;

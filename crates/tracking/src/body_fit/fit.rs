@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::cameras::{CameraSet, CameraState};
 use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
@@ -14,7 +15,7 @@ use super::widening::Widening;
 use crate::body::{Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
 use crate::fit::{FitError, Stage};
-use crate::optimize::{Method, Solver, Termination};
+use crate::optimize::{LeastSquares, Method, Solver, Termination};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
 
@@ -116,7 +117,33 @@ pub fn fit_body(
             (posed(&usable.0), BodySizes::of(&sizes, known))
         }
     };
-    fit(&sizes, usable, BodyState { poses, body }, stage, options, cancel, &mut progress)
+    let begin = BodyState { poses, body, cameras: Vec::new() };
+    let (fit, _) = fit(&sizes, usable, None, begin, stage, options, cancel, &mut progress)?;
+    Ok(fit)
+}
+
+/// Fits cameras too, from poses, a body and cameras that are about right.
+pub(super) fn fit_cameras(
+    start: &Arc<Model>,
+    frames: Vec<BodyFrame>,
+    (known, changes): (&Model, &[CameraState]),
+    cameras: &CameraSet,
+    options: &BodyFitOptions,
+    cancel: &CancelToken,
+    mut progress: impl FnMut(BodyProgress),
+) -> Result<(BodyFit, CameraFit), BodyFitError> {
+    let usable = usable(start, frames)?;
+    let sizes = Sizes::new(Arc::clone(start), options.choice);
+    let begin =
+        BodyState { poses: posed(&usable.0), body: BodySizes::of(&sizes, known), cameras: changes.to_vec() };
+    fit(&sizes, usable, Some(cameras), begin, 0, options, cancel, &mut progress)
+}
+
+/// By how much cameras differ from their calibration, and with what deviations.
+#[derive(Debug, Clone, Default)]
+pub(super) struct CameraFit {
+    pub(super) changes: Vec<CameraState>,
+    pub(super) deviations: Vec<CameraState>,
 }
 
 fn posed(frames: &[BodyFrame]) -> Vec<Pose> {
@@ -124,20 +151,22 @@ fn posed(frames: &[BodyFrame]) -> Vec<Pose> {
 }
 
 /// All stages from `first` on.
+#[expect(clippy::too_many_arguments, reason = "both callers give each of them")]
 fn fit(
     sizes: &Sizes,
     (frames, left_out): (Vec<BodyFrame>, Vec<LeftOut>),
+    cameras: Option<&CameraSet>,
     begin: BodyState,
     first: usize,
     options: &BodyFitOptions,
     cancel: &CancelToken,
     progress: &mut impl FnMut(BodyProgress),
-) -> Result<BodyFit, BodyFitError> {
+) -> Result<(BodyFit, CameraFit), BodyFitError> {
     let stages: Vec<Stage> = options.stages.iter().map(|stage| stage.stage).collect();
     let of_views = |frame: &BodyFrame| frame.views.iter().map(|view| view.distance(&stages)).collect();
     let distances: Vec<Vec<Option<SignedDistance>>> = frames.iter().map(of_views).collect();
-    let overlap_before = overlap(sizes, &begin, &frames);
-    let inputs = Inputs { sizes, frames: &frames, distances: &distances };
+    let overlap_before = overlap(sizes, &begin, &frames, cameras);
+    let inputs = Inputs { sizes, frames: &frames, distances: &distances, cameras };
     let mut descent = descend(&inputs, begin, options, first, cancel, progress)?;
     let first_rms = descent.rms[0];
     if let Some(widening) = &mut descent.widening {
@@ -146,15 +175,19 @@ fn fit(
             let plain = BodyFitOptions { widening: 0.0, ..options.clone() };
             let first = options.stages.len().saturating_sub(LAST_STAGES);
             let body = BodySizes { widening_px: 0.0, ..descent.state.body };
-            let begin = BodyState { poses: descent.state.poses, body };
+            let begin = BodyState { body, ..descent.state };
             let again = descend(&inputs, begin, &plain, first, cancel, progress)?;
             let iterations = descent.iterations + again.iterations;
             descent = Descent { iterations, widening: descent.widening, ..again };
         }
     }
     descent.rms[0] = first_rms;
-    let iou = [overlap_before, overlap(sizes, &descent.state, &frames)];
-    Ok(BodyFit { left_out, ..report::summary(sizes, descent, options, &frames, iou)? })
+    let iou = [overlap_before, overlap(sizes, &descent.state, &frames, cameras)];
+    let of_cameras = CameraFit {
+        changes: descent.state.cameras.clone(),
+        deviations: std::mem::take(&mut descent.camera_deviations),
+    };
+    Ok((BodyFit { left_out, ..report::summary(sizes, descent, options, &frames, iou)? }, of_cameras))
 }
 
 /// What every stage looks at.
@@ -162,6 +195,7 @@ struct Inputs<'a> {
     sizes: &'a Sizes,
     frames: &'a [BodyFrame],
     distances: &'a [Vec<Option<SignedDistance>>],
+    cameras: Option<&'a CameraSet>,
 }
 
 /// Where the stages led.
@@ -170,6 +204,8 @@ pub(super) struct Descent {
     pub(super) state: BodyState,
     /// Posterior standard deviations of θ, size and girth.
     pub(super) deviations: Vec<f64>,
+    /// The same of the cameras.
+    camera_deviations: Vec<CameraState>,
     /// The silhouettes' widening, where it was unknown.
     pub(super) widening: Option<Widening>,
     /// Root of the mean squared residual per pixel before and after, each by its own stage's measure.
@@ -191,8 +227,15 @@ fn descend(
 ) -> Result<Descent, BodyFitError> {
     let (mut iterations, mut initial_rms, mut end) = (0, None, None);
     for (index, &stage) in options.stages.iter().enumerate().skip(first) {
-        let mut problem =
-            BodyProblem::new(inputs.sizes, inputs.frames, inputs.distances, options, stage, &state);
+        let mut problem = BodyProblem::new(
+            inputs.sizes,
+            inputs.frames,
+            inputs.distances,
+            inputs.cameras,
+            options,
+            stage,
+            &state,
+        );
         let method = Method::LevenbergMarquardt;
         let solver_options = stage.stage.solver_options(method, options.damping, false);
         let mut solver = Solver::new(&mut problem, state.clone(), solver_options);
@@ -207,10 +250,16 @@ fn descend(
         }
         state = solver.point.clone();
         let termination = solver.termination.unwrap_or(Termination::NotFinite);
-        let deviations = report::deviations(&solver.equations, problem.shape_unit(), problem.first_size());
-        end = Some((deviations, problem.mean_metres_per_px, solver.rms, termination));
+        let sizes = problem.first_size()..problem.first_camera();
+        let deviations = report::deviations(&solver.equations, problem.shape_unit(), sizes);
+        let of_cameras = inputs.cameras.map_or(Vec::new(), |cameras| {
+            let columns = problem.first_camera()..problem.columns();
+            let covariance = report::covariance(&solver.equations, problem.camera_unit(), columns);
+            cameras.deviations(&covariance)
+        });
+        end = Some((deviations, of_cameras, problem.mean_metres_per_px, solver.rms, termination));
     }
-    let Some((mut deviations, metres_per_px, final_rms, termination)) = end else {
+    let Some((mut deviations, camera_deviations, metres_per_px, final_rms, termination)) = end else {
         return Err(BodyFitError::NoStages);
     };
     let others = inputs.sizes.count() + 2;
@@ -222,7 +271,7 @@ fn descend(
     });
     deviations.truncate(others);
     let rms = [initial_rms.unwrap_or(final_rms), final_rms];
-    Ok(Descent { state, deviations, widening, rms, iterations, termination })
+    Ok(Descent { state, deviations, camera_deviations, widening, rms, iterations, termination })
 }
 
 fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
@@ -271,8 +320,18 @@ fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<(Vec<BodyFrame>, 
 }
 
 /// IoU of model and masks, all frames and cameras together; `None` without masks.
-fn overlap(sizes: &Sizes, BodyState { poses, body }: &BodyState, frames: &[BodyFrame]) -> Option<f64> {
+fn overlap(
+    sizes: &Sizes,
+    BodyState { poses, body, cameras }: &BodyState,
+    frames: &[BodyFrame],
+    set: Option<&CameraSet>,
+) -> Option<f64> {
     let model = sizes.model(&body.log_ratios, body.size).ok()?;
-    let of_frame = |(frame, pose): (&BodyFrame, &Pose)| frame.overlap(&model, pose, body.widening_px);
+    let of_frame = |(frame, pose): (&BodyFrame, &Pose)| {
+        let own = set.map(|set| set.seen(frame, pose, cameras));
+        let all = own.as_deref().unwrap_or(&[]).iter().map(|(frame, pose)| (frame, pose));
+        let all = all.chain(own.is_none().then_some((frame, pose)));
+        all.filter_map(|(frame, pose)| frame.overlap(&model, pose, body.widening_px)).reduce(Overlap::merge)
+    };
     frames.iter().zip(poses).filter_map(of_frame).reduce(Overlap::merge)?.iou()
 }

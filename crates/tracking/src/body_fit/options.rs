@@ -32,6 +32,9 @@ pub struct BodyFitOptions {
     /// pixels are taken to be off by their whole range. A body of capsules is off in the same way in every picture, so
     /// that more pictures do not make its sizes surer.
     pub shape_weight: f64,
+    /// Weight of what calibrations are usually off by, as `shape_weight` is counted, where cameras are found too: a body of
+    /// capsules is off in the same way in every picture, so that more pixels do not make cameras surer.
+    pub camera_weight: f64,
     /// Standard deviation of a common widening of all silhouettes, metres where the body is; 0 takes them as they are. They
     /// are also taken as they are where radii are held, and for a body of which no survey knows the girths.
     pub widening: f64,
@@ -93,6 +96,7 @@ impl Default for BodyFitOptions {
             proportions: Proportions::default(),
             joint_deviation: 0.01,
             shape_weight: 0.05,
+            camera_weight: 1.0,
             widening: 0.02,
             stages: stages.to_vec(),
             damping: robust.damping,

@@ -156,7 +156,7 @@ impl<E> From<OwnSizesError> for SizesOr<E> {
 }
 
 /// Poses of frames that are near enough to one another.
-fn follow<E: From<PersonError>>(
+pub(super) fn follow<E: From<PersonError>>(
     model: &Arc<Model>,
     start: Pose,
     frames: &[usize],

@@ -1,14 +1,18 @@
 //! Poses and sizes as one least-squares problem: columns are the poses frame by frame, then θ, then size and girth, then the
-//! silhouettes' widening where it is unknown.
+//! silhouettes' widening where it is unknown, then the cameras where they are.
+
+use std::borrow::Cow;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::cameras::{CameraSet, CameraState};
 use super::frames::BodyFrame;
 use super::options::{BodyFitOptions, BodyStage};
 use super::widening;
 use crate::body::sizes::bounded;
 use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
+use crate::camera::Camera;
 use crate::fit::FitView;
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
@@ -20,13 +24,15 @@ use crate::silhouette::SignedDistance;
 /// A widening stays within this many of its prior's deviations.
 const LARGEST_WIDENING: f64 = 4.0;
 
-/// Poses of all frames, and the sizes.
+/// Poses of all frames, sizes and cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BodyState {
     /// One pose a frame.
     pub(super) poses: Vec<Pose>,
     /// The body's sizes.
     pub(super) body: BodySizes,
+    /// The cameras; none where they are held.
+    pub(super) cameras: Vec<CameraState>,
 }
 
 /// One stage's cost of poses and sizes.
@@ -40,6 +46,7 @@ pub(super) struct BodyProblem<'a> {
     references: Vec<Pose>,
     terms: Vec<Term<'a>>,
     prior: SizePrior,
+    cameras: Option<&'a CameraSet>,
     /// Metres that a pixel covers where the body is, mean of all cameras, frames and limbs.
     pub(super) mean_metres_per_px: f64,
     /// Standard deviation of the silhouettes' widening, pixels; `None` where it is held.
@@ -52,9 +59,17 @@ pub(super) struct BodyProblem<'a> {
 struct Term<'a> {
     frame: usize,
     view: &'a FitView,
+    /// Which of the cameras that may change it is.
+    camera: Option<usize>,
     data: SizeData,
     /// Metres that a pixel covers at every limb, in the poses that the stage began with.
     metres_per_px: Vec<f64>,
+}
+
+/// What a camera sees in a frame: the camera as it is now, and the body when its clock says.
+struct TermView<'a> {
+    camera: Cow<'a, Camera>,
+    kinematics: Cow<'a, Kinematics>,
 }
 
 impl<'a> BodyProblem<'a> {
@@ -63,6 +78,7 @@ impl<'a> BodyProblem<'a> {
         sizes: &'a Sizes,
         frames: &'a [BodyFrame],
         distances: &[Vec<Option<SignedDistance>>],
+        cameras: Option<&'a CameraSet>,
         options: &'a BodyFitOptions,
         stage: BodyStage,
         begin: &BodyState,
@@ -75,7 +91,9 @@ impl<'a> BodyProblem<'a> {
                 body_frame.views.iter().zip(distances).map(move |(view, distance): (_, &Option<_>)| {
                     let data = view.data(&stage.stage, distance.as_ref());
                     let metres_per_px = widening::metres_per_px(&kinematics, &view.camera);
-                    Term { frame, view, data: SizeData::new(data, stage.stage.stride), metres_per_px }
+                    let camera = cameras.and_then(|cameras| cameras.index(&view.camera));
+                    let data = SizeData::new(data, stage.stage.stride);
+                    Term { frame, view, camera, data, metres_per_px }
                 });
             terms.collect::<Vec<_>>()
         };
@@ -94,6 +112,7 @@ impl<'a> BodyProblem<'a> {
             references: begin.poses.clone(),
             terms,
             prior,
+            cameras,
             mean_metres_per_px,
             widening_deviation_px: is_free.then(|| options.widening / mean_metres_per_px),
             silhouette_cost: 0.0,
@@ -107,6 +126,21 @@ impl<'a> BodyProblem<'a> {
     /// First column of the sizes.
     pub(super) fn first_size(&self) -> usize {
         self.references.len() * self.pose_columns()
+    }
+
+    /// First column of the cameras.
+    pub(super) fn first_camera(&self) -> usize {
+        self.first_size() + self.sizes.count() + 2 + usize::from(self.is_widening_free())
+    }
+
+    /// Whether the silhouettes' widening is unknown.
+    pub(super) fn is_widening_free(&self) -> bool {
+        self.widening_deviation_px.is_some()
+    }
+
+    /// Squared grey levels of a variance of 1 in the cameras' prior.
+    pub(super) fn camera_unit(&self) -> f64 {
+        self.prior_unit() * self.options.camera_weight * self.pictures()
     }
 
     /// Squared grey levels of a prior weight of 1 at this stage's stride.
@@ -123,28 +157,47 @@ impl<'a> BodyProblem<'a> {
         self.terms.iter().map(|term| term.view.weight).sum()
     }
 
-    fn add_data(&mut self, model: &Model, state: &BodyState, equations: &mut NormalEquations) {
+    fn term_view<'b>(
+        &self,
+        term: &'b Term<'_>,
+        model: &Model,
+        kinematics: &'b [Kinematics],
+        state: &BodyState,
+    ) -> Option<TermView<'b>> {
+        let (camera, kinematics) = (&*term.view.camera, &kinematics[term.frame]);
+        let Some((cameras, index)) = self.cameras.zip(term.camera) else {
+            return Some(TermView { camera: Cow::Borrowed(camera), kinematics: Cow::Borrowed(kinematics) });
+        };
+        let (of_camera, frame) = (&state.cameras[index], self.frames[term.frame].frame);
+        let later = cameras.later(of_camera, frame, &state.poses[term.frame]);
+        let kinematics =
+            later.map_or(Cow::Borrowed(kinematics), |pose| Cow::Owned(Kinematics::new(model, &pose)));
+        Some(TermView { camera: Cow::Owned(cameras.camera(index, of_camera).ok()?), kinematics })
+    }
+
+    /// Returns the silhouettes' cost; `None` where a camera's numbers make no camera.
+    fn add_data(&self, model: &Model, state: &BodyState, equations: &mut NormalEquations) -> Option<f64> {
         let poses = &state.poses;
         let kinematics: Vec<Kinematics> = poses.iter().map(|pose| Kinematics::new(model, pose)).collect();
         let ramp = self.stage.stage.ramp;
         let limbs = model.limbs().len();
         let px = state.body.widening_px;
-        let sums: Vec<(f64, Vec<SizeBlock>)> = self
-            .terms
-            .par_iter()
-            .map(|term| {
-                let camera = &term.view.camera;
+        let seen = self.terms.iter().map(|term| self.term_view(term, model, &kinematics, state));
+        let seen: Vec<TermView<'_>> = seen.collect::<Option<_>>()?;
+        let sums: Vec<(f64, Vec<SizeBlock>)> = (self.terms.par_iter().zip(&seen))
+            .map(|(term, TermView { camera, kinematics })| {
                 let wide = widening::widened(model, &term.metres_per_px, px);
-                let view = View::new(&wide, &kinematics[term.frame], camera, RendererKind::Capsule, ramp);
+                let view = View::new(&wide, kinematics, camera, RendererKind::Capsule, ramp);
                 let mut blocks = vec![SizeBlock::default(); limbs];
                 let mut row = RowWinners::default();
-                let cost = term.data.accumulate(&view, camera, ramp, &mut row, &mut blocks);
+                let is_free = term.camera.is_some();
+                let cost = term.data.accumulate(&view, camera, ramp, &mut row, &mut blocks, is_free);
                 (cost, blocks)
             })
             .collect();
         // Added in the order of frames and cameras: the same bits however the work was shared out.
-        self.silhouette_cost = 0.0;
-        let (columns, first) = (self.pose_columns(), self.first_size());
+        let mut silhouette_cost = 0.0;
+        let (columns, first, first_camera) = (self.pose_columns(), self.first_size(), self.first_camera());
         let map = |frame: usize| SizeMap {
             sizes: self.sizes,
             model,
@@ -152,13 +205,21 @@ impl<'a> BodyProblem<'a> {
             first_pose: frame * columns,
             first_size: first,
             widening: self.widening_deviation_px.map(|_| first + self.sizes.count() + 2),
+            camera: None,
         };
-        for (term, (cost, blocks)) in self.terms.iter().zip(&sums) {
-            self.silhouette_cost += term.view.weight * cost;
+        for ((term, TermView { camera, kinematics }), (cost, blocks)) in
+            self.terms.iter().zip(&seen).zip(&sums)
+        {
+            silhouette_cost += term.view.weight * cost;
             let growth = widening::growth(model, &term.metres_per_px, px);
-            map(term.frame).add(blocks, term.view.weight, &growth, equations);
+            let of_camera = self.cameras.zip(term.camera).map(|(cameras, index)| {
+                let frame = self.frames[term.frame].frame;
+                cameras.columns_of(first_camera, frame, index, camera, &state.cameras[index])
+            });
+            let map = SizeMap { kinematics, camera: of_camera, ..map(term.frame) };
+            map.add(blocks, term.view.weight, &growth, equations);
         }
-        equations.cost += self.silhouette_cost;
+        equations.cost += silhouette_cost;
         // A keypoint is as much as all pictures of its frame, at its deviation.
         let weight = self.prior_unit() * self.pictures()
             / (self.frames.len() as f64 * self.options.joint_deviation.powi(2));
@@ -167,6 +228,7 @@ impl<'a> BodyProblem<'a> {
                 map(frame).add_joint(joint, weight, poses[frame].root, equations);
             }
         }
+        Some(silhouette_cost)
     }
 
     fn add_pose_priors(&self, poses: &[Pose], equations: &mut NormalEquations) {
@@ -201,7 +263,11 @@ impl LeastSquares for BodyProblem<'_> {
             equations.cost = f64::INFINITY;
             return;
         };
-        self.add_data(&model, state, equations);
+        let Some(cost) = self.add_data(&model, state, equations) else {
+            equations.cost = f64::INFINITY;
+            return;
+        };
+        self.silhouette_cost = cost;
         self.add_pose_priors(&state.poses, equations);
         proportion_prior::add(
             equations,
@@ -212,10 +278,13 @@ impl LeastSquares for BodyProblem<'_> {
             self.shape_unit(),
             self.first_size(),
         );
+        if let Some(cameras) = self.cameras {
+            cameras.constrain(equations, &state.cameras, self.first_camera(), self.camera_unit());
+        }
     }
 
     fn columns(&self) -> usize {
-        self.first_size() + self.sizes.count() + 2 + usize::from(self.widening_deviation_px.is_some())
+        self.first_camera() + self.cameras.map_or(0, CameraSet::columns)
     }
 
     fn retract(&self, state: &BodyState, step: &DVector<f64>) -> BodyState {
@@ -237,6 +306,9 @@ impl LeastSquares for BodyProblem<'_> {
                     _ => 0.0,
                 },
             },
+            cameras: self.cameras.map_or(Vec::new(), |cameras| {
+                cameras.retract(&state.cameras, &step.as_slice()[self.first_camera()..])
+            }),
         }
     }
 
@@ -256,7 +328,9 @@ impl LeastSquares for BodyProblem<'_> {
                 scale = scale.min(self.options.largest_turn / length(turn));
             }
         }
-        let (sizes, wider) = step.as_slice()[self.first_size()..].split_at(self.sizes.count() + 2);
+        let (body, of_cameras) = step.as_slice().split_at(self.first_camera());
+        let (sizes, wider) = body[self.first_size()..].split_at(self.sizes.count() + 2);
+        scale = scale.min(self.cameras.map_or(1.0, |cameras| cameras.shortened(of_cameras)));
         for grown in sizes {
             scale = scale.min(self.options.largest_growth / grown.abs().max(1e-12));
         }
@@ -270,92 +344,4 @@ impl LeastSquares for BodyProblem<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use glam::DVec3;
-
-    use super::*;
-    use crate::body::{SizeChoice, builtin};
-    use crate::fit::Evidence;
-    use crate::fixtures;
-    use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
-    use crate::silhouette::Measurement;
-
-    #[test]
-    fn the_gradient_is_that_of_the_cost() {
-        for (lengths, radii) in [(true, true), (true, false), (false, true), (false, false)] {
-            check_choice(SizeChoice { lengths, radii, symmetric: radii }, 0.0);
-        }
-        check_choice(SizeChoice::default(), 0.02);
-    }
-
-    /// Two frames with two cameras, grey data, joints and all priors: the gradient of the whole by every column.
-    fn check_choice(choice: SizeChoice, widening: f64) {
-        let body = if widening > 0.0 { builtin::full_body() } else { builtin::upper_body() };
-        let start = Arc::new(body);
-        let sizes = Sizes::new(start.clone(), choice);
-        let camera = |centre: DVec3| {
-            let at = DVec3::new(0.0, 0.3, 0.0);
-            Arc::new(fixtures::camera([40, 32], [40.0, 41.0, 19.5, 15.5], centre, at, DVec3::Y))
-        };
-        let view = |centre: DVec3, weight: f64| {
-            let values = (0..40 * 32).map(|i| 127.0 + 120.0 * (i as f32 * 0.31).sin()).collect();
-            let data = Measurement::new(40, 32, values, vec![1.0; 40 * 32]).unwrap();
-            FitView { camera: camera(centre), evidence: Evidence::Measurement(Arc::new(data)), weight }
-        };
-        let columns = Parameters::Tangent.columns(start.rotation_count());
-        let bent = |seed: f64| fixtures::bent(&start, 0.2, seed);
-        let frames: Vec<BodyFrame> = [0.0, 2.0]
-            .map(|seed| BodyFrame {
-                frame: seed as usize,
-                views: vec![view(DVec3::new(0.1, 0.3, 2.0), 1.0), view(DVec3::new(1.8, 0.5, 0.4), 0.5)],
-                start: bent(seed),
-                joints: vec![(None, DVec3::new(0.1, -0.05, 0.0)), (Some(5), DVec3::new(-0.4, 0.3, 0.2))],
-            })
-            .to_vec();
-        let options = BodyFitOptions { widening, ..BodyFitOptions::default() };
-        let distances = vec![vec![None, None]; 2];
-        let mut stage = options.stages[1];
-        stage.stage.stride = 1;
-        let begin = BodyState { poses: vec![bent(0.3), bent(2.2)], body: BodySizes::scaled(&sizes, 0.0) };
-        let mut problem = BodyProblem::new(&sizes, &frames, &distances, &options, stage, &begin);
-        let ratios = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 2.3).sin()).collect();
-        let state = BodyState {
-            poses: vec![bent(0.0), bent(2.0)],
-            body: BodySizes {
-                log_ratios: ratios,
-                size: 0.07,
-                girth: -0.04,
-                widening_px: if widening > 0.0 { 0.8 } else { 0.0 },
-            },
-        };
-        assert_eq!(problem.widening_deviation_px.is_some(), widening > 0.0);
-        let first_size = problem.first_size();
-        let moved = |column: usize, offset: f64| {
-            let mut moved = state.clone();
-            if column < first_size {
-                let (frame, column) = (column / columns, column % columns);
-                moved.poses[frame] = moved.poses[frame].nudged(Parameters::Tangent, column, offset);
-            } else {
-                match column - first_size {
-                    size if size < sizes.count() => moved.body.log_ratios[size] += offset,
-                    size if size == sizes.count() => moved.body.size += offset,
-                    size if size == sizes.count() + 1 => moved.body.girth += offset,
-                    _ => moved.body.widening_px += offset,
-                }
-            }
-            moved
-        };
-        let name = |column: usize| match column.checked_sub(first_size) {
-            None => format!("frame {}, pose column {}", column / columns, column % columns),
-            Some(size) => sizes.parameters.get(size).map_or_else(
-                || "size, girth or widening".to_owned(),
-                |parameter| format!("{} {}", parameter.name, parameter.kind),
-            ),
-        };
-        let options = DifferenceOptions { tolerance: 1e-5, ..DifferenceOptions::default() };
-        let check = check_gradient(&mut problem, &state, moved, name, &options);
-        assert!(check.passes() && check.skipped_share() < 0.3, "{choice:?}, {widening}: {check}");
-    }
-}
+mod tests;

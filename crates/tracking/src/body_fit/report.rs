@@ -3,7 +3,9 @@
 //! Posterior variances are the diagonal of (JᵀJ)⁻¹ with the priors in it, in units in which the prior of proportions
 //! has its stated standard deviations. Divided by the prior's, 1 means that the silhouettes say nothing.
 
-use nalgebra::DVector;
+use std::ops::Range;
+
+use nalgebra::DMatrix;
 
 use super::fit::Descent;
 use super::frames::BodyFrame;
@@ -97,21 +99,29 @@ impl BodyFit {
     }
 }
 
-/// Posterior standard deviations of the columns from `first` on.
-pub(super) fn deviations(equations: &NormalEquations, unit: f64, first: usize) -> Vec<f64> {
-    let columns = equations.columns();
+/// Posterior standard deviations of some columns.
+pub(super) fn deviations(equations: &NormalEquations, unit: f64, columns: Range<usize>) -> Vec<f64> {
+    let covariance = covariance(equations, unit, columns);
+    covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect()
+}
+
+/// Posterior covariance of some columns; infinite where the equations have none.
+pub(super) fn covariance(equations: &NormalEquations, unit: f64, columns: Range<usize>) -> DMatrix<f64> {
+    let all = equations.columns();
     let mut matrix = &equations.jtj / unit;
     // Far below every prior: it only keeps directions without any from dividing by zero.
-    for i in 0..columns {
+    for i in 0..all {
         matrix[(i, i)] += 1e-9;
     }
-    let Some(factor) = matrix.cholesky() else { return vec![f64::INFINITY; columns - first] };
-    let variance = |column: usize| {
-        let mut unit = DVector::zeros(columns);
-        unit[column] = 1.0;
-        factor.solve(&unit)[column]
+    let Some(factor) = matrix.cholesky() else {
+        return DMatrix::from_element(columns.len(), columns.len(), f64::INFINITY);
     };
-    (first..columns).map(|column| variance(column).max(0.0).sqrt()).collect()
+    let mut units = DMatrix::zeros(all, columns.len());
+    for (at, column) in columns.clone().enumerate() {
+        units[(column, at)] = 1.0;
+    }
+    factor.solve_mut(&mut units);
+    units.rows(columns.start, columns.len()).into_owned()
 }
 
 pub(super) fn summary(
@@ -121,7 +131,7 @@ pub(super) fn summary(
     frames: &[BodyFrame],
     iou: [Option<f64>; 2],
 ) -> Result<BodyFit, ModelError> {
-    let Descent { state, deviations, widening, rms, iterations, termination } = descent;
+    let Descent { state, deviations, widening, rms, iterations, termination, .. } = descent;
     let body = &state.body;
     let model = sizes.model(&body.log_ratios, body.size)?;
     let prior = options.proportions.prior(sizes);

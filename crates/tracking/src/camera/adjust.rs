@@ -6,11 +6,10 @@
 //! sightings cannot tell, where the whole rig stands, turns and how large it is, stays as it was: the points found are laid
 //! over the points given by the similarity that fits them best (S. Umeyama, IEEE PAMI 13(4), 1991).
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 
-use super::{Camera, CameraFromWorld, Intrinsics};
-use crate::geometry::rotation::exp;
+use super::{Camera, CameraChange, CameraFromWorld};
 use crate::geometry::umeyama;
 use crate::optimize::{DescentOptions, StructuredLeastSquares, descend};
 use crate::statistics::upper_median;
@@ -138,13 +137,13 @@ impl StructuredLeastSquares for Bundle<'_> {
 impl Bundle<'_> {
     /// A camera that is changed by these numbers.
     fn changed(&self, camera: usize, by: &[f64; COLUMNS]) -> Option<Camera> {
-        let given = &self.given[camera];
-        let turn = DMat3::from_quat(exp(DVec3::new(by[0], by[1], by[2])));
-        let centre = given.centre() + DVec3::new(by[3], by[4], by[5]);
-        let k = given.intrinsics();
-        let zoom = by[6].exp();
-        let intrinsics = Intrinsics { fx: k.fx * zoom, fy: k.fy * zoom, cx: k.cx + by[7], cy: k.cy + by[8] };
-        placed(given, intrinsics, turn * given.camera_from_world().rotation, centre)
+        let change = CameraChange {
+            turn: DVec3::new(by[0], by[1], by[2]),
+            shift: DVec3::new(by[3], by[4], by[5]),
+            zoom: by[6],
+            principal_px: DVec2::new(by[7], by[8]),
+        };
+        self.given[camera].changed(&change).ok()
     }
 
     /// What a camera's numbers deviate by.
@@ -304,23 +303,18 @@ fn aligned(cameras: &[Camera], points: &[DVec3], given: &[DVec3]) -> Option<(Vec
     let similarity = umeyama(points, given)?;
     let camera = |camera: &Camera| {
         let rotation = camera.camera_from_world().rotation * similarity.rotation.transpose();
-        placed(camera, *camera.intrinsics(), rotation, similarity.apply(camera.centre()))
+        let translation = -(rotation * similarity.apply(camera.centre()));
+        let place = CameraFromWorld { rotation, translation };
+        camera.with_numbers(*camera.intrinsics(), *camera.distortion(), place).ok()
     };
     let cameras = cameras.iter().map(camera).collect::<Option<_>>()?;
     Some((cameras, points.iter().map(|&point| similarity.apply(point)).collect()))
 }
 
-/// The same camera with another pinhole, elsewhere.
-fn placed(camera: &Camera, intrinsics: Intrinsics, rotation: DMat3, centre: DVec3) -> Option<Camera> {
-    let place = CameraFromWorld { rotation, translation: -(rotation * centre) };
-    let size = [camera.width() as u64, camera.height() as u64];
-    Camera::new(camera.name(), size, intrinsics, *camera.distortion(), place).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Distortion;
+    use crate::camera::{Distortion, Intrinsics};
 
     /// Four cameras round a room, and points as a person leaves them.
     fn scene() -> (Vec<Camera>, Vec<DVec3>, Vec<Sighting>) {

@@ -33,23 +33,17 @@ fn quarter_turned(camera: &Camera) -> Option<Camera> {
 /// The same camera at another place.
 pub(super) fn placed(camera: &Camera, rotation: DMat3, translation: DVec3) -> Option<Camera> {
     let place = CameraFromWorld { rotation, translation };
-    rebuilt(camera, *camera.intrinsics(), *camera.distortion(), place)
+    camera.with_numbers(*camera.intrinsics(), *camera.distortion(), place).ok()
 }
 
 /// The same camera with another pinhole and lens.
 pub(super) fn with_lens(camera: &Camera, intrinsics: Intrinsics, lens: Distortion) -> Option<Camera> {
-    rebuilt(camera, intrinsics, lens, *camera.camera_from_world())
+    camera.with_numbers(intrinsics, lens, *camera.camera_from_world()).ok()
 }
 
 /// The pinhole, lens and place of another camera, under the own name.
 pub(super) fn renamed(camera: &Camera, numbers: &Camera) -> Option<Camera> {
-    rebuilt(camera, *numbers.intrinsics(), *numbers.distortion(), *numbers.camera_from_world())
-}
-
-/// A camera with the name and the picture size of another.
-fn rebuilt(camera: &Camera, k: Intrinsics, lens: Distortion, place: CameraFromWorld) -> Option<Camera> {
-    let size = [camera.width() as u64, camera.height() as u64];
-    Camera::new(camera.name(), size, k, lens, place).ok()
+    camera.with_numbers(*numbers.intrinsics(), *numbers.distortion(), *numbers.camera_from_world()).ok()
 }
 
 /// The 23 other ways to name the axes of a right-handed world, as rotations.

@@ -145,6 +145,23 @@ impl Primitive {
         }
     }
 
+    /// ∂λ along the unit ray u of a pinhole's pixel by the logarithm of the focal lengths and by the principal point (per
+    /// pixel).
+    ///
+    /// A ray that turns by ω sees what it sees where the solid turns by −ω: ∂(d²)/∂ω = −Σ p × ∂(d²)/∂p. Ramps in pixels
+    /// are z/f wide, so that a longer focal length is to them as a smaller depth.
+    pub(crate) fn by_pinhole(&self, u: DVec3, pinhole: &Intrinsics) -> [f64; 3] {
+        let Some(candidate) = self.candidate(u) else { return [0.0; 3] };
+        let ramp = self.ramp.sample(candidate.squared);
+        let [q0, q1] = self.solid.axis();
+        let torque = q0.cross(candidate.by_p0) + q1.cross(candidate.by_p1);
+        // By the ray's place on the plane z = 1.
+        let by_plane = u.z * ramp.by_squared * u.cross(torque).truncate();
+        let [p0, p1] = self.solid.joints;
+        let by_zoom = -by_plane.dot(u.truncate() / u.z) - 0.5 * (p0.z + p1.z) * ramp.by_depth;
+        [by_zoom, -by_plane.x / pinhole.fx, -by_plane.y / pinhole.fy]
+    }
+
     fn wrench(&self, candidate: &Candidate, ramp: RampSample) -> Wrench {
         let half_depth = DVec3::new(0.0, 0.0, 0.5 * ramp.by_depth);
         let [p0, p1] = self.solid.joints;

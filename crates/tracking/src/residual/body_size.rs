@@ -1,4 +1,4 @@
-//! D − Λ of every pixel with derivatives by the pose *and* by the body's sizes, in f64, one pixel at a time.
+//! D − Λ of every pixel with derivatives by the pose *and* by the body's sizes and the camera, in f64, one pixel at a time.
 //!
 //! A limb of length s and radius r, whose points are q = p0 + t a (a = s R v), moves with the sizes θ = log(s/s₀):
 //!
@@ -9,7 +9,7 @@
 //!
 //! A known joint (a keypoint) has the same columns: its limb's second joint moves by v + ω × a + θ a.
 //!
-//! So a pixel's row is an eight-vector h = [force, moment, stretch, r ∂λ/∂r] times the limb's 8 × n map, and sums of
+//! So a pixel's row is h = [force, moment, stretch, r ∂λ/∂r, ∂λ/∂ log f, ∂λ/∂c] times the limb's 11 × n map, and sums of
 //! h hᵀ and h ρ per limb give JᵀJ and Jᵀρ exactly, as for the pose alone. This path runs once a person; the fast
 //! kernels know nothing of sizes.
 
@@ -19,6 +19,7 @@ use glam::DVec3;
 use nalgebra::SVector;
 
 use super::RowSums;
+use super::camera_columns::CameraColumns;
 use crate::body::{Kinematics, Model, MovingColumn, Parameters, SizeKind, Sizes};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
@@ -26,11 +27,11 @@ use crate::render::wrench::Wrench;
 use crate::render::{BACKGROUND, Primitive, Ramp, RowWinners, View};
 use crate::silhouette::Measurement;
 
-/// Force, moment, stretch, radius.
-pub(crate) const COMPONENTS: usize = 8;
+/// Force, moment, stretch, radius, focal length, principal point.
+pub(crate) const COMPONENTS: usize = 11;
 
-/// A pixel's row on its limb, or a column of the limb's map: force and moment (or v and ω) in world axes, stretch,
-/// radius.
+/// A pixel's row on its limb, or a column of the limb's map: force and moment (or v and ω) in world axes, stretch, radius,
+/// focal length, principal point.
 pub(crate) type SizeVector = SVector<f64, COMPONENTS>;
 
 /// The sums of one limb, world axes.
@@ -70,6 +71,7 @@ impl SizeData {
         ramp: Ramp,
         row: &mut RowWinners,
         blocks: &mut [SizeBlock],
+        is_camera_free: bool,
     ) -> f64 {
         let (stride, offset) = (self.stride, self.stride / 2);
         let mut cost = self.empty_cost;
@@ -86,8 +88,11 @@ impl SizeData {
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0
-                    && let Some(h) = size_vector(view, &view.primitives[winner], camera, ramp, [x, y])
+                    && let Some(mut h) = size_vector(view, &view.primitives[winner], camera, ramp, [x, y])
                 {
+                    if is_camera_free {
+                        add_pinhole(&mut h, view, &view.primitives[winner], [x, y]);
+                    }
                     blocks[view.primitives[winner].limb].add(&h, weight, residual);
                 }
             }
@@ -109,7 +114,32 @@ pub(crate) fn size_vector(
     let Wrench { force, moment, stretch } = sample.wrench?.rotated(world_from_camera);
     let rate = primitive.radius_rate(ramp, view.pinhole.mean_focal_px(), sample.squared);
     let by_radius = primitive.radius * rate;
-    Some(SizeVector::from([force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius]))
+    let mut h = SizeVector::zeros();
+    h.as_mut_slice()[..8]
+        .copy_from_slice(&[force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius]);
+    Some(h)
+}
+
+/// The components of focal length and principal point.
+fn add_pinhole(h: &mut SizeVector, view: &View, primitive: &Primitive, [x, y]: [usize; 2]) {
+    let by_pinhole = primitive.by_pinhole(view.ray(x, y), &view.pinhole);
+    h.as_mut_slice()[PINHOLE..].copy_from_slice(&by_pinhole);
+}
+
+/// The first component of focal length and principal point.
+pub(crate) const PINHOLE: usize = 8;
+
+/// A row that is one component.
+pub(crate) fn unit(component: usize) -> SizeVector {
+    SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)))
+}
+
+/// A row of a rigid motion: of a limb's first joint, and its turn.
+pub(crate) fn rigid(velocity: DVec3, turn: DVec3) -> SizeVector {
+    let mut motion = SizeVector::zeros();
+    motion.as_mut_slice()[..3].copy_from_slice(&velocity.to_array());
+    motion.as_mut_slice()[3..6].copy_from_slice(&turn.to_array());
+    motion
 }
 
 /// A column of a limb's 8 × n map that is not zero, with its index in the state.
@@ -134,6 +164,8 @@ pub(crate) struct SizeMap<'a> {
     pub(crate) first_size: usize,
     /// The column of the silhouettes' widening, where it is unknown.
     pub(crate) widening: Option<usize>,
+    /// The camera's own columns, where it is unknown.
+    pub(crate) camera: Option<CameraColumns<'a>>,
 }
 
 /// How a limb's radius in a picture, r + w c, grows as a logarithm.
@@ -159,9 +191,11 @@ impl SizeMap<'_> {
         kinematics.moving_columns_into(limb, Parameters::Tangent, &mut path);
         let mut columns: Vec<SizeColumn> = Vec::with_capacity(path.len() + 8);
         for MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scaling] } in path {
-            let motion = SizeVector::from([vx, vy, vz, wx, wy, wz, scaling, 0.0]);
+            let mut motion = rigid(DVec3::new(vx, vy, vz), DVec3::new(wx, wy, wz));
+            motion[6] = scaling;
             columns.push(SizeColumn { index: self.first_pose + index, motion });
         }
+        let of_camera = self.camera.map(|camera| camera.columns(limb, self, &mut columns));
         let first_size = columns.len();
         let mut add = |column: Option<usize>, motion: SizeVector| {
             let index = self.first_size + column.unwrap_or(sizes.count());
@@ -171,18 +205,17 @@ impl SizeMap<'_> {
                 None => columns.push(SizeColumn { index, motion }),
             }
         };
-        let unit = |component: usize| SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)));
         add(sizes.column(limb, SizeKind::Length), unit(6));
         add(sizes.column(limb, SizeKind::Radius), unit(7) * growth.by_radius);
         let parents = std::iter::successors(model.limbs()[limb].parent, |&limb| model.limbs()[limb].parent);
         for ancestor in parents {
             let bone = kinematics.ends()[ancestor] - kinematics.starts()[ancestor];
-            let moved = SizeVector::from([bone.x, bone.y, bone.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
-            add(sizes.column(ancestor, SizeKind::Length), moved);
+            add(sizes.column(ancestor, SizeKind::Length), rigid(bone, DVec3::ZERO));
         }
         if let Some(index) = self.widening {
             columns.push(SizeColumn { index, motion: unit(7) * growth.by_px });
         }
+        columns.extend(of_camera.into_iter().flatten());
         columns
     }
 
@@ -279,6 +312,7 @@ mod tests {
                 first_pose: 0,
                 first_size: columns,
                 widening: None,
+                camera: None,
             };
             for y in 0..48 {
                 row.find(&view, y, 1, 0);

@@ -1,0 +1,206 @@
+//! `backlit refine-cameras`: cameras refined by the silhouettes of a person.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use backlit_formats::calibration::backlit::to_text;
+use backlit_formats::{Take, atomic};
+use backlit_tracking::body_fit::{
+    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, CameraState, RefinedCameras,
+    refine_cameras,
+};
+use backlit_tracking::camera::{CameraChange, Rig};
+use backlit_tracking::fit::FitOptions;
+use clap::Args;
+use serde::Serialize;
+use serde_json::json;
+
+use super::fit_options::{Words, one_of};
+use super::interrupt::{self, Interrupted};
+use super::numbers::within;
+use super::output::{self, number};
+use super::progress;
+use super::table::Table;
+use super::take_options::{self, PartArguments, StartArguments};
+
+const AFTER_HELP: &str = "\
+The person is tracked with the cameras as they are. Then poses, body sizes and cameras are fitted together to the silhouettes \
+of well-spread frames, twice. Where the whole rig stands, turns and how large it is stays as the calibration has it: \
+silhouettes cannot tell. In frames held out, each camera in turn is predicted by the others, before and after.
+
+Examples:
+  backlit refine-cameras TAKE --out cameras.json
+  backlit refine-cameras TAKE --free focal-length,offset --out cameras.json";
+
+/// What `backlit refine-cameras` is told.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct RefineCamerasArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    #[command(flatten)]
+    free: FreeNumbers,
+    /// Frames that are fitted to [3 to 64]
+    #[arg(long, value_name = "N", default_value_t = 16, allow_negative_numbers = true, value_parser = within(3..=64_usize))]
+    count: usize,
+    #[command(flatten)]
+    part: PartArguments,
+    #[command(flatten)]
+    start: StartArguments,
+    /// Write the cameras to this file, in Backlit's own format
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What of every camera is refined beside its turn and its place.
+#[derive(Debug, Clone, Args, Serialize)]
+pub(crate) struct FreeNumbers {
+    /// What is free beside every camera's turn and place, with commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of(FREE))]
+    free: Vec<FreeNumber>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+enum FreeNumber {
+    FocalLength,
+    PrincipalPoint,
+    Offset,
+    Drift,
+}
+
+const FREE: Words<FreeNumber> = &[
+    ("focal-length", "The focal length", FreeNumber::FocalLength),
+    ("principal-point", "The principal point", FreeNumber::PrincipalPoint),
+    ("offset", "By how much the clock is late", FreeNumber::Offset),
+    ("drift", "By how much the clock goes slow", FreeNumber::Drift),
+];
+
+impl FreeNumbers {
+    pub(crate) fn choice(&self) -> CameraChoice {
+        let has = |number| self.free.contains(&number);
+        CameraChoice {
+            focal_length: has(FreeNumber::FocalLength),
+            principal_point: has(FreeNumber::PrincipalPoint),
+            offset: has(FreeNumber::Offset),
+            drift: has(FreeNumber::Drift),
+        }
+    }
+}
+
+pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
+    if let Some(out) = &arguments.out {
+        output::check_folder_of(out)?;
+    }
+    let footage = take_options::open(&arguments.take)?;
+    let take = footage.take();
+    let (cameras, frames) = (arguments.part.cameras(take)?, arguments.part.frames(take)?);
+    let mut options = CameraRefinementOptions::new(FitOptions::default(), take.frame_rate());
+    options.choice = arguments.free.choice();
+    options.fitted = arguments.count;
+    let cancel = interrupt::listen()?;
+    let start = arguments.start.pose(&footage, &cameras, frames[0], &options.person.fit)?;
+    let spinner = progress::spinner();
+    let views = |frame| -> Result<_> { Ok(footage.fit_views(&cameras, frame)?) };
+    let found = refine_cameras(take.model(), start, &frames, &options, &cancel, views, |at| {
+        spinner.set_message(progress_text(at));
+    });
+    spinner.finish_and_clear();
+    if cancel.is_cancelled() {
+        return Err(Interrupted.into());
+    }
+    let found = found?;
+    let rig = refined(take, &cameras, &found)?;
+    if let Some(out) = &arguments.out {
+        atomic::write(out, to_text(&rig).as_bytes())?;
+    }
+    let text = || text(&found, &options.choice, arguments.out.as_deref());
+    output::print_result(arguments.json, &to_json(&found), text)
+}
+
+fn progress_text(at: CameraRefinementProgress) -> String {
+    match at {
+        CameraRefinementProgress::Following(_) => "following the person".to_owned(),
+        CameraRefinementProgress::Body(at) => {
+            format!("poses and sizes: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
+        }
+        CameraRefinementProgress::Cameras(at) => {
+            format!("cameras: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
+        }
+        CameraRefinementProgress::Judging(done, all) => format!("{done} of {all} frames judged"),
+    }
+}
+
+/// All cameras of the take as they are on the disk, with what was found changed.
+fn refined(take: &Take, cameras: &[usize], found: &RefinedCameras) -> Result<Rig> {
+    let mut all = take.full_rig().cameras().to_vec();
+    let pixels = f64::from(take.reduction());
+    for (&camera, refined) in cameras.iter().zip(&found.cameras) {
+        let change = refined.change.change;
+        let change = CameraChange { principal_px: pixels * change.principal_px, ..change };
+        all[camera] = all[camera].changed(&change)?;
+    }
+    Ok(Rig::new(all)?)
+}
+
+fn text(found: &RefinedCameras, choice: &CameraChoice, out: Option<&Path>) -> String {
+    let mut changes = Table::new(["camera", "changed", "by", "±"]);
+    let mut judged = Table::new(["camera held out", "IoU before", "after"]);
+    for camera in &found.cameras {
+        let mut add = |is_free: bool, what: &str, digits: usize, of: fn(&CameraState) -> f64| {
+            if is_free {
+                let [by, deviation] =
+                    [&camera.change, &camera.deviation].map(|state| number(of(state), digits));
+                changes.row([camera.camera.name().to_owned(), what.to_owned(), by, deviation]);
+            }
+        };
+        add(true, "turn, °", 2, |state| state.change.turn.length().to_degrees());
+        add(true, "place, mm", 1, |state| 1e3 * state.change.shift.length());
+        add(choice.focal_length, "focal length, %", 2, |state| 100.0 * state.change.zoom);
+        add(choice.principal_point, "principal point, px", 1, |state| state.change.principal_px.length());
+        add(choice.offset, "clock late, ms", 2, |state| 1e3 * state.late_s);
+        add(choice.drift, "clock slow, ms a minute", 2, |state| 6e4 * state.drift);
+        let [before, after] = camera.held_out_iou.map(|iou| number(iou, 3));
+        judged.row([camera.camera.name().to_owned(), before, after]);
+    }
+    let [before, after] = [&found.before, &found.body].map(|body| number(body.iou[1], 3));
+    let mut text = changes.to_text() + &judged.to_text();
+    text += &format!("IoU of all cameras in {} frames: {before} → {after}\n", found.body.frames.len());
+    text += "held as calibrated: where the whole rig stands, how it is turned, and how large it is\n";
+    if let Some(out) = out {
+        text += &format!("wrote the cameras to {}\n", out.display());
+    }
+    text
+}
+
+fn to_json(found: &RefinedCameras) -> serde_json::Value {
+    let numbers = |state: &CameraState| {
+        let change = &state.change;
+        json!({
+            "turn_degrees": change.turn.to_array().map(f64::to_degrees),
+            "place_m": change.shift.to_array(),
+            "focal_length_percent": 100.0 * change.zoom,
+            "principal_point_px": change.principal_px.to_array(),
+            "late_seconds": state.late_s,
+            "drift": state.drift,
+        })
+    };
+    let cameras = found.cameras.iter().map(|camera| {
+        json!({
+            "camera": camera.camera.name(),
+            "change": numbers(&camera.change),
+            "deviation": numbers(&camera.deviation),
+            "held_out_iou": camera.held_out_iou,
+        })
+    });
+    json!({
+        "cameras": cameras.collect::<Vec<_>>(),
+        "frames": found.body.frames,
+        "held_out": found.held_out,
+        "iou": [found.before.iou[1], found.body.iou[1]],
+        "rms": [found.before.rms[1], found.body.rms[1]],
+        "held": ["place", "turn", "size"],
+    })
+}

@@ -1,0 +1,310 @@
+//! Cameras refined by the silhouettes of a person: follow, choose frames, fit everything, judge by what was held out.
+//!
+//! The body is tracked with the cameras as they are given. In well-spread frames of that track, poses, the body's sizes and the
+//! cameras are fitted together (`body_fit::cameras` says what is held); then the body is followed again with the cameras found,
+//! and so on. In frames that nothing was fitted to, every camera is held out in turn: the pose is fitted to all others, and the
+//! overlap with the silhouette of the one held out says how well the rig agrees on it, before and after.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::cameras::{CameraChoice, CameraDeviations, CameraSet, CameraState};
+use super::fit::{BodyFitError, BodyProgress, CameraFit, FirstSizes, fit_body, fit_cameras};
+use super::frames::{BodyFrame, Choice, PosedFrame, choose};
+use super::options::{BodyFitOptions, CLOTHED};
+use super::person::{PersonError, PersonOptions, PersonProgress, follow};
+use super::report::BodyFit;
+use super::survey::usable_views;
+use crate::body::{Model, Pose};
+use crate::camera::Camera;
+use crate::cancel::CancelToken;
+use crate::fit::{Fit, FitOptions, FitView};
+use crate::silhouette::Overlap;
+
+/// Fewer cameras than this have nothing to agree on.
+const FEWEST_CAMERAS: usize = 2;
+/// Fewer frames than this say too little of cameras.
+const FEWEST_FRAMES: usize = 3;
+/// Neighbours in time that are farther apart say nothing of a pose's rate, seconds.
+const RATE_WITHIN_S: f64 = 0.3;
+
+/// Every choice of a refinement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraRefinementOptions {
+    /// How the person is followed; sizes and joints are not asked for.
+    pub person: PersonOptions,
+    /// What of each camera is free beside its turn and its place.
+    pub choice: CameraChoice,
+    /// How far calibrations are usually off.
+    pub deviations: CameraDeviations,
+    /// The fit of poses, sizes and cameras.
+    pub fit: BodyFitOptions,
+    /// Frames that are fitted to.
+    pub fitted: usize,
+    /// Frames that judge.
+    pub held_out: usize,
+    /// How often the body is followed and cameras are fitted.
+    pub rounds: usize,
+}
+
+impl CameraRefinementOptions {
+    /// For a recording of this many frames a second.
+    pub fn new(fit: FitOptions, frame_rate: f64) -> Self {
+        let fit = FitOptions { exact: true, ..fit };
+        let person = PersonOptions { most_followed: 240, ..PersonOptions::new(fit, false, frame_rate) };
+        Self {
+            person,
+            choice: CameraChoice::default(),
+            deviations: CameraDeviations::default(),
+            fit: BodyFitOptions::default().with_proportions(CLOTHED),
+            fitted: 16,
+            held_out: 4,
+            rounds: 2,
+        }
+    }
+}
+
+/// Why cameras cannot be refined.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum CameraRefinementError {
+    #[error("{found} cameras see the person; expected {FEWEST_CAMERAS} or more, which can disagree")]
+    FewCameras { found: usize },
+    #[error(
+        "{found} frames can be used, expected {FEWEST_FRAMES} or more: of {all} that were followed {} are lost, {} turned round, {} \
+         seen poorly", choice.lost, choice.turned, choice.poor
+    )]
+    FewFrames { found: usize, all: usize, choice: Choice },
+    #[error(transparent)]
+    Person(#[from] PersonError),
+    #[error(transparent)]
+    Fit(#[from] BodyFitError),
+    #[error("stopped by you")]
+    Cancelled,
+}
+
+/// How far it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CameraRefinementProgress {
+    /// The person is followed.
+    Following(PersonProgress),
+    /// Poses and sizes are fitted with the cameras as given.
+    Body(BodyProgress),
+    /// Everything is fitted.
+    Cameras(BodyProgress),
+    /// How many of the frames held out are judged, and how many there are.
+    Judging(usize, usize),
+}
+
+/// One camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinedCamera {
+    /// The camera found, for the same pictures.
+    pub camera: Camera,
+    /// By how much it differs from the one given.
+    pub change: CameraState,
+    /// Standard deviations of that.
+    pub deviation: CameraState,
+    /// IoU of its silhouettes with the body posed by the other cameras, in frames held out, with the cameras given and with
+    /// those found; `None` where no frame could be judged.
+    pub held_out_iou: [Option<f64>; 2],
+}
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub struct RefinedCameras {
+    /// The cameras, in the order in which the views have them.
+    pub cameras: Vec<RefinedCamera>,
+    /// Poses and sizes that were fitted with them.
+    pub body: BodyFit,
+    /// The same with the cameras given.
+    pub before: BodyFit,
+    /// The frames that judged.
+    pub held_out: Vec<usize>,
+}
+
+/// Refines the cameras that see a person, who begins the first of `frames` in a pose.
+///
+/// `views(frame)` gives what the cameras see: always the same cameras, as ideal pinholes.
+///
+/// # Errors
+/// What `views` returns; too few cameras or frames, silhouettes that cannot be a person's, options out of range, or `cancel`.
+pub fn refine_cameras<E: From<CameraRefinementError>>(
+    model: &Arc<Model>,
+    start: Pose,
+    frames: &[usize],
+    options: &CameraRefinementOptions,
+    cancel: &CancelToken,
+    mut views: impl FnMut(usize) -> Result<Vec<FitView>, E>,
+    mut progress: impl FnMut(CameraRefinementProgress),
+) -> Result<RefinedCameras, E> {
+    let &first = frames.first().ok_or(CameraRefinementError::Person(PersonError::NoFrame))?;
+    let given: Vec<Arc<Camera>> = views(first)?.into_iter().map(|view| view.camera).collect();
+    if given.len() < FEWEST_CAMERAS {
+        return Err(CameraRefinementError::FewCameras { found: given.len() }.into());
+    }
+    let mut found = CameraFit { changes: vec![CameraState::default(); given.len()], deviations: Vec::new() };
+    let (mut body, mut before) = (Arc::clone(model), None);
+    let (mut start, mut last) = (start, None);
+    let wrong = |error: BodyFitError| E::from(CameraRefinementError::from(error));
+    for _ in 0..options.rounds.max(1) {
+        let now = changed(&given, &found.changes);
+        let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(FollowError::Views);
+        let person = &options.person;
+        let followed = follow(&body, start, frames, person, cancel, &mut seen, &mut |at| {
+            progress(CameraRefinementProgress::Following(at));
+        });
+        let posed = followed.map_err(FollowError::into_views)?;
+        start = posed.first().map_or_else(|| Pose::rest(model), |first| first.pose.clone());
+        let choice = choose(&body, &posed, options.fitted, options.held_out);
+        let mut read = |chosen: &[usize]| -> Result<Vec<BodyFrame>, E> {
+            let one = |&at: &usize| read_frame(&posed[at], &mut views);
+            let frames = chosen.iter().map(one).collect::<Result<Vec<_>, E>>()?;
+            Ok(frames.into_iter().filter(|frame| frame.views.len() >= FEWEST_CAMERAS).collect())
+        };
+        let (fitted, held_out) = (read(&choice.fitted)?, read(&choice.held_out)?);
+        if cancel.is_cancelled() {
+            return Err(CameraRefinementError::Cancelled.into());
+        }
+        if fitted.len() < FEWEST_FRAMES {
+            let (found, all) = (fitted.len(), posed.len());
+            return Err(CameraRefinementError::FewFrames { found, all, choice }.into());
+        }
+        if before.is_none() {
+            let told = |at| progress(CameraRefinementProgress::Body(at));
+            let sizes = FirstSizes::Scaled(0.0);
+            let fit = fit_body(Arc::clone(model), fitted.clone(), sizes, &options.fit, cancel, told);
+            let fit = fit.map_err(wrong)?;
+            body = Arc::new(fit.as_seen());
+            before = Some(fit);
+        }
+        let frame_rate = person.frame_rate;
+        let rates = rates(&posed, frame_rate);
+        let CameraRefinementOptions { choice, deviations, .. } = options;
+        let set = CameraSet::new(given.clone(), *choice, deviations, &fitted, rates, frame_rate);
+        let told = |at| progress(CameraRefinementProgress::Cameras(at));
+        let begin = (&*body, &found.changes[..]);
+        let (fit, cameras) =
+            fit_cameras(model, fitted, begin, &set, &options.fit, cancel, told).map_err(wrong)?;
+        (body, found) = (Arc::new(fit.as_seen()), cameras);
+        last = Some((fit, held_out));
+    }
+    let (fit, held_out) = last.ok_or(CameraRefinementError::Cancelled)?;
+    let before = before.ok_or(CameraRefinementError::Cancelled)?;
+    let now = changed(&given, &found.changes);
+    let rigs = [(Arc::new(before.as_seen()), &given), (body, &now)];
+    let overlaps = judge(&rigs, &held_out, &options.person.fit, cancel, |done| {
+        progress(CameraRefinementProgress::Judging(done, held_out.len()));
+    });
+    let overlaps = overlaps.map_err(wrong)?;
+    let cameras = now.iter().enumerate().map(|(index, camera)| RefinedCamera {
+        camera: (**camera).clone(),
+        change: found.changes[index],
+        deviation: found.deviations[index],
+        held_out_iou: overlaps[index].map(|overlap| overlap.and_then(|overlap| overlap.iou())),
+    });
+    let held_out = held_out.iter().map(|frame| frame.frame).collect();
+    Ok(RefinedCameras { cameras: cameras.collect(), body: fit, before, held_out })
+}
+
+/// Cameras as they are with these changes; one that is none stays as given.
+fn changed(given: &[Arc<Camera>], changes: &[CameraState]) -> Vec<Arc<Camera>> {
+    let one = |(camera, state): (&Arc<Camera>, &CameraState)| {
+        camera.changed(&state.change).map_or_else(|_| Arc::clone(camera), Arc::new)
+    };
+    given.iter().zip(changes).map(one).collect()
+}
+
+/// The same evidence, seen by other cameras of the same names.
+fn seen_by(views: Vec<FitView>, cameras: &[Arc<Camera>]) -> Vec<FitView> {
+    let of = |view: FitView| {
+        let camera = cameras.iter().find(|camera| camera.name() == view.camera.name());
+        FitView { camera: camera.map_or_else(|| Arc::clone(&view.camera), Arc::clone), ..view }
+    };
+    views.into_iter().map(of).collect()
+}
+
+fn read_frame<E>(
+    posed: &PosedFrame,
+    views: &mut impl FnMut(usize) -> Result<Vec<FitView>, E>,
+) -> Result<BodyFrame, E> {
+    let frame = posed.frame;
+    let views = usable_views(frame, views(frame)?, &mut Vec::new());
+    Ok(BodyFrame { frame, views, start: posed.pose.clone(), joints: Vec::new() })
+}
+
+/// Rates of every pose, per second, from its neighbours in time.
+fn rates(posed: &[PosedFrame], frame_rate: f64) -> BTreeMap<usize, Vec<f64>> {
+    let near = |a: &PosedFrame, b: &PosedFrame| {
+        !a.is_lost && !b.is_lost && (b.frame - a.frame) as f64 <= RATE_WITHIN_S * frame_rate
+    };
+    let rate = |at: usize| {
+        let own = &posed[at];
+        let before = at.checked_sub(1).map(|at| &posed[at]).filter(|before| near(before, own));
+        let after = posed.get(at + 1).filter(|after| near(own, after));
+        let (from, to) = (before.unwrap_or(own), after.unwrap_or(own));
+        let seconds = (to.frame - from.frame) as f64 / frame_rate;
+        let step = to.pose.local(&from.pose);
+        (seconds > 0.0).then(|| (own.frame, step.into_iter().map(|step| step / seconds).collect()))
+    };
+    (0..posed.len()).filter_map(rate).collect()
+}
+
+/// Overlap of every camera's silhouette with the body that the other cameras pose, for each rig with its body.
+fn judge(
+    rigs: &[(Arc<Model>, &Vec<Arc<Camera>>); 2],
+    frames: &[BodyFrame],
+    options: &FitOptions,
+    cancel: &CancelToken,
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<[Option<Overlap>; 2]>, BodyFitError> {
+    let mut overlaps = vec![[None; 2]; rigs[0].1.len()];
+    for (done, frame) in frames.iter().enumerate() {
+        let at_frame = |error| BodyFitError::Frame { frame: frame.frame, error };
+        for (rig, (body, cameras)) in rigs.iter().enumerate() {
+            let views = seen_by(frame.views.clone(), cameras);
+            for (camera, of_camera) in cameras.iter().zip(&mut overlaps) {
+                let is_own = |view: &FitView| view.camera.name() == camera.name();
+                let (own, others): (Vec<_>, Vec<_>) = views.iter().cloned().partition(is_own);
+                if own.is_empty() || others.is_empty() {
+                    continue;
+                }
+                let start = frame.start.normalized();
+                let mut fit = Fit::new(Arc::clone(body), others, start, options.clone()).map_err(at_frame)?;
+                fit.run(cancel, |_| {});
+                if cancel.is_cancelled() {
+                    return Err(BodyFitError::Cancelled);
+                }
+                let own = BodyFrame { views: own, ..frame.clone() };
+                let overlap = of_camera[rig].into_iter().chain(own.overlap(body, fit.pose(), 0.0));
+                of_camera[rig] = overlap.reduce(Overlap::merge);
+            }
+        }
+        progress(done + 1);
+    }
+    Ok(overlaps)
+}
+
+/// Why the person cannot be followed: for a reason of their own, or because a picture cannot be had.
+enum FollowError<E> {
+    Person(PersonError),
+    Views(E),
+}
+
+impl<E> From<PersonError> for FollowError<E> {
+    fn from(error: PersonError) -> Self {
+        Self::Person(error)
+    }
+}
+
+impl<E: From<CameraRefinementError>> FollowError<E> {
+    fn into_views(self) -> E {
+        match self {
+            Self::Person(PersonError::Cancelled) => CameraRefinementError::Cancelled.into(),
+            Self::Person(error) => CameraRefinementError::from(error).into(),
+            Self::Views(error) => error,
+        }
+    }
+}
