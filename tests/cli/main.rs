@@ -19,6 +19,7 @@ mod placement;
 mod prior;
 mod real_footage;
 mod recognise;
+mod refine_cameras;
 mod render;
 mod scene;
 mod screenshot;

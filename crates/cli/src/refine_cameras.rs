@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use backlit_formats::calibration::backlit::to_text;
-use backlit_formats::{Take, atomic};
+use backlit_formats::{Take, atomic, model_file};
 use backlit_tracking::body_fit::{
     CameraChoice, CameraRefinementOptions, CameraRefinementProgress, CameraState, RefinedCameras,
     refine_cameras,
@@ -25,7 +25,7 @@ use super::take_options::{self, PartArguments, StartArguments};
 
 const AFTER_HELP: &str = "\
 The person is tracked with the cameras as they are. Then poses, body sizes and cameras are fitted together to the silhouettes \
-of well-spread frames, twice. Where the whole rig stands, turns and how large it is stays as the calibration has it: \
+of well-spread frames, three times. Where the whole rig stands, turns and how large it is stays as the calibration has it: \
 silhouettes cannot tell. In frames held out, each camera in turn is predicted by the others, before and after.
 
 Examples:
@@ -50,6 +50,9 @@ pub struct RefineCamerasArguments {
     /// Write the cameras to this file, in Backlit's own format
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the body that was fitted with them to this file
+    #[arg(long, value_name = "MODEL.toml")]
+    body_out: Option<PathBuf>,
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
@@ -91,7 +94,7 @@ impl FreeNumbers {
 }
 
 pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
-    if let Some(out) = &arguments.out {
+    for out in arguments.out.iter().chain(&arguments.body_out) {
         output::check_folder_of(out)?;
     }
     let footage = take_options::open(&arguments.take)?;
@@ -115,6 +118,9 @@ pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
     let rig = refined(take, &cameras, &found)?;
     if let Some(out) = &arguments.out {
         atomic::write(out, to_text(&rig).as_bytes())?;
+    }
+    if let Some(out) = &arguments.body_out {
+        model_file::write(out, &found.body.as_seen())?;
     }
     let text = || text(&found, &options.choice, arguments.out.as_deref());
     output::print_result(arguments.json, &to_json(&found), text)

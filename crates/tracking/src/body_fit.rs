@@ -10,6 +10,8 @@
 //! chooses frames, fits, judges by frames held out, and says what it doubts. Then [`OwnSizes::model`] is the person, and
 //! [`OwnSizes::as_seen`] the body to track with on masks as they are.
 //!
+//! [`refine_cameras`] takes the cameras as unknowns too, where a calibration is not to be trusted.
+//!
 //! Silhouettes that cannot be a person's are told beforehand ([`survey`](mod@survey)); [`find_person`] needs
 //! nothing but silhouettes.
 

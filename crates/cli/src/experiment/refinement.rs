@@ -15,6 +15,7 @@ use backlit_tracking::body_fit::{
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{FitOptions, FitView};
 use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::statistics::upper_median;
 use clap::Args;
 use serde::Serialize;
 
@@ -66,8 +67,9 @@ struct Case {
     focal_percent: [f64; 2],
     /// Mean error of the clocks beside their mean.
     offset_ms: [f64; 2],
-    /// Mean distance of the body's joints from the true ones, the rigs aligned.
+    /// Distance of the body's joints from the true ones, the rigs aligned: the median, and the mean.
     joints_mm: [Option<f64>; 2],
+    joints_mean_mm: [Option<f64>; 2],
     /// IoU of all silhouettes in the frames that were fitted to.
     iou: [Option<f64>; 2],
     /// Mean IoU of cameras held out.
@@ -106,18 +108,18 @@ impl Scene {
         }
     }
 
-    /// Mean distance of the joints, moved by the rig's alignment, from the true ones.
-    fn joint_error_mm(&self, body: &BodyFit, rig: &RigError) -> Option<f64> {
-        let (mut sum, mut count) = (0.0, 0);
+    /// Distances of the joints, moved by the rig's alignment, from the true ones: median and mean.
+    fn joint_errors_mm(&self, body: &BodyFit, rig: &RigError) -> [Option<f64>; 2] {
+        let mut all = Vec::new();
         for (&frame, pose) in body.frames.iter().zip(&body.poses) {
             let kinematics = Kinematics::new(&body.model, pose);
             for (limb, truth) in self.joints(frame) {
                 let own = limb.map_or(pose.root, |limb| kinematics.ends()[limb]);
-                sum += 1e3 * rig.alignment.apply(own).distance(truth);
-                count += 1;
+                all.push(1e3 * rig.alignment.apply(own).distance(truth));
             }
         }
-        (count > 0).then(|| sum / f64::from(count))
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        [upper_median(&mut all), (!all.is_empty()).then_some(mean)]
     }
 }
 
@@ -180,16 +182,16 @@ impl Experiment for RefinedRigs {
                     shift + 1e3 * change.shift.length() / count,
                 ]
             });
+            let joints = [(&found.before, &before), (&found.body, &after)];
+            let joints = joints.map(|(body, rig)| scene.joint_errors_mm(body, rig));
             cases.push(Case {
                 seed,
                 turn_deg: [before.turn_deg, after.turn_deg],
                 shift_mm: [before.shift_mm, after.shift_mm],
                 focal_percent: [before.focal_percent, after.focal_percent],
                 offset_ms: [spread_ms(&late_s), spread_ms(&apart)],
-                joints_mm: [
-                    scene.joint_error_mm(&found.before, &before),
-                    scene.joint_error_mm(&found.body, &after),
-                ],
+                joints_mm: joints.map(|[median, _]| median),
+                joints_mean_mm: joints.map(|[_, mean]| mean),
                 iou: [found.before.iou[1], found.body.iou[1]],
                 held_out_iou: held_out,
                 told,
@@ -200,8 +202,8 @@ impl Experiment for RefinedRigs {
     }
 
     fn table(&self, report: &Report) -> String {
-        let mut text = "| seed | turn, ° | place, mm | focal length, % | clocks, ms | joints, mm | IoU | camera held out | told, °, mm | s |\n\
-                        |---|---|---|---|---|---|---|---|---|---|\n"
+        let mut text = "| seed | turn, ° | place, mm | focal length, % | clocks, ms | joints, median, mm | mean | IoU | camera held out | told, °, mm | s |\n\
+                        |---|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
         for case in &report.cases {
             let pair = |[before, after]: [f64; 2], digits| {
@@ -213,13 +215,14 @@ impl Experiment for RefinedRigs {
                 format!("{before} → {after}")
             };
             text += &format!(
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {}, {} | {} |\n",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {}, {} | {} |\n",
                 case.seed,
                 pair(case.turn_deg, 3),
                 pair(case.shift_mm, 1),
                 pair(case.focal_percent, 2),
                 pair(case.offset_ms, 2),
                 option(case.joints_mm, 1),
+                option(case.joints_mean_mm, 1),
                 option(case.iou, 3),
                 option(case.held_out_iou, 3),
                 number(case.told[0], 3),

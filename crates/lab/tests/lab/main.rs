@@ -4,6 +4,7 @@
 
 mod builtin_take;
 mod calibration_faults;
+mod camera_refinement;
 mod clocks;
 mod credibility;
 mod errata;

@@ -356,3 +356,6 @@ fn projection(gauge: &DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
         normal.pseudo_inverse(1e-9).unwrap_or_else(|_| DMatrix::zeros(gauge.ncols(), gauge.ncols()));
     DMatrix::identity(gauge.nrows(), gauge.nrows()) - gauge * inverse * weighed.transpose()
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,7 +61,7 @@ impl CameraRefinementOptions {
             fit: BodyFitOptions::default().with_proportions(CLOTHED),
             fitted: 16,
             held_out: 4,
-            rounds: 2,
+            rounds: 3,
         }
     }
 }
@@ -70,7 +70,7 @@ impl CameraRefinementOptions {
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum CameraRefinementError {
-    #[error("{found} cameras see the person; expected {FEWEST_CAMERAS} or more, which can disagree")]
+    #[error("cameras that are used: {found}; expected {FEWEST_CAMERAS} or more, which can disagree")]
     FewCameras { found: usize },
     #[error(
         "{found} frames can be used, expected {FEWEST_FRAMES} or more: of {all} that were followed {} are lost, {} turned round, {} \
@@ -146,19 +146,19 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
         return Err(CameraRefinementError::FewCameras { found: given.len() }.into());
     }
     let mut found = CameraFit { changes: vec![CameraState::default(); given.len()], deviations: Vec::new() };
-    let (mut body, mut before) = (Arc::clone(model), None);
-    let (mut start, mut last) = (start, None);
+    // What is followed is scaled alone: sizes that were fitted to wrong poses would keep them wrong.
+    let (mut followed_body, mut body, mut before) = (Arc::clone(model), Arc::clone(model), None);
+    let mut last = None;
     let wrong = |error: BodyFitError| E::from(CameraRefinementError::from(error));
     for _ in 0..options.rounds.max(1) {
         let now = changed(&given, &found.changes);
         let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(FollowError::Views);
         let person = &options.person;
-        let followed = follow(&body, start, frames, person, cancel, &mut seen, &mut |at| {
+        let followed = follow(&followed_body, start.clone(), frames, person, cancel, &mut seen, &mut |at| {
             progress(CameraRefinementProgress::Following(at));
         });
         let posed = followed.map_err(FollowError::into_views)?;
-        start = posed.first().map_or_else(|| Pose::rest(model), |first| first.pose.clone());
-        let choice = choose(&body, &posed, options.fitted, options.held_out);
+        let choice = choose(&followed_body, &posed, options.fitted, options.held_out);
         let mut read = |chosen: &[usize]| -> Result<Vec<BodyFrame>, E> {
             let one = |&at: &usize| read_frame(&posed[at], &mut views);
             let frames = chosen.iter().map(one).collect::<Result<Vec<_>, E>>()?;
@@ -188,6 +188,9 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
         let begin = (&*body, &found.changes[..]);
         let (fit, cameras) =
             fit_cameras(model, fitted, begin, &set, &options.fit, cancel, told).map_err(wrong)?;
+        if let Ok(scaled) = model.scaled(fit.size) {
+            followed_body = Arc::new(scaled);
+        }
         (body, found) = (Arc::new(fit.as_seen()), cameras);
         last = Some((fit, held_out));
     }
@@ -209,7 +212,7 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     Ok(RefinedCameras { cameras: cameras.collect(), body: fit, before, held_out })
 }
 
-/// Cameras as they are with these changes; one that is none stays as given.
+/// The cameras with these changes; where the numbers make no camera, the one given.
 fn changed(given: &[Arc<Camera>], changes: &[CameraState]) -> Vec<Arc<Camera>> {
     let one = |(camera, state): (&Arc<Camera>, &CameraState)| {
         camera.changed(&state.change).map_or_else(|_| Arc::clone(camera), Arc::new)
