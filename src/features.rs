@@ -4,6 +4,7 @@
 
 pub mod basin;
 pub(crate) mod beginnings;
+pub(crate) mod camera_check;
 pub mod camera_views;
 pub mod convergence;
 pub(crate) mod demonstrations;
@@ -57,6 +58,7 @@ features! {
     pub(crate) fit: fit::Fit,
     pub(crate) new_take: new_take::NewTake,
     pub(crate) offsets: offsets::Offsets,
+    pub(crate) camera_check: camera_check::CameraCheck,
     pub(crate) export: export::Export,
     pub convergence: convergence::Convergence,
     pub(crate) tracking: tracking::Tracking,
@@ -94,6 +96,7 @@ impl Features {
     /// The feature whose card it is.
     pub(crate) fn of_card(&mut self, card: FeatureCard) -> &mut dyn Feature {
         match card {
+            FeatureCard::CameraCheck => &mut self.camera_check,
             FeatureCard::Export => &mut self.export,
             FeatureCard::NewTake => &mut self.new_take,
             FeatureCard::Offsets => &mut self.offsets,

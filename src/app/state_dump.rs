@@ -296,6 +296,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Shortcuts(_) => "keys",
         Overlay::Messages => "messages",
         Overlay::About => "about",
+        Overlay::Card(FeatureCard::CameraCheck) => "camera check",
         Overlay::Card(FeatureCard::Export) => "export",
         Overlay::Card(FeatureCard::NewTake) => "new take",
         Overlay::Card(FeatureCard::Offsets) => "offsets",

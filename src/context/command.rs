@@ -58,6 +58,7 @@ groups! {
         Demonstration(Demonstration) of Demonstration::ALL,
         Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
         Offsets,
+        CameraCheck,
         Tour,
     }
 }

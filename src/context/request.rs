@@ -180,6 +180,7 @@ pub(crate) enum PaneEvent {
 /// The cards of features that can lie over the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FeatureCard {
+    CameraCheck,
     Export,
     NewTake,
     Offsets,

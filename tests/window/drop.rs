@@ -42,7 +42,7 @@ impl DroppedFile for File {
     }
 }
 
-fn drop_on(harness: &mut Window, paths: &[PathBuf]) {
+pub(crate) fn drop_on(harness: &mut Window, paths: &[PathBuf]) {
     let file = |path: &PathBuf| -> DroppedFileHandle { std::sync::Arc::new(File(path.clone())) };
     harness.input_mut().dropped_files = paths.iter().map(file).collect();
     harness.step();

@@ -6,6 +6,7 @@
 
 mod background;
 mod basin;
+mod camera_check;
 mod camera_tile;
 mod cues;
 mod curves;

@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use backlit_formats::calibration::backlit::to_text;
-use backlit_formats::synchronise::{USUAL_FRAMES, record};
+use backlit_formats::synchronise::USUAL_FRAMES;
 use backlit_formats::{Take, atomic};
-use backlit_tracking::camera::{Camera, Rig};
-use backlit_tracking::diagnosis::{Diagnosis, DiagnosisOptions, FaultKind, Finding, Size, diagnose};
+use backlit_runs::camera_check::{FindingWords, NOTHING_WRONG, check, repaired};
+use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, Size};
 use clap::Args;
-use glam::DVec2;
 use indicatif::ProgressBar;
 use serde_json::json;
 
@@ -49,20 +48,15 @@ pub(crate) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let cancel = interrupt::listen()?;
     let bar = ProgressBar::new(1);
-    let at = |done: usize, total: usize| {
-        bar.set_length(total as u64);
+    let checked = check(&footage, arguments.frames, &cancel, |_, [done, all]| {
+        bar.set_length(all as u64);
         bar.set_position(done as u64);
-    };
-    let take = footage.take();
-    let every = take.frame_count().div_ceil(arguments.frames);
-    let checked = record(&footage, every, &cancel, at).map_err(anyhow::Error::from).and_then(|recordings| {
-        Ok(diagnose(&recordings, take.rig().cameras(), &DiagnosisOptions::default(), &cancel, at)?)
     });
     bar.finish_and_clear();
     if cancel.is_cancelled() {
         return Err(Interrupted.into());
     }
-    let found = checked?;
+    let (take, found) = (footage.take(), checked?);
     let written = match &arguments.out {
         Some(out) => write(out, take, &found)?,
         None => String::new(),
@@ -76,70 +70,31 @@ pub(crate) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
 
 /// Writes the repaired cameras, and says whether there are any.
 fn write(out: &Path, take: &Take, found: &Diagnosis) -> anyhow::Result<String> {
-    let is_repair = |finding: &&Finding| !finding.kind.is_clock() && finding.kind != FaultKind::Bumped;
-    let Some(last) = found.findings.iter().rfind(is_repair) else {
+    let Some(rig) = found.findings.iter().rev().find_map(|finding| repaired(take, finding)) else {
         return Ok("nothing to write: nothing was found that other cameras repair\n".to_owned());
     };
-    atomic::write(out, to_text(&full_size(take, &last.cameras)?).as_bytes())?;
+    atomic::write(out, to_text(&rig).as_bytes())?;
     Ok(format!("wrote the repaired cameras to {}\n", out.display()))
-}
-
-/// Cameras of the working size, for pictures as large as on the disk.
-fn full_size(take: &Take, cameras: &[Camera]) -> anyhow::Result<Rig> {
-    let scale = DVec2::splat(f64::from(take.reduction()));
-    let sizes =
-        take.full_rig().cameras().iter().map(|camera| [camera.width() as u64, camera.height() as u64]);
-    let full = cameras.iter().zip(sizes).map(|(camera, size)| camera.remapped(size, scale, DVec2::ZERO));
-    Ok(Rig::new(full.collect::<Result<_, _>>()?)?)
-}
-
-fn name(take: &Take, camera: Option<usize>) -> &str {
-    camera.map_or("every camera", |camera| take.rig().cameras()[camera].name())
-}
-
-/// "turn 0.52 ± 0.04 °, since 6.8 s".
-fn sizes(finding: &Finding) -> String {
-    let one = |size: &Size| {
-        let digits = if size.value.abs() < 10.0 { 3 } else { 1 };
-        let deviation =
-            size.deviation.map_or(String::new(), |deviation| format!(" ± {}", number(deviation, digits)));
-        format!("{} {}{deviation} {}", size.what, number(size.value, digits), size.unit).trim_end().to_owned()
-    };
-    let mut all: Vec<String> = finding.sizes.iter().map(one).collect();
-    all.extend(finding.since_s.map(|seconds| format!("since {} s", number(seconds, 2))));
-    all.join(", ")
 }
 
 fn text(take: &Take, found: &Diagnosis) -> String {
     let mut out = String::new();
     if found.findings.is_empty() {
-        out += "nothing is wrong with the cameras, as far as their silhouettes tell\n";
+        out += &format!("{NOTHING_WRONG}\n");
     }
+    let cameras = take.rig().cameras();
     for finding in &found.findings {
-        out += &format!("{} {}", name(take, finding.camera), finding.kind.description());
-        if let Some(with) = finding.with {
-            out += &format!(" ({})", name(take, Some(with)));
-        }
-        let sizes = sizes(finding);
-        out += &if sizes.is_empty() { "\n".to_owned() } else { format!(": {sizes}\n") };
-        if let Some([before, after]) = finding.apart_px {
-            let [before, after] = [before, after].map(|px| number(px, 2));
-            out += &format!("  it and the others are {before} px apart, {after} px with that repaired\n");
-        }
-        for rival in &finding.rivals {
-            let behind = number(rival.behind.exp(), 0);
-            let (who, what) = (name(take, rival.camera), rival.kind.description());
-            out += &format!("  or, {behind} times less likely: {who} {what}\n");
-        }
-        out += match finding.kind {
-            FaultKind::Offset => "  backlit sync TAKE --write puts the offset into the take\n",
-            FaultKind::Bumped => "  leave it out from then on, or calibrate it again\n",
-            _ => "",
-        };
+        let words = FindingWords::of(finding, cameras);
+        let sizes = if words.sizes.is_empty() { String::new() } else { format!(": {}", words.sizes) };
+        out += &format!("{}{sizes}\n", words.what);
+        let sync = "backlit sync TAKE --write puts the offset into the take";
+        let advice = words.advice.or((finding.kind == FaultKind::Offset).then_some(sync));
+        let below = words.apart.into_iter().chain(words.rivals).chain(advice.map(str::to_owned));
+        out.extend(below.map(|line| format!("  {line}\n")));
     }
     let mut table = Table::new(["cameras", "apart, px", "repaired", "of the frames, %"]);
     for pair in &found.pairs {
-        let [a, b] = pair.cameras.map(|camera| name(take, Some(camera)));
+        let [a, b] = pair.cameras.map(|camera| cameras[camera].name());
         let [before, after] = pair.apart_px.map(|px| number(px, 2));
         table.row([format!("{a}, {b}"), before, after, number(100.0 * pair.share, 0)]);
     }

@@ -1,6 +1,7 @@
 //! Long work on a take, without a window: what the command line and the inspector both drive.
 
 pub mod basin;
+pub mod camera_check;
 pub mod initialisation;
 pub mod motions;
 pub mod people;

@@ -7,8 +7,8 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory,
-    Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
+    Basin, Beginning, CameraCheck, Convergence, Demonstration as Show, Export, File, Fit, History,
+    Laboratory, Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
@@ -175,6 +175,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit forward from the key pose before this frame and back from the one after it. The two tracks are joined where their joints are nearest; frames around the join are blended and fitted again", &[ctrl_shift(Key::K)]),
     row(Menu::Track, Offsets, "Camera offsets…", "For cameras that were not started together: compare two side by side and shift one, or find the shifts from the silhouettes", &[]),
+    row(Menu::Track, CameraCheck, "Check cameras…", "Find which camera’s calibration or clock is wrong, and how, from what all cameras see of the person", &[]),
     row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker starts again from it. Dragging a joint sets one too. On a frame that has one, clear it", &[key(Key::K)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the previous key pose", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),

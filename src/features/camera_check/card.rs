@@ -1,0 +1,256 @@
+//! The card: what is being done, what is wrong with which camera and what can be done about it, and how far every two cameras
+//! agree.
+
+use backlit_document::edit::Edit;
+use backlit_formats::Footage;
+use backlit_runs::camera_check::{CheckStage, FindingWords, NOTHING_WRONG, repaired};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, PairAgreement};
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::{
+    button_row, camera_badge, hint, paint_camera_badge, paint_text, primary_button, search_card, text_button,
+};
+use egui::{Align2, Color32, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+
+use super::{CameraCheck, look_at};
+use crate::context::command::{Command, HistoryCommand};
+use crate::context::{Context, Requests, command_button};
+
+/// Width of the card, and height of what stands below the findings.
+const WIDTH: f32 = 620.0;
+const BELOW: f32 = 64.0;
+/// Height of the bar that grows.
+const BAR: f32 = 3.0;
+/// Where the numbers of two cameras end, from the right edge.
+const COLUMNS: [f32; 3] = [220.0, 110.0, 8.0];
+
+impl CameraCheck {
+    /// Shows the card, and says whether it stays.
+    pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Some(take) = context.session.take.clone() else { return false };
+        let modal = search_card(ui.ctx(), "camera check").show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 4.0 * space::GUTTER_MARGIN));
+            ui.spacing_mut().item_spacing.y = space::ROW;
+            ui.label(RichText::new("Check cameras").text_style(theme::title()));
+            let text = "What all cameras see of the person must fit together. Where it does not, every usual fault is \
+                        tried, and the likeliest is told. The person must move.";
+            ui.label(RichText::new(text).color(theme::palette(ui).text2));
+            ui.add_space(space::ROW);
+            if self.is_busy() {
+                self.progress(ui);
+            } else {
+                self.outcome(ui, &take, context, requests);
+            }
+            ui.add_space(space::ROW);
+            self.buttons(ui, context)
+        });
+        let is_left = modal.inner || modal.should_close();
+        if is_left {
+            self.stop();
+        }
+        !is_left
+    }
+
+    const fn is_busy(&self) -> bool {
+        self.is_wanted || self.check.is_busy()
+    }
+
+    fn progress(&self, ui: &mut Ui) {
+        let (stage, [done, all]) = self.progress.unwrap_or((CheckStage::Frames, [0, 1]));
+        hint(
+            ui,
+            match stage {
+                CheckStage::Frames => format!("Silhouettes: {done} of {all} frames"),
+                CheckStage::Faults => format!("Faults: {done} of {all} tried"),
+            },
+        );
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
+        let palette = theme::palette(ui);
+        ui.painter().rect_filled(rect, 0.0, palette.widget);
+        let share = done as f32 / all.max(1) as f32;
+        let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
+        ui.painter().rect_filled(bar, 0.0, palette.accent);
+    }
+
+    fn outcome(&mut self, ui: &mut Ui, take: &Footage, context: &Context<'_>, requests: &mut Requests) {
+        let palette = theme::palette(ui);
+        if let Some(what) = self.repaired_now(context) {
+            let text = format!("In use now: cameras with this repaired: {what}. Undo takes it back.");
+            ui.label(RichText::new(text).color(palette.ok));
+            let of_edit = Edit::SetCalibration(None).text();
+            if context.history.undo_text() == Some(of_edit.as_str()) {
+                command_button::button(ui, context, requests, Command::History(HistoryCommand::Undo));
+            }
+        }
+        let Some(checked) = &self.checked else { return hint(ui, "Not checked yet") };
+        let found = match &checked.outcome {
+            Ok(found) => found,
+            Err(why) => {
+                ui.label(RichText::new(format!("{}.", format::capitalised(why))).color(palette.warn));
+                return;
+            }
+        };
+        let is_current = self.is_current(context);
+        if !is_current {
+            hint(ui, "What stands below is about the cameras before. Check again to see what is left.");
+        }
+        let room = ui.ctx().content_rect().bottom() - ui.cursor().top() - BELOW;
+        let mut used = None;
+        let scroll = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
+        scroll.auto_shrink([false, true]).show(ui, |ui| {
+            let cameras = take.take().rig().cameras();
+            used = findings(ui, take, found, is_current, context, requests);
+            pairs(ui, cameras, found);
+        });
+        if let Some(index) = used {
+            let findings = found.findings[..=index].to_vec();
+            self.use_repaired(&findings, context, requests);
+        }
+    }
+
+    /// Whether the card is closed.
+    fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
+        button_row(ui, |ui| {
+            if self.is_busy() {
+                if text_button(ui, "Cancel").clicked() {
+                    self.stop();
+                }
+                return false;
+            }
+            let is_closed = text_button(ui, "Close").clicked();
+            let text = "Check again";
+            let again =
+                if self.is_current(context) { text_button(ui, text) } else { primary_button(ui, text) };
+            self.is_wanted |= again.clicked();
+            is_closed
+        })
+    }
+}
+
+/// What was found; the index of the one whose repair is to be used.
+fn findings(
+    ui: &mut Ui,
+    take: &Footage,
+    found: &Diagnosis,
+    is_current: bool,
+    context: &Context<'_>,
+    requests: &mut Requests,
+) -> Option<usize> {
+    let palette = theme::palette(ui);
+    if found.findings.is_empty() {
+        let text = format!("{}.", format::capitalised(NOTHING_WRONG));
+        ui.label(RichText::new(text).color(palette.ok));
+    }
+    let take = take.take();
+    let last = found.findings.iter().rposition(|finding| repaired(take, finding).is_some());
+    let mut used = None;
+    for (index, finding) in found.findings.iter().enumerate() {
+        ui.horizontal_top(|ui| {
+            match finding.camera {
+                Some(camera) => {
+                    camera_badge(ui, camera);
+                }
+                None => {
+                    ui.allocate_space(vec2(size::BADGE, size::BADGE));
+                }
+            }
+            ui.vertical(|ui| {
+                told(ui, finding, take.rig().cameras(), context, requests);
+                if !is_current {
+                    return;
+                }
+                if finding.kind == FaultKind::Offset {
+                    command_button::button(ui, context, requests, Command::Offsets);
+                }
+                if repaired(take, finding).is_some() {
+                    let text = "Use repaired cameras";
+                    let button =
+                        if last == Some(index) { primary_button(ui, text) } else { text_button(ui, text) };
+                    let tooltip = match index {
+                        0 => "Puts cameras with this repaired in the place of the take’s; its files stay as they are",
+                        _ => {
+                            "Puts cameras with this and what stands above it repaired in the place of the take’s; its files \
+                             stay as they are"
+                        }
+                    };
+                    if button.on_hover_text(tooltip).clicked() {
+                        used = Some(index);
+                    }
+                }
+            });
+        });
+        ui.add_space(space::WIDGET);
+    }
+    if take.rig().count() == 2 && !found.findings.is_empty() {
+        hint(ui, "Two cameras show that something is wrong, but not in which.");
+    }
+    used
+}
+
+/// A finding in words.
+fn told(ui: &mut Ui, finding: &Finding, cameras: &[Camera], context: &Context<'_>, requests: &mut Requests) {
+    let palette = theme::palette(ui);
+    let words = FindingWords::of(finding, cameras);
+    let sentence = |text: &str| RichText::new(format!("{}.", format::capitalised(text)));
+    match finding.camera {
+        Some(_) => {
+            let tooltip = match finding.since_s {
+                Some(_) => "Select this camera, and go to the frame from which on it is wrong",
+                None => "Select this camera",
+            };
+            if ui.link(RichText::new(words.what).color(palette.text)).on_hover_text(tooltip).clicked() {
+                look_at(finding, context, requests);
+            }
+        }
+        None => {
+            ui.label(sentence(&words.what).color(palette.text));
+        }
+    }
+    if !words.sizes.is_empty() {
+        ui.label(RichText::new(format::capitalised(&words.sizes)).color(palette.text2));
+    }
+    let below = words.apart.iter().chain(&words.rivals).map(String::as_str);
+    for line in below {
+        ui.label(sentence(line).small().color(palette.text2));
+    }
+    if let Some(advice) = words.advice {
+        ui.label(sentence(advice).small().color(palette.warn));
+    }
+}
+
+/// How far every two cameras agree, and how large the subject is.
+fn pairs(ui: &mut Ui, cameras: &[Camera], found: &Diagnosis) {
+    let palette = theme::palette(ui);
+    let titles = ["apart, px", "repaired, px", "of the frames, %"].map(str::to_owned);
+    row(ui, "every two cameras", &titles, None, palette.text3);
+    for PairAgreement { cameras: pair, apart_px, share } in &found.pairs {
+        let names = pair.map(|camera| cameras.get(camera).map_or("", Camera::name)).join(", ");
+        let [before, after] = apart_px.map(|px| format::number(px.unwrap_or(f64::NAN), 2));
+        row(ui, &names, &[before, after, format::number(100.0 * share, 0)], Some(*pair), palette.text2);
+    }
+    if let Some(tall) = found.subject_m {
+        ui.add_space(space::ROW);
+        hint(ui, format!("The subject’s largest extent is {} m.", format::number(tall, 2)));
+    }
+}
+
+/// Names with their badges, and numbers in columns.
+fn row(ui: &mut Ui, names: &str, numbers: &[String; 3], badges: Option<[usize; 2]>, colour: Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
+    let said = format!("{names}: {}", numbers.join(", "));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, said.as_str()));
+    let mut left = rect.left_center();
+    for camera in badges.into_iter().flatten() {
+        let badge =
+            Rect::from_center_size(left + vec2(size::BADGE / 2.0, 0.0), vec2(size::BADGE, size::BADGE));
+        paint_camera_badge(ui.painter(), badge, camera);
+        left.x += size::BADGE + space::ROW;
+    }
+    let style = if badges.is_some() { TextStyle::Body } else { TextStyle::Small };
+    paint_text(ui, left, Align2::LEFT_CENTER, names, style.clone(), colour);
+    for (number, from_right) in numbers.iter().zip(COLUMNS) {
+        let at = pos2(rect.right() - from_right, rect.center().y);
+        paint_text(ui, at, Align2::RIGHT_CENTER, number, style.clone(), colour);
+    }
+}
