@@ -12,7 +12,7 @@ use backlit_formats::Footage;
 use backlit_formats::footage::replacement::Calibration;
 use backlit_formats::synchronise::USUAL_FRAMES;
 use backlit_jobs::{News, Outbox, Task, one_step};
-use backlit_runs::camera_check::{self, CheckStage, FindingWords, repaired};
+use backlit_runs::camera_check::{self, CheckStage, FindingWords, is_repairable, repaired};
 use backlit_tracking::diagnosis::{Diagnosis, Finding};
 use egui::Ui;
 
@@ -126,8 +126,7 @@ impl CameraCheck {
     fn use_repaired(&mut self, findings: &[Finding], context: &Context<'_>, requests: &mut Requests) {
         let Some(take) = context.session.take.as_ref().map(|footage| footage.take()) else { return };
         let Some(rig) = findings.last().and_then(|last| repaired(take, last)) else { return };
-        let is_repaired = |finding: &&Finding| repaired(take, finding).is_some();
-        let what = findings.iter().filter(is_repaired);
+        let what = findings.iter().filter(|finding| is_repairable(finding.kind));
         let what: Vec<String> =
             what.map(|finding| FindingWords::of(finding, take.rig().cameras()).what).collect();
         let calibration = Arc::new(Calibration { path: REPAIRED.into(), rig });

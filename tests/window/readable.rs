@@ -48,7 +48,7 @@ pub(crate) fn look(window: &Window, place: &str, wrong: &mut Vec<String>) {
 
 /// The same while a menu lies over the window, or the panel is scrolled: both may cover what is beneath or cut what has
 /// scrolled away.
-fn look_over(window: &Window, place: &str, wrong: &mut Vec<String>) {
+pub(crate) fn look_over(window: &Window, place: &str, wrong: &mut Vec<String>) {
     let found = unreadable(&window.output().shapes, window.ctx.content_rect(), |_| true);
     let is_cut = |found: &String| !found.contains("is covered by");
     wrong.extend(found.into_iter().filter(is_cut).map(|found| format!("{place}: {found}")));

@@ -53,10 +53,15 @@ pub fn check(
     Ok(diagnose(&recordings, take.rig().cameras(), &DiagnosisOptions::default(), cancel, tell)?)
 }
 
+/// Whether other cameras repair such a fault: not where a clock is wrong, or a camera was moved while it filmed.
+pub const fn is_repairable(kind: FaultKind) -> bool {
+    !kind.is_clock() && !matches!(kind, FaultKind::Bumped)
+}
+
 /// All cameras with this fault and those found before it repaired, for pictures as large as on the disk. `None` where other
-/// cameras repair nothing: a clock is wrong, or a camera was moved while it filmed.
+/// cameras repair nothing.
 pub fn repaired(take: &Take, finding: &Finding) -> Option<Rig> {
-    if finding.kind.is_clock() || finding.kind == FaultKind::Bumped {
+    if !is_repairable(finding.kind) {
         return None;
     }
     let scale = DVec2::splat(f64::from(take.reduction()));
@@ -127,10 +132,10 @@ const fn advice(kind: FaultKind) -> Option<&'static str> {
     match kind {
         FaultKind::Bumped => Some("leave it out from then on, or calibrate it again"),
         FaultKind::Drift => Some(
-            "take.toml has one offset a camera: cut the take into shorter ones, each with its own, or leave the camera out",
+            "cut the take into shorter ones, each with an offset of its own in take.toml, or leave the camera out",
         ),
         FaultKind::FrameRate => {
-            Some("take.toml has one frame_rate for all cameras: convert this one’s footage to that rate")
+            Some("convert its footage to the frame_rate in take.toml, which all cameras share")
         }
         _ => None,
     }

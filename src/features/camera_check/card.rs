@@ -3,7 +3,7 @@
 
 use backlit_document::edit::Edit;
 use backlit_formats::Footage;
-use backlit_runs::camera_check::{CheckStage, FindingWords, NOTHING_WRONG, repaired};
+use backlit_runs::camera_check::{CheckStage, FindingWords, NOTHING_WRONG, is_repairable};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, PairAgreement};
 use backlit_ui::style::theme::{size, space};
@@ -24,6 +24,8 @@ const BELOW: f32 = 64.0;
 const BAR: f32 = 3.0;
 /// Where the numbers of two cameras end, from the right edge.
 const COLUMNS: [f32; 3] = [220.0, 110.0, 8.0];
+/// Two cameras stand out that a repair brings together by more than this factor.
+const WRONG_FROM: f64 = 2.0;
 
 impl CameraCheck {
     /// Shows the card, and says whether it stays.
@@ -36,14 +38,14 @@ impl CameraCheck {
             let text = "What all cameras see of the person must fit together. Where it does not, every usual fault is \
                         tried, and the likeliest is told. The person must move.";
             ui.label(RichText::new(text).color(theme::palette(ui).text2));
-            ui.add_space(space::ROW);
+            ui.add_space(space::WIDGET);
             if self.is_busy() {
                 self.progress(ui);
             } else {
                 self.outcome(ui, &take, context, requests);
             }
             ui.add_space(space::ROW);
-            self.buttons(ui, context)
+            self.buttons(ui, context, requests)
         });
         let is_left = modal.inner || modal.should_close();
         if is_left {
@@ -57,14 +59,16 @@ impl CameraCheck {
     }
 
     fn progress(&self, ui: &mut Ui) {
-        let (stage, [done, all]) = self.progress.unwrap_or((CheckStage::Frames, [0, 1]));
-        hint(
-            ui,
-            match stage {
-                CheckStage::Frames => format!("Silhouettes: {done} of {all} frames"),
-                CheckStage::Faults => format!("Faults: {done} of {all} tried"),
-            },
-        );
+        let (text, [done, all]) = match self.progress {
+            None => ("Silhouettes".to_owned(), [0, 1]),
+            Some((CheckStage::Frames, [done, all])) => {
+                (format!("Silhouettes: {done} of {all} frames"), [done, all])
+            }
+            Some((CheckStage::Faults, [done, all])) => {
+                (format!("Faults: {done} of {all} tried"), [done, all])
+            }
+        };
+        hint(ui, text);
         let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
         let palette = theme::palette(ui);
         ui.painter().rect_filled(rect, 0.0, palette.widget);
@@ -78,22 +82,19 @@ impl CameraCheck {
         if let Some(what) = self.repaired_now(context) {
             let text = format!("In use now: cameras with this repaired: {what}. Undo takes it back.");
             ui.label(RichText::new(text).color(palette.ok));
-            let of_edit = Edit::SetCalibration(None).text();
-            if context.history.undo_text() == Some(of_edit.as_str()) {
-                command_button::button(ui, context, requests, Command::History(HistoryCommand::Undo));
-            }
         }
-        let Some(checked) = &self.checked else { return hint(ui, "Not checked yet") };
+        let Some(checked) = &self.checked else { return hint(ui, "The check was stopped.") };
         let found = match &checked.outcome {
             Ok(found) => found,
             Err(why) => {
-                ui.label(RichText::new(format!("{}.", format::capitalised(why))).color(palette.warn));
+                ui.label(RichText::new(format!("{why}.")).color(palette.warn));
                 return;
             }
         };
         let is_current = self.is_current(context);
         if !is_current {
             hint(ui, "What stands below is about the cameras before. Check again to see what is left.");
+            ui.add_space(space::WIDGET);
         }
         let room = ui.ctx().content_rect().bottom() - ui.cursor().top() - BELOW;
         let mut used = None;
@@ -110,7 +111,7 @@ impl CameraCheck {
     }
 
     /// Whether the card is closed.
-    fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
+    fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         button_row(ui, |ui| {
             if self.is_busy() {
                 if text_button(ui, "Cancel").clicked() {
@@ -119,10 +120,15 @@ impl CameraCheck {
                 return false;
             }
             let is_closed = text_button(ui, "Close").clicked();
-            let text = "Check again";
+            let text = if self.checked.is_some() { "Check again" } else { "Check" };
             let again =
                 if self.is_current(context) { text_button(ui, text) } else { primary_button(ui, text) };
             self.is_wanted |= again.clicked();
+            let is_newest = context.history.undo_text() == Some(&*Edit::SetCalibration(None).text());
+            if is_newest && self.repaired_now(context).is_some() {
+                let undo = Command::History(HistoryCommand::Undo);
+                command_button::named_button(ui, context, requests, undo, "Undo repair");
+            }
             is_closed
         })
     }
@@ -143,7 +149,7 @@ fn findings(
         ui.label(RichText::new(text).color(palette.ok));
     }
     let take = take.take();
-    let last = found.findings.iter().rposition(|finding| repaired(take, finding).is_some());
+    let last = found.findings.iter().rposition(|finding| is_repairable(finding.kind));
     let mut used = None;
     for (index, finding) in found.findings.iter().enumerate() {
         ui.horizontal_top(|ui| {
@@ -160,10 +166,11 @@ fn findings(
                 if !is_current {
                     return;
                 }
+                ui.add_space(space::ROW);
                 if finding.kind == FaultKind::Offset {
                     command_button::button(ui, context, requests, Command::Offsets);
                 }
-                if repaired(take, finding).is_some() {
+                if is_repairable(finding.kind) {
                     let text = "Use repaired cameras";
                     let button =
                         if last == Some(index) { primary_button(ui, text) } else { text_button(ui, text) };
@@ -210,8 +217,7 @@ fn told(ui: &mut Ui, finding: &Finding, cameras: &[Camera], context: &Context<'_
     if !words.sizes.is_empty() {
         ui.label(RichText::new(format::capitalised(&words.sizes)).color(palette.text2));
     }
-    let below = words.apart.iter().chain(&words.rivals).map(String::as_str);
-    for line in below {
+    for line in words.apart.iter().chain(&words.rivals) {
         ui.label(sentence(line).small().color(palette.text2));
     }
     if let Some(advice) = words.advice {
@@ -222,12 +228,16 @@ fn told(ui: &mut Ui, finding: &Finding, cameras: &[Camera], context: &Context<'_
 /// How far every two cameras agree, and how large the subject is.
 fn pairs(ui: &mut Ui, cameras: &[Camera], found: &Diagnosis) {
     let palette = theme::palette(ui);
+    ui.spacing_mut().item_spacing.y = 0.0;
     let titles = ["apart, px", "repaired, px", "of the frames, %"].map(str::to_owned);
-    row(ui, "every two cameras", &titles, None, palette.text3);
+    row(ui, "cameras", &titles, None, palette.text3);
     for PairAgreement { cameras: pair, apart_px, share } in &found.pairs {
         let names = pair.map(|camera| cameras.get(camera).map_or("", Camera::name)).join(", ");
-        let [before, after] = apart_px.map(|px| format::number(px.unwrap_or(f64::NAN), 2));
-        row(ui, &names, &[before, after, format::number(100.0 * share, 0)], Some(*pair), palette.text2);
+        let [before, after] = apart_px.map(|px| px.unwrap_or(f64::NAN));
+        let colour = if after < before / WRONG_FROM { palette.warn } else { palette.text2 };
+        let numbers = [(before, 2), (after, 2), (100.0 * share, 0)];
+        let numbers = numbers.map(|(value, digits)| format::number(value, digits));
+        row(ui, &names, &numbers, Some(*pair), colour);
     }
     if let Some(tall) = found.subject_m {
         ui.add_space(space::ROW);
