@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use backlit_document::edit::Edit;
 use backlit_formats::footage::replacement::Calibration;
+use backlit_runs::camera_check::{FindingWords, repaired};
 use backlit_take::source::TakeSource;
 use backlit_tracking::camera::{Camera, Intrinsics, Rig};
 use backlit_tracking::diagnosis::{FaultKind, Finding};
 
+use super::look_at;
 use crate::app::testing::{TestWindow, open_source};
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::preferences::Layout;
@@ -88,4 +90,22 @@ fn a_check_that_is_stopped_says_nothing_and_can_be_done_again() {
     assert!(app.features.camera_check.checked.is_none());
     app.does(Command::CameraCheck);
     assert!(app.features.camera_check.checked.is_some());
+}
+
+#[test]
+fn a_camera_that_was_moved_is_looked_at_from_then_on_and_no_other_cameras_repair_it() {
+    let mut app = disturbed();
+    app.does(Command::CameraCheck);
+    let found = findings(&app).remove(0);
+    let moved = Finding { kind: FaultKind::Bumped, since_s: Some(0.5), ..found };
+    app.ask(|_, context, requests| look_at(&moved, context, requests));
+    app.settle();
+    let selection = app.state.selection;
+    assert_eq!((selection.camera, selection.frame), (WRONG, 15), "half a second at 30 frames a second");
+    let take = app.state.session.take.clone().unwrap();
+    assert_eq!(repaired(take.take(), &moved), None);
+    let words = FindingWords::of(&moved, take.take().rig().cameras());
+    assert_eq!(words.what, "cam3 was moved while it filmed");
+    assert!(words.sizes.ends_with("since 0.50 s"), "{words:?}");
+    assert_eq!(words.advice, Some("leave it out from then on, or calibrate it again"));
 }
