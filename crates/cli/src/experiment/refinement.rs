@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use backlit_formats::Footage;
 use backlit_lab::experiment::disturbed_cameras::{Disturbance, RigError, film};
-use backlit_lab::synthetic::{exercise, studio};
+use backlit_lab::synthetic::{exercise, two_people};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::body_fit::{
     BodyFit, BodyFitOptions, CameraRefinementError, CameraRefinementOptions, WELL_SEEN, refine_cameras,
@@ -28,7 +28,7 @@ use crate::take_options::{self, StartArguments};
 /// Cameras whose calibration is wrong, refined by the silhouettes of a person
 #[derive(Debug, Args, Serialize)]
 pub(crate) struct RefinedRigs {
-    /// A take whose calibration is right [default: a simulated person before the built-in cameras]
+    /// A take whose calibration is right [default: a simulated person before four cameras]
     #[arg(long)]
     take: Option<PathBuf>,
     /// Turn of every camera, degrees [0 to 20]
@@ -241,10 +241,10 @@ impl RefinedRigs {
     fn scene(&self) -> Result<Filmed> {
         let Some(path) = &self.take else {
             let model = Arc::new(builtin::full_body());
-            let size = [studio::WIDTH * self.height / studio::HEIGHT, self.height];
+            let size = [self.height; 2];
             let frame_rate = 30.0;
             let frames: Vec<usize> = (0..(exercise::SECONDS * frame_rate) as usize).collect();
-            let (start, cameras) = (exercise::pose(&model, 0.0), studio::pinholes(size)?);
+            let (start, cameras) = (exercise::pose(&model, 0.0), two_people::cameras(size)?);
             let scene = Scene::Simulated { model: Arc::clone(&model), cameras, frame_rate };
             return Ok((scene, model, start, frames, frame_rate));
         };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::disturbed_cameras::{Disturbance, RigError, film};
-use backlit_lab::synthetic::{exercise, studio};
+use backlit_lab::synthetic::{exercise, two_people};
 use backlit_tracking::body::builtin;
 use backlit_tracking::body_fit::{
     BodyFitOptions, CameraChoice, CameraRefinementError, CameraRefinementOptions, RefinedCameras, WELL_SEEN,
@@ -14,11 +14,11 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{FitOptions, FitView};
 
-const FRAME_RATE: f64 = 10.0;
+const FRAME_RATE: f64 = 20.0;
 
 #[derive(Debug)]
 enum Failure {
-    Film(ExperimentError),
+    Film { _why: ExperimentError },
     Refinement(CameraRefinementError),
 }
 
@@ -38,18 +38,19 @@ struct Refined {
 
 fn refine(disturbance: Disturbance, choice: CameraChoice, cameras: usize, cancel: &CancelToken) -> Refined {
     let model = Arc::new(builtin::full_body());
-    let filming = studio::pinholes([144, 192]).unwrap()[..cameras].to_vec();
+    let filming = two_people::cameras([280, 280]).unwrap()[..cameras].to_vec();
     let disturbed = filming.iter().enumerate().map(|(index, own)| disturbance.of(own, index, 3).unwrap());
     let (given, late_s): (Vec<Camera>, Vec<f64>) = disturbed.unzip();
     let shared: Vec<Arc<Camera>> = given.iter().cloned().map(Arc::new).collect();
     let views = |frame: usize| {
-        let seen = film(&model, &filming, &late_s, frame as f64 / FRAME_RATE, 1).map_err(Failure::Film)?;
+        let seen = film(&model, &filming, &late_s, frame as f64 / FRAME_RATE, 1)
+            .map_err(|_why| Failure::Film { _why })?;
         let seen = seen.into_iter().zip(&shared);
         Ok(seen.map(|(view, camera)| FitView { camera: Arc::clone(camera), ..view }).collect())
     };
     let mut options = CameraRefinementOptions::new(FitOptions::default(), FRAME_RATE);
     options.fit = BodyFitOptions::default().with_proportions(WELL_SEEN);
-    (options.choice, options.fitted, options.held_out, options.rounds) = (choice, 8, 1, 1);
+    (options.choice, options.fitted, options.held_out, options.rounds) = (choice, 12, 1, 2);
     let frames: Vec<usize> = (0..60).collect();
     let start = exercise::pose(&model, 0.0);
     let found = refine_cameras(&model, start, &frames, &options, cancel, views, |_| {});
@@ -69,7 +70,7 @@ fn turned_cameras_are_turned_back_and_the_rig_stays_where_it_is() {
     assert!(after.shift_mm < 8.0, "{after:?}");
     for camera in &found.cameras {
         let [before, after] = camera.held_out_iou.map(Option::unwrap);
-        assert!(after > before + 0.05 && after > 0.85, "{before} {after}");
+        assert!(after > before + 0.02 && after > 0.85, "{before} {after}");
         assert!(camera.deviation.change.turn.is_finite() && camera.deviation.change.turn.length() > 0.0);
     }
     // The mean of the centres is one of the seven freedoms.
@@ -85,7 +86,7 @@ fn focal_lengths_and_clocks_are_found_where_they_are_free() {
     let found = found.unwrap();
     let refined: Vec<Camera> = found.cameras.iter().map(|camera| camera.camera.clone()).collect();
     let after = RigError::between(&refined, &truth).unwrap();
-    assert!(after.focal_percent < 1.0, "{after:?}");
+    assert!(after.focal_percent < 1.5, "of 5 %: {after:?}");
     let mean = late_s.iter().sum::<f64>() / 4.0;
     for (camera, late_s) in found.cameras.iter().zip(&late_s) {
         let off = camera.change.late_s - (late_s - mean);
