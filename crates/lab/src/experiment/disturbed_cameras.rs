@@ -45,7 +45,7 @@ impl Disturbance {
                 break at.normalize();
             }
         };
-        let sign = if (index as u64 + seed) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (index as u64 + seed).is_multiple_of(2) { 1.0 } else { -1.0 };
         let change = CameraChange {
             turn: self.turn * direction(),
             shift: self.shift_m * direction(),

@@ -9,7 +9,7 @@
 //! P = I − G (GᵀWG)⁻¹ GᵀW
 //! ```
 //!
-//! so that the changes c keep GᵀWc = 0: no common motion of all cameras explains any of them (inner constraints: B. Triggs and
+//! so that the changes c keep `GᵀWc = 0`: no common motion of all cameras explains any of them (inner constraints: B. Triggs and
 //! others, "Bundle Adjustment: A Modern Synthesis", 2000, section 9). The cost does not feel what P takes away.
 
 use std::collections::BTreeMap;
@@ -347,7 +347,7 @@ fn gauge(cameras: &[Arc<Camera>], layout: Layout) -> DMatrix<f64> {
     gauge
 }
 
-/// I − G (GᵀWG)⁺ GᵀW.
+/// The projection P along the gauge directions.
 fn projection(gauge: &DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
     let weighed =
         DMatrix::from_fn(gauge.nrows(), gauge.ncols(), |row, column| weights[row] * gauge[(row, column)]);

@@ -96,7 +96,7 @@ impl Default for BodyFitOptions {
             proportions: Proportions::default(),
             joint_deviation: 0.01,
             shape_weight: 0.05,
-            camera_weight: 1.0,
+            camera_weight: 0.03,
             widening: 0.02,
             stages: stages.to_vec(),
             damping: robust.damping,

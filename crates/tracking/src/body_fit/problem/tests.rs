@@ -65,7 +65,7 @@ fn check_choice(choice: SizeChoice, widening: f64, are_cameras_free: bool) {
         },
         cameras: of_cameras.map_or(Vec::new(), |cameras| {
             let step: Vec<f64> = (0..cameras.columns()).map(|i| 0.02 * (i as f64 * 1.9).sin()).collect();
-            cameras.retract(&vec![CameraState::default(); 2], &step)
+            cameras.retract(&[CameraState::default(); 2], &step)
         }),
     };
     let (first_camera, count) = (problem.first_camera(), problem.columns());
