@@ -23,7 +23,7 @@ pub struct DiagnosisOptions {
 
 impl Default for DiagnosisOptions {
     fn default() -> Self {
-        Self { least_evidence: 12.0, least_effect: 0.002, most_findings: 4 }
+        Self { least_evidence: 8.0, least_effect: 0.002, most_findings: 4 }
     }
 }
 

@@ -13,6 +13,9 @@ use crate::cancel::CancelToken;
 
 /// A rival is told if it is no farther behind, nats.
 const RIVAL_NATS: f64 = 7.0;
+/// From when it was moved on, the repair of a moved camera leaves at most this share of what is apart: a split can be put at any
+/// moment, and six numbers fit chance there.
+const MOST_LEFT: f64 = 0.5;
 /// Hypotheses that are tried at a time.
 const BATCH: usize = 16;
 
@@ -62,7 +65,7 @@ impl State {
             (evidence, tried)
         };
         let mut ranked: Vec<(f64, Tried)> = tried.into_iter().zip(totals).map(evidence).collect();
-        ranked.retain(|(_, tried)| tried.hypothesis.is_large_enough(&tried.by));
+        ranked.retain(|(_, tried)| tried.hypothesis.is_large_enough(&tried.by) && self.is_no_chance(tried));
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         Some(Ranking { ranked, noise_px, correlated })
     }
@@ -101,6 +104,24 @@ impl State {
             clock: clock.map(|camera| ClockChange { camera, offset_s, rate }),
         };
         Some((finding, repair))
+    }
+
+    /// Whether a camera that was moved explains what is seen from then on; other faults cannot choose a moment.
+    fn is_no_chance(&self, tried: &Tried) -> bool {
+        if tried.hypothesis.kind != FaultKind::Bumped {
+            return true;
+        }
+        let (mut before, mut after) = (Residuals::new(), Residuals::new());
+        for (pair, residuals) in &tried.residuals {
+            let moved =
+                residuals.iter().zip(&self.full.residuals[*pair]).filter(|(after, before)| after != before);
+            for (one, other) in moved {
+                after.push(*one);
+                before.push(*other);
+            }
+        }
+        let apart = median_px(&before).zip(median_px(&after));
+        apart.is_some_and(|(before, after)| after <= MOST_LEFT * before)
     }
 
     /// The residuals of all pairs under a hypothesis.
