@@ -87,7 +87,7 @@ pub struct CameraState {
 #[derive(Debug)]
 pub(super) struct CameraSet {
     given: Vec<Arc<Camera>>,
-    choice: CameraChoice,
+    layout: Layout,
     /// Rates of every frame's pose, per second, by the frame's number.
     rates: BTreeMap<usize, Vec<f64>>,
     mean_time_s: f64,
@@ -120,6 +120,19 @@ impl Layout {
         let [offset, drift] = [next(choice.offset, 1), next(choice.drift, 1)];
         Self { focal_length, principal_point, offset, drift, count }
     }
+
+    /// One camera's numbers by their columns; what has no column is 0.
+    fn state(&self, columns: &[f64]) -> CameraState {
+        let part = |at: Option<usize>| at.map_or(0.0, |at| columns[at]);
+        let principal = self.principal_point;
+        let change = CameraChange {
+            turn: DVec3::from_slice(&columns[..3]),
+            shift: DVec3::from_slice(&columns[3..6]),
+            zoom: part(self.focal_length),
+            principal_px: DVec2::new(part(principal), part(principal.map(|at| at + 1))),
+        };
+        CameraState { change, late_s: part(self.offset), drift: part(self.drift) }
+    }
 }
 
 impl CameraSet {
@@ -149,11 +162,7 @@ impl CameraSet {
             set(layout.drift, 1, deviations.drift);
         }
         let projection = projection(&gauge(&given, layout), &weights);
-        Self { given, choice, rates, mean_time_s, frame_rate, weights, projection }
-    }
-
-    pub(super) fn count(&self) -> usize {
-        self.given.len()
+        Self { given, layout, rates, mean_time_s, frame_rate, weights, projection }
     }
 
     pub(super) fn columns(&self) -> usize {
@@ -213,16 +222,15 @@ impl CameraSet {
         camera: &'a Camera,
         state: &CameraState,
     ) -> CameraColumns<'a> {
-        let layout = Layout::new(self.choice);
-        let place = first + index * layout.count;
+        let place = first + index * self.layout.count;
         let at = |column: Option<usize>| column.map(|column| place + column);
         let rates = self.rates.get(&frame).map_or(&[][..], |rates| rates);
-        let clock = [(layout.offset, 1.0), (layout.drift, self.seconds(frame))];
+        let clock = [(self.layout.offset, 1.0), (self.layout.drift, self.seconds(frame))];
         CameraColumns {
             camera,
             place,
-            zoom: at(layout.focal_length),
-            principal: at(layout.principal_point),
+            zoom: at(self.layout.focal_length),
+            principal: at(self.layout.principal_point),
             clock: clock
                 .map(|(column, seconds)| at(column.filter(|_| !rates.is_empty())).map(|at| (at, seconds))),
             rates,
@@ -258,27 +266,24 @@ impl CameraSet {
     }
 
     pub(super) fn retract(&self, states: &[CameraState], step: &[f64]) -> Vec<CameraState> {
-        let layout = Layout::new(self.choice);
         let step = self.in_gauge(step);
         let one = |(state, step): (&CameraState, &[f64])| {
-            let part = |at: Option<usize>| at.map_or(0.0, |at| step[at]);
+            let (own, by) = (state.change, self.layout.state(step));
             let change = CameraChange {
-                turn: log(exp(DVec3::from_slice(&step[..3])) * exp(state.change.turn)),
-                shift: state.change.shift + DVec3::from_slice(&step[3..6]),
-                zoom: state.change.zoom + part(layout.focal_length),
-                principal_px: state.change.principal_px
-                    + DVec2::new(part(layout.principal_point), part(layout.principal_point.map(|at| at + 1))),
+                turn: log(exp(by.change.turn) * exp(own.turn)),
+                shift: own.shift + by.change.shift,
+                zoom: own.zoom + by.change.zoom,
+                principal_px: own.principal_px + by.change.principal_px,
             };
-            let [late_s, drift] = [part(layout.offset), part(layout.drift)];
-            CameraState { change, late_s: state.late_s + late_s, drift: state.drift + drift }
+            CameraState { change, late_s: state.late_s + by.late_s, drift: state.drift + by.drift }
         };
-        states.iter().zip(step.as_slice().chunks_exact(layout.count)).map(one).collect()
+        states.iter().zip(step.as_slice().chunks_exact(self.layout.count)).map(one).collect()
     }
 
     /// By how much a step is to be shortened: a camera that is known roughly does not fly away.
     pub(super) fn shortened(&self, step: &[f64]) -> f64 {
         let step = self.in_gauge(step);
-        let blocks = step.as_slice().chunks_exact(Layout::new(self.choice).count);
+        let blocks = step.as_slice().chunks_exact(self.layout.count);
         let by_block = blocks.flat_map(|block| {
             let length = |at: usize| DVec3::from_slice(&block[at..at + 3]).length().max(1e-12);
             [LARGEST_STEP[0] / length(0), LARGEST_STEP[1] / length(3)]
@@ -288,13 +293,13 @@ impl CameraSet {
 
     /// The changes by column.
     fn numbers(&self, states: &[CameraState]) -> Vec<f64> {
-        let layout = Layout::new(self.choice);
         let one = |CameraState { change, late_s, drift }: &CameraState| {
             let mut numbers = [change.turn.to_array(), change.shift.to_array()].concat();
-            numbers.extend(layout.focal_length.map(|_| change.zoom));
-            numbers.extend(layout.principal_point.into_iter().flat_map(|_| change.principal_px.to_array()));
-            numbers.extend(layout.offset.map(|_| *late_s));
-            numbers.extend(layout.drift.map(|_| *drift));
+            numbers.extend(self.layout.focal_length.map(|_| change.zoom));
+            numbers
+                .extend(self.layout.principal_point.into_iter().flat_map(|_| change.principal_px.to_array()));
+            numbers.extend(self.layout.offset.map(|_| *late_s));
+            numbers.extend(self.layout.drift.map(|_| *drift));
             numbers
         };
         states.iter().flat_map(one).collect()
@@ -302,25 +307,10 @@ impl CameraSet {
 
     /// Standard deviations of the changes, from the covariance of the free columns.
     pub(super) fn deviations(&self, covariance: &DMatrix<f64>) -> Vec<CameraState> {
-        let layout = Layout::new(self.choice);
         let in_gauge = &self.projection * covariance * self.projection.transpose();
-        let one = |camera: usize| {
-            let deviation = |at: usize| {
-                let at = camera * layout.count + at;
-                in_gauge[(at, at)].max(0.0).sqrt()
-            };
-            let part = |at: Option<usize>| at.map_or(0.0, deviation);
-            let three = |at: usize| DVec3::new(deviation(at), deviation(at + 1), deviation(at + 2));
-            let principal = layout.principal_point;
-            let change = CameraChange {
-                turn: three(0),
-                shift: three(3),
-                zoom: part(layout.focal_length),
-                principal_px: DVec2::new(part(principal), part(principal.map(|at| at + 1))),
-            };
-            CameraState { change, late_s: part(layout.offset), drift: part(layout.drift) }
-        };
-        (0..self.count()).map(one).collect()
+        let deviations = in_gauge.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let cameras = deviations.as_slice().chunks_exact(self.layout.count);
+        cameras.map(|deviations| self.layout.state(deviations)).collect()
     }
 }
 

@@ -127,7 +127,7 @@ pub fn find_person<E: From<PersonError>>(
         &posed,
         &choices,
         cancel,
-        |frame| views(frame).map_err(SizesOr::Views),
+        |frame| views(frame).map_err(OrViews::Views),
         |frame| options.joints.get(&frame).cloned().unwrap_or_default(),
         |at| progress(PersonProgress::Sizes(at)),
     );
@@ -136,22 +136,22 @@ pub fn find_person<E: From<PersonError>>(
     }
     let sizes = match found {
         Ok(sizes) => Ok(sizes),
-        Err(SizesOr::Sizes(error)) => Err(error),
-        Err(SizesOr::Views(error)) => return Err(error),
+        Err(OrViews::Own(error)) => Err(error),
+        Err(OrViews::Views(error)) => return Err(error),
     };
     let model = sizes.as_ref().map_or(model, |sizes| Arc::new(sizes.as_seen()));
     Ok(Person { model, start, search, sizes: Some(sizes) })
 }
 
-/// Why sizes were not found: for a reason of their own, or because a picture cannot be had.
-enum SizesOr<E> {
-    Sizes(OwnSizesError),
+/// Why something was not found: for a reason of its own, or because a picture cannot be had.
+pub(super) enum OrViews<T, E> {
+    Own(T),
     Views(E),
 }
 
-impl<E> From<OwnSizesError> for SizesOr<E> {
-    fn from(error: OwnSizesError) -> Self {
-        Self::Sizes(error)
+impl<T, E> From<T> for OrViews<T, E> {
+    fn from(error: T) -> Self {
+        Self::Own(error)
     }
 }
 

@@ -14,7 +14,7 @@ use super::cameras::{CameraChoice, CameraDeviations, CameraSet, CameraState};
 use super::fit::{BodyFitError, BodyProgress, CameraFit, FirstSizes, fit_body, fit_cameras};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
 use super::options::{BodyFitOptions, CLOTHED};
-use super::person::{PersonError, PersonOptions, PersonProgress, follow};
+use super::person::{OrViews, PersonError, PersonOptions, PersonProgress, follow};
 use super::report::BodyFit;
 use super::survey::usable_views;
 use crate::body::{Model, Pose};
@@ -152,12 +152,12 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     let wrong = |error: BodyFitError| E::from(CameraRefinementError::from(error));
     for _ in 0..options.rounds.max(1) {
         let now = changed(&given, &found.changes);
-        let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(FollowError::Views);
+        let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(OrViews::Views);
         let person = &options.person;
         let followed = follow(&followed_body, start.clone(), frames, person, cancel, &mut seen, &mut |at| {
             progress(CameraRefinementProgress::Following(at));
         });
-        let posed = followed.map_err(FollowError::into_views)?;
+        let posed = followed.map_err(not_followed)?;
         let choice = choose(&followed_body, &posed, options.fitted, options.held_out);
         let mut read = |chosen: &[usize]| -> Result<Vec<BodyFrame>, E> {
             let one = |&at: &usize| read_frame(&posed[at], &mut views);
@@ -290,24 +290,10 @@ fn judge(
     Ok(overlaps)
 }
 
-/// Why the person cannot be followed: for a reason of their own, or because a picture cannot be had.
-enum FollowError<E> {
-    Person(PersonError),
-    Views(E),
-}
-
-impl<E> From<PersonError> for FollowError<E> {
-    fn from(error: PersonError) -> Self {
-        Self::Person(error)
-    }
-}
-
-impl<E: From<CameraRefinementError>> FollowError<E> {
-    fn into_views(self) -> E {
-        match self {
-            Self::Person(PersonError::Cancelled) => CameraRefinementError::Cancelled.into(),
-            Self::Person(error) => CameraRefinementError::from(error).into(),
-            Self::Views(error) => error,
-        }
+fn not_followed<E: From<CameraRefinementError>>(error: OrViews<PersonError, E>) -> E {
+    match error {
+        OrViews::Own(PersonError::Cancelled) => CameraRefinementError::Cancelled.into(),
+        OrViews::Own(error) => CameraRefinementError::from(error).into(),
+        OrViews::Views(error) => error,
     }
 }
