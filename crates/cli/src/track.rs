@@ -9,10 +9,10 @@ use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::{
-    Smoothing, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun,
+    FrameReader, Smoothing, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun,
 };
 use backlit_take::builtin;
-use backlit_tracking::body::Pose;
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::Cue;
 use backlit_tracking::filter::Innovation;
@@ -126,7 +126,9 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let mut smoothed = report.not_smoothed.map_or(Ok(()), |error| Err(error.into()));
     if smoothing.is_some() && smoothed.is_ok() {
         let done: Vec<usize> = report.track.frames.keys().copied().collect();
-        smoothed = measure_overlaps(&reader, &done, renderer, &mut [&mut report]);
+        let silhouettes = TakeReader::of_silhouettes(reader.footage.clone(), reader.cameras.clone());
+        smoothed =
+            measure_overlaps(&Arc::new(silhouettes), take.model(), &done, renderer, &mut [&mut report]);
     }
     take_options::tell_news(take, &known_notes);
     report.finish(take);
@@ -346,19 +348,18 @@ pub(crate) fn take_in<F>(
 }
 
 /// Measures the overlaps of frames again in these reports, as after smoothing has moved their poses.
-pub(crate) fn measure_overlaps(
-    reader: &TakeReader,
+pub(crate) fn measure_overlaps<R: FrameReader>(
+    reader: &Arc<R>,
+    model: &Model,
     frames: &[usize],
     renderer: RendererKind,
     reports: &mut [&mut TrackReport],
 ) -> anyhow::Result<()> {
-    let (footage, cameras) = (reader.footage.clone(), reader.cameras.clone());
-    let model = Arc::clone(footage.take().model());
-    let silhouettes = Arc::new(TakeReader::of_silhouettes(footage, cameras));
-    progress::each_frame(&silhouettes, frames, |frame, read| {
+    progress::each_frame(reader, frames, |frame, read| {
+        let views = reader.views(read);
         for report in &mut *reports {
             if let Some(estimate) = report.track.frames.get_mut(&frame) {
-                estimate.measure_overlap(&model, renderer, &read.0);
+                estimate.measure_overlap(model, renderer, &views);
             }
         }
         Ok(())

@@ -10,11 +10,12 @@ use std::sync::Arc;
 use backlit_tracking::body::Pose;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
-use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::fit::FitView;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::{BackgroundError, SegmentError, SegmentOptions};
 use backlit_tracking::silhouette::Mask;
+use backlit_tracking::visual_hull::{HullView, UnsupportedPart, unsupported_parts};
 use image::RgbImage;
 use image::imageops::grayscale;
 use rayon::prelude::*;
@@ -178,9 +179,29 @@ impl Footage {
         self.prepared.given_mask(camera, frame)
     }
 
-    /// The evidence of some cameras in a frame, by the take's own measurement settings. Cameras are shared out
-    /// among threads; the result does not depend on how.
+    /// The evidence of some cameras in a frame, by the take's own measurement settings; what only one of them sees is unknown
+    /// where its settings [ask for support](SegmentOptions::needs_support). Cameras are shared out among threads; the result does not
+    /// depend on how.
     pub fn fit_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
+        Ok(self.supported_views(cameras, self.single_masks(cameras, frame)?))
+    }
+
+    /// The same of silhouettes that are there: a mask each of these cameras.
+    pub fn supported_views(&self, cameras: &[usize], mut masks: Vec<Mask>) -> Vec<FitView> {
+        let options = self.take().measurement();
+        let mut seen: Vec<(usize, &mut Mask, bool)> = cameras
+            .iter()
+            .zip(&mut masks)
+            .map(|(&camera, mask)| (camera, mask, options[camera].needs_support))
+            .collect();
+        self.hide_unsupported(&mut seen);
+        let view =
+            |(&camera, mask): (&usize, Mask)| FitView::of_mask(Arc::clone(&self.cameras[camera]), mask);
+        cameras.iter().zip(masks).map(view).collect()
+    }
+
+    /// The silhouettes of some cameras in a frame, each as if there were no other: for those who look for what is wrong with the cameras.
+    pub fn single_masks(&self, cameras: &[usize], frame: usize) -> Result<Vec<Mask>, FootageError> {
         let one = |&camera: &usize| {
             let mask = match self.given_mask(camera, frame)? {
                 Some(mask) => mask,
@@ -190,11 +211,30 @@ impl Footage {
                     self.prepared.segmented(camera, frame, &picture, options)?
                 }
             };
-            let evidence = Evidence::Mask(Arc::new(self.of_person(camera, frame, mask)));
-            Ok(FitView { camera: Arc::clone(&self.cameras[camera]), evidence, weight: 1.0 })
+            Ok(self.of_person(camera, frame, mask))
         };
-        let views: Vec<Result<FitView, FootageError>> = cameras.par_iter().map(one).collect();
-        views.into_iter().collect()
+        let masks: Vec<Result<Mask, FootageError>> = cameras.par_iter().map(one).collect();
+        masks.into_iter().collect()
+    }
+
+    /// Makes unknown what no other of these cameras supports, where that is asked for. How many pixels that were, in their order.
+    fn hide_unsupported(&self, seen: &mut [(usize, &mut Mask, bool)]) -> Vec<usize> {
+        if !seen.iter().any(|(_, _, needs_support)| *needs_support) {
+            return vec![0; seen.len()];
+        }
+        let views: Vec<HullView<&Camera, &Mask>> = seen
+            .iter()
+            .map(|(camera, mask, _)| HullView { camera: &*self.cameras[*camera], silhouette: &**mask })
+            .collect();
+        let parts = unsupported_parts(&views);
+        let hide = |((_, mask, needs_support), part): (&mut (usize, &mut Mask, bool), UnsupportedPart)| {
+            if !*needs_support {
+                return 0;
+            }
+            part.hide(mask);
+            part.pixels
+        };
+        seen.iter_mut().zip(parts).map(hide).collect()
     }
 
     /// What a frame of these cameras has beside its silhouettes: the take's keypoints, and grey pictures if they are asked for.

@@ -4,7 +4,6 @@
 //! of them is small. [`shift_offsets`] writes what was found into the take file.
 
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::Evidence;
 use backlit_tracking::synchronise::{
     self as clocks, CameraOffset, Recording, Synchronisation, SynchroniseError, SynchroniseOptions,
 };
@@ -66,11 +65,9 @@ pub fn record(
             return Err(TakeClocksError::Cancelled);
         }
         on_frame(done, frames.len());
-        let views = footage.fit_views(&cameras, frame)?;
-        for (camera, (view, recording)) in views.iter().zip(&mut recordings).enumerate() {
-            if let Evidence::Mask(mask) = &view.evidence {
-                recording.push(seconds(footage.take(), camera, frame), mask);
-            }
+        let masks = footage.single_masks(&cameras, frame)?;
+        for (camera, (mask, recording)) in masks.iter().zip(&mut recordings).enumerate() {
+            recording.push(seconds(footage.take(), camera, frame), mask);
         }
     }
     on_frame(frames.len(), frames.len());

@@ -7,11 +7,13 @@
 //! | [`credibility`] | whether a filter errs as it says |
 //! | [`calibration_faults`] | calibrations with one known fault |
 //! | [`disturbed_cameras`] | cameras that are not where their calibration says |
+//! | [`disturbed_pictures`] | one camera's pictures with a patch, or under another light |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 
 pub mod calibration_faults;
 pub mod credibility;
 pub mod disturbed_cameras;
+pub mod disturbed_pictures;
 pub mod scene;
 pub mod sequence;
 pub mod starts;

@@ -4,6 +4,8 @@
 //! understanding", IEEE PAMI 16(2), 1994). The hull holds the body, and whatever no camera can tell from it. Lengths
 //! are metres, in world axes.
 
+mod support;
+
 use std::borrow::Borrow;
 
 use glam::{DMat3, DVec2, DVec3};
@@ -11,6 +13,8 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::silhouette::{Label, Mask, SignedDistance};
+
+pub use support::{UnsupportedPart, unsupported_parts};
 
 /// Cubes along each side of the first, coarse grid.
 const COARSE: usize = 24;
@@ -70,7 +74,7 @@ impl VisualHull {
         if seen.len() < 2 {
             return None;
         }
-        let (middle, half) = region(&seen)?;
+        let (middle, half) = region(seen.iter().map(|view| &view.extent))?;
         let coarse = Grid {
             corner: middle - DVec3::splat(half),
             side: 2.0 * half / COARSE as f64,
@@ -93,10 +97,9 @@ impl VisualHull {
     }
 }
 
-/// A silhouette that shows something.
-struct CarvingView<'a> {
+/// Where a silhouette is in its picture.
+struct Extent<'a> {
     camera: &'a Camera,
-    distance: SignedDistance,
     /// Nothing of it is cut off by the picture's border, not even what is unknown.
     is_whole: bool,
     /// The ray of the middle of what it shows, and half the diagonal of that in focal lengths.
@@ -104,7 +107,7 @@ struct CarvingView<'a> {
     spread: f64,
 }
 
-impl<'a> CarvingView<'a> {
+impl<'a> Extent<'a> {
     fn new(camera: &'a Camera, silhouette: &Mask) -> Option<Self> {
         let found = silhouette.bounds()?;
         let fits = (silhouette.width(), silhouette.height()) == (camera.width(), camera.height());
@@ -119,15 +122,28 @@ impl<'a> CarvingView<'a> {
         let is_whole = rows.clone().all(ends_are)
             && rows.next().is_some_and(|row| row.iter().all(is_background))
             && rows.next_back().is_none_or(|row| row.iter().all(is_background));
-        let distance = SignedDistance::from_mask(silhouette);
-        Some(Self { camera, distance, is_whole, ray, spread })
+        Some(Self { camera, is_whole, ray, spread })
+    }
+}
+
+/// A silhouette that shows something.
+struct CarvingView<'a> {
+    distance: SignedDistance,
+    extent: Extent<'a>,
+}
+
+impl<'a> CarvingView<'a> {
+    fn new(camera: &'a Camera, silhouette: &Mask) -> Option<Self> {
+        let extent = Extent::new(camera, silhouette)?;
+        Some(Self { distance: SignedDistance::from_mask(silhouette), extent })
     }
 
     /// What this camera says about a ball.
     fn says(&self, point: DVec3, radius: f64) -> Says {
-        let unseen = if self.is_whole { Says::Empty } else { Says::Nothing };
-        let Some(pixel) = self.camera.project(point) else { return unseen };
-        let reach = radius * self.camera.intrinsics().mean_focal_px() / self.camera.depth(point);
+        let Extent { camera, is_whole, .. } = self.extent;
+        let unseen = if is_whole { Says::Empty } else { Says::Nothing };
+        let Some(pixel) = camera.project(point) else { return unseen };
+        let reach = radius * camera.intrinsics().mean_focal_px() / camera.depth(point);
         let (width, height) = (self.distance.width(), self.distance.height());
         let last = DVec2::new(width as f64 - 1.0, height as f64 - 1.0);
         let inside = pixel.clamp(DVec2::ZERO, last);
@@ -158,19 +174,18 @@ enum Says {
 }
 
 /// A cube that holds the subject: its middle, nearest to all middle rays, and half its side.
-fn region(seen: &[CarvingView<'_>]) -> Option<(DVec3, f64)> {
+fn region<'e>(seen: impl Iterator<Item = &'e Extent<'e>> + Clone) -> Option<(DVec3, f64)> {
     let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for view in seen {
-        let ray = view.ray;
-        let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
+    for Extent { camera, ray, .. } in seen.clone() {
+        let across = DMat3::IDENTITY - DMat3::from_cols(*ray * ray.x, *ray * ray.y, *ray * ray.z);
         sum += across;
-        right += across * view.camera.centre();
+        right += across * camera.centre();
     }
     let middle = sum.inverse() * right;
     if sum.determinant().abs() < 1e-6 || !middle.is_finite() {
         return None;
     }
-    let half = seen.iter().map(|view| view.spread * view.camera.depth(middle)).fold(0.0, f64::max);
+    let half = seen.map(|extent| extent.spread * extent.camera.depth(middle)).fold(0.0, f64::max);
     (half > 0.0).then_some((middle, MARGIN * half))
 }
 

@@ -76,6 +76,8 @@ fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
     }
     let tip = "The frame may be exposed differently from the background";
     checkbox(ui, &mut options.match_exposure, "Match exposure").on_hover_text(tip);
+    let tip = "Subject that only this camera sees is unknown and weighs nothing: a thing that moves behind, a changed light";
+    checkbox(ui, &mut options.needs_support, "Other cameras must see it too").on_hover_text(tip);
 }
 
 /// Which shadow test there is, and what a shadow counts as.

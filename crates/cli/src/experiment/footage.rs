@@ -4,13 +4,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, bail};
-use backlit_runs::track::{TakeReader, TrackEnding, TrackMessage, TrackRun};
+use anyhow::{Context, bail, ensure};
+use backlit_formats::{Footage, FootageError};
+use backlit_lab::experiment::disturbed_pictures::PictureDisturbance;
+use backlit_runs::track::{FrameReader, TrackEnding, TrackMessage, TrackRun};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::FrameCues;
+use backlit_tracking::fit::FitView;
 use clap::Args;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use crate::fit_options::{Words, one_of};
 use crate::follow_options::FollowArguments;
 use crate::numbers::within;
 use crate::output::{self, number};
@@ -34,6 +39,15 @@ pub(crate) struct Arguments {
     /// A start has held if no joint of any frame is farther than this from its keypoint, millimetres [0 to 10000]
     #[arg(long, value_name = "MM", default_value_t = 150.0, allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
+    /// What disturbs the pictures of one camera
+    #[arg(long, value_name = "WHAT", value_parser = one_of(DISTURBANCES))]
+    disturb: Option<PictureDisturbance>,
+    /// The number of that camera, from 1 [1 to 64]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=64_usize))]
+    disturbed_camera: usize,
+    /// The first frame that is disturbed [0 to 999999]
+    #[arg(long, value_name = "K", default_value_t = 20, allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    disturbed_from: usize,
     #[command(flatten)]
     part: PartArguments,
     #[command(flatten)]
@@ -43,6 +57,51 @@ pub(crate) struct Arguments {
     /// Print the numbers as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Words for what disturbs pictures.
+const DISTURBANCES: Words<PictureDisturbance> = &[
+    ("standing-limb", "A patch as large as an arm that stands still", PictureDisturbance::StandingLimb),
+    ("standing-body", "A patch as large as a body that stands still", PictureDisturbance::StandingBody),
+    ("moving-limb", "A patch as large as an arm that goes to and fro", PictureDisturbance::MovingLimb),
+    ("moving-body", "A patch as large as a body that goes to and fro", PictureDisturbance::MovingBody),
+    ("slow-light", "A lamp at the side grows bright within 100 frames", PictureDisturbance::SlowLight),
+    ("sudden-light", "The same lamp is switched on", PictureDisturbance::SuddenLight),
+];
+
+/// Reads a take one of whose cameras has disturbed pictures from some frame on.
+#[derive(Debug)]
+struct DisturbedReader {
+    footage: Arc<Footage>,
+    cameras: Vec<usize>,
+    /// What, which camera, from which frame on.
+    disturbance: Option<(PictureDisturbance, usize, usize)>,
+}
+
+impl FrameReader for DisturbedReader {
+    type Data = Vec<FitView>;
+
+    fn read(&self, frame: usize) -> Result<Self::Data, FootageError> {
+        let mut masks = self.footage.single_masks(&self.cameras, frame)?;
+        if let Some((what, camera, from)) = self.disturbance
+            && let Some(since) = frame.checked_sub(from)
+            && let Some(place) = self.cameras.iter().position(|used| *used == camera)
+        {
+            let mut picture = self.footage.picture(camera, frame)?;
+            what.apply(&mut picture, since);
+            let options = &self.footage.take().measurement()[camera];
+            masks[place] = self.footage.mask(camera, frame, &picture, options)?;
+        }
+        Ok(self.footage.supported_views(&self.cameras, masks))
+    }
+
+    fn views(&self, frame: &Self::Data) -> Vec<FitView> {
+        frame.clone()
+    }
+
+    fn cues(&self, _: &Self::Data) -> Result<FrameCues, FootageError> {
+        Ok(FrameCues::default())
+    }
 }
 
 /// All starts together.
@@ -73,7 +132,14 @@ impl Arguments {
         let footage = take_options::open_segmented(&self.take, self.model.as_deref(), segmentation)?;
         let take = footage.take();
         let (frames, cameras) = (self.part.frames(take)?, self.part.cameras(take)?);
-        let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras));
+        let (disturbed, from) = (self.disturbed_camera - 1, self.disturbed_from);
+        ensure!(
+            cameras.contains(&disturbed),
+            "--disturbed-camera {}: the take's cameras that are used do not include it",
+            disturbed + 1
+        );
+        let disturbance = self.disturb.map(|what| (what, disturbed, from));
+        let reader = Arc::new(DisturbedReader { footage: footage.clone(), cameras, disturbance });
         let (cancel, mut starts) = (CancelToken::new(), Vec::new());
         for seed in (self.start.seed..).take(self.starts as usize) {
             let fit = self.follow.solver.options()?;
@@ -103,7 +169,7 @@ impl Arguments {
             }
             let renderer = self.follow.solver.options()?.renderer;
             let mut reports: Vec<&mut TrackReport> = starts.iter_mut().map(|(_, _, report)| report).collect();
-            measure_overlaps(&reader, &frames, renderer, &mut reports)?;
+            measure_overlaps(&reader, take.model(), &frames, renderer, &mut reports)?;
         }
         let mut report = Report { within_mm: self.within_mm, held: 0, starts: Vec::new() };
         for (seed, _, mut track) in starts {

@@ -51,6 +51,8 @@ pub struct CameraFrame {
     pub grey_levels: Option<Arc<Measurement>>,
     /// Where another tool saw joints; empty where none has looked, or its file cannot be read.
     pub keypoints: Vec<JointKeypoint>,
+    /// How many subject pixels are unknown because no other camera supports them.
+    pub unsupported_px: usize,
     /// Why something is missing.
     pub problem: Option<String>,
 }
@@ -151,7 +153,26 @@ impl Footage {
             let options = measurement.get(camera).cloned().unwrap_or_default();
             self.load(camera, frame, &options)
         };
-        let cameras = (0..self.cameras.len()).into_par_iter().map(load).collect();
+        let mut cameras: Vec<CameraFrame> = (0..self.cameras.len()).into_par_iter().map(load).collect();
+        self.check_one_another(&mut cameras, measurement, frame);
         FrameData { frame, cameras, made_with: self.made_with(measurement, frame) }
+    }
+
+    /// Makes unknown what no other camera supports. Drawn pictures and the user's own silhouettes stay as they are.
+    fn check_one_another(&self, cameras: &mut [CameraFrame], measurement: &[SegmentOptions], frame: usize) {
+        if self.drawn.is_some() {
+            return;
+        }
+        let own = self.masks.get(&frame);
+        let (mut seen, mut hidden) = (Vec::new(), Vec::new());
+        for (number, CameraFrame { mask, unsupported_px, .. }) in cameras.iter_mut().enumerate() {
+            let is_asked = measurement.get(number).is_none_or(|options| options.needs_support);
+            let is_own = own.is_some_and(|masks| masks.contains_key(&number));
+            if let Some(mask) = mask {
+                seen.push((number, Arc::make_mut(mask), is_asked && !is_own));
+                hidden.push(unsupported_px);
+            }
+        }
+        hidden.into_iter().zip(self.hide_unsupported(&mut seen)).for_each(|(px, found)| *px = found);
     }
 }

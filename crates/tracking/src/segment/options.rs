@@ -46,6 +46,9 @@ pub struct SegmentOptions {
     pub dont_know: Option<DontKnowOptions>,
     /// Where the subject may be; all else is background.
     pub region: Option<Region>,
+    /// Whether subject that no other camera [supports](crate::visual_hull::unsupported_parts) is unknown. [`segment`](super::segment)
+    /// knows one camera only: who has all cameras' masks sees to it.
+    pub needs_support: bool,
 }
 
 impl Default for SegmentOptions {
@@ -64,6 +67,7 @@ impl Default for SegmentOptions {
             fill_holes_px: 30,
             dont_know: Some(DontKnowOptions::default()),
             region: None,
+            needs_support: true,
         }
     }
 }
@@ -87,14 +91,15 @@ impl SegmentOptions {
             fill_holes_px: 0,
             dont_know: None,
             region: self.region,
+            needs_support: false,
         }
     }
 
-    /// The same with every pixel decided: shadow is background, and dark before dark is what the threshold says.
+    /// The same with every pixel decided: shadow is background, and dark before dark is what the threshold says. Other cameras are not asked.
     #[must_use]
     pub fn decided(&self) -> Self {
         let shadow = self.shadow.map(|shadow| ShadowOptions { unknown: false, ..shadow });
-        Self { shadow, dont_know: None, ..self.clone() }
+        Self { shadow, dont_know: None, needs_support: false, ..self.clone() }
     }
 
     /// Checks the numbers.
