@@ -10,6 +10,7 @@
 //! | `output`, `table`, `progress`, `interrupt` | the terminal, folders, Ctrl+C |
 
 mod background;
+mod camera_plan;
 mod cameras;
 mod check;
 mod evidence;

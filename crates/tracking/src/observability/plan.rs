@@ -42,8 +42,8 @@ use crate::camera::{Camera, CameraError};
 use crate::fit::{FitOptions, MEANT_FOR_PX};
 use crate::render::{Ramp, RendererKind};
 
-/// σ√κ, grey levels, as `backlit observability` measures it on real footage (docs/accuracy.md).
-pub const PLANNED_NOISE: f64 = 250.0;
+/// σ√κ, grey levels, as `backlit observability` measures it on the balancing footage: 94 times 4.3.
+pub const PLANNED_NOISE: f64 = 400.0;
 /// A joint that is farther off is lost, metres: as tracks are judged.
 pub const LOST_M: f64 = 0.25;
 /// A camera nearer to the middle than this, metres, is taken to be so far away.

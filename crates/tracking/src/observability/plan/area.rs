@@ -88,9 +88,8 @@ impl FloorArea {
         let places: Vec<[f64; 2]> = cameras.iter().map(|camera| floor.place(camera.centre())).collect();
         let ends = |axis: usize| {
             let along = places.iter().map(|place| place[axis]);
-            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-                (low.min(at), high.max(at))
-            });
+            let (low, high) =
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
             let middle = 0.5 * (low + high);
             // One camera has nothing behind it; what it sees is before it.
             let reach = if cameras.len() < 2 { REACH_M } else { ABOUT_M };
@@ -131,7 +130,9 @@ impl FloorArea {
             let share = (cell as f64 + 0.5) / self.cells[axis] as f64 - 0.5;
             self.middle[axis] + share * self.size_m[axis]
         };
-        (0..self.cells[1]).flat_map(|row| (0..self.cells[0]).map(move |column| [at(0, column), at(1, row)])).collect()
+        (0..self.cells[1])
+            .flat_map(|row| (0..self.cells[0]).map(move |column| [at(0, column), at(1, row)]))
+            .collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The bodies of a plan: who stands, walks and reaches, turned all ways about.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat};
 
 use super::Floor;
 use crate::body::{Kinematics, Model, Pose, Sides};
@@ -13,8 +13,7 @@ const SEATED_M: f64 = 1.0;
 /// How far limbs are turned from rest, degrees: part of a limb's name, of the right and of the left side each forwards, outwards.
 type Turns = [(&'static str, [[f64; 2]; 2])];
 
-const STANDS: &Turns =
-    &[("upper arm", [[5.0, 15.0], [5.0, 15.0]]), ("forearm", [[15.0, 0.0], [15.0, 0.0]])];
+const STANDS: &Turns = &[("upper arm", [[5.0, 15.0], [5.0, 15.0]]), ("forearm", [[15.0, 0.0], [15.0, 0.0]])];
 const WALKS: &Turns = &[
     ("upper arm", [[-25.0, 10.0], [30.0, 10.0]]),
     ("forearm", [[25.0, 0.0], [40.0, 0.0]]),
@@ -85,6 +84,8 @@ fn on_floor(model: &Model, floor: &Floor, mut pose: Pose) -> Pose {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::body::builtin;
 

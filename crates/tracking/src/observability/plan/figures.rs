@@ -66,9 +66,11 @@ impl PlannedSet {
     #[must_use]
     pub fn worst_place(&self) -> Option<usize> {
         let places = 0..self.places.len();
-        places.reduce(|worst, next| {
-            if self.places[next].mean_m > self.places[worst].mean_m { next } else { worst }
-        })
+        places.reduce(
+            |worst, next| {
+                if self.places[next].mean_m > self.places[worst].mean_m { next } else { worst }
+            },
+        )
     }
 
     /// The joint that is known worst at the place in the middle of all, by how its worst joints are known, and its deviation.
