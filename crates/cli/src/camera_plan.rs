@@ -12,7 +12,9 @@ use backlit_runs::camera_plan::{CELLS, PlanResult, PlanRun, PlanSubject};
 use backlit_tracking::body::{Model, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, up_of};
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::observability::plan::{Floor, FloorArea, PLANNED_NOISE, PlannedSet, camera_ring};
+use backlit_tracking::observability::plan::{
+    Floor, FloorArea, LOST_M, PLANNED_NOISE, PlannedSet, camera_ring,
+};
 use backlit_words::joint::joint_name;
 use clap::Args;
 use glam::DVec3;
@@ -230,8 +232,9 @@ fn numbers(text: &str, between: [char; 2]) -> Option<[f64; 2]> {
     Some([number(first)?, number(second)?])
 }
 
+/// Millimetres; beyond what is lost no number means anything.
 fn millimetres(metres: f64) -> String {
-    number(1e3 * metres, 1)
+    if metres > LOST_M { format!("> {}", number(1e3 * LOST_M, 0)) } else { number(1e3 * metres, 1) }
 }
 
 /// A row of figures over the area.
@@ -252,7 +255,7 @@ fn text(found: &PlanResult) -> String {
     let places = area.cells[0] * area.cells[1];
     let metres = |values: [f64; 2], between: &str| values.map(|value| number(value, 2)).join(between);
     let mut out = format!(
-        "{} m of the floor about ({}), {} high: {places} places, {} bodies at each\n\
+        "{} m of the floor about ({}), its height {}: {places} places, {} bodies at each\n\
          deviations of joints in mm, worst direction; in the mean none counts as more than 250\n\n",
         metres(area.size_m, " × "),
         metres(area.middle, ", "),
