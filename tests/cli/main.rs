@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod camera_plan;
 mod cameras;
 mod check;
 mod experiment;

@@ -102,6 +102,12 @@ impl CameraPlan {
         })
     }
 
+    /// The same for other bodies, at the floor's origin: of a movement that is known.
+    #[must_use]
+    pub fn with_bodies(self, bodies: Vec<Pose>) -> Self {
+        Self { bodies, ..self }
+    }
+
     /// The sets of cameras, as they were given.
     #[must_use]
     pub fn sets(&self) -> &[Vec<usize>] {
