@@ -15,6 +15,7 @@ mod formats;
 mod golden;
 mod import;
 mod observability;
+mod people;
 mod person;
 mod placement;
 mod prior;

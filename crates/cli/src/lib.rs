@@ -39,6 +39,7 @@ mod table;
 mod take_options;
 mod track;
 mod track_files;
+mod track_people;
 mod track_report;
 
 pub use track::print_robust_track;

@@ -72,9 +72,13 @@ pub struct PlanSubject {
 }
 
 impl PlanSubject {
-    /// A plan of the usual size: the area is what two cameras see of a person.
+    /// A plan of the usual size: the area is what two cameras see of a person. Lenses are taken for ideal, as pictures are made.
     #[must_use]
     pub fn new(model: Arc<Model>, cameras: Vec<Arc<Camera>>, floor: Floor) -> Self {
+        let ideal = |camera: Arc<Camera>| {
+            if camera.distortion().is_none() { camera } else { Arc::new(camera.without_distortion()) }
+        };
+        let cameras: Vec<Arc<Camera>> = cameras.into_iter().map(ideal).collect();
         let area = FloorArea::seen_by(&cameras, &floor, CELLS).unwrap_or_else(|| {
             let places: Vec<[f64; 2]> = cameras.iter().map(|camera| floor.place(camera.centre())).collect();
             let mean = |axis: usize| {

@@ -14,7 +14,7 @@ const ROOM: f32 = 22.0;
 /// How far a camera looks, and half the opening of that.
 const LOOKS: [f32; 2] = [20.0, 8.0];
 /// A cell has its number in it where it is as wide as that.
-const NUMBERED: f32 = 26.0;
+const NUMBERED: f32 = 20.0;
 /// A tenth of what the lightest colour is, millimetres.
 pub(super) const LIMIT_MM: f64 = 25.0;
 /// From that sum of channels on a colour has dark letters on it.
@@ -28,6 +28,7 @@ pub(super) fn ui(ui: &mut Ui, found: &PlanResult, set: &PlannedSet, side: f32) {
     let names = format!("The floor with {}: {} mm", found.names(set), format::number(1e3 * set.mean_m(), 0));
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, names.as_str()));
     ui.painter().rect_filled(area, size::FIELD_RADIUS, palette.plot);
+    ui.painter().rect_stroke(area, size::FIELD_RADIUS, palette.hairline(), egui::StrokeKind::Inside);
     let cameras: Vec<_> = found.subject.cameras.iter().map(|camera| found.on_map(camera, false)).collect();
     let added = found.added(set).map(|camera| found.on_map(camera, true));
     // All maps of a plan by one scale: about every place for one more camera.
