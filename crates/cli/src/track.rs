@@ -71,7 +71,7 @@ pub struct TrackArguments {
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Track so many people, each into a folder of its own, person-1 and so on: 1 is who is in view longest. Needs three cameras
+    /// Track several people, each into a folder of its own, person-1 and so on: 1 is who is in view longest. Needs three cameras
     /// or more [2 to 20]
     #[arg(long, value_name = "N", conflicts_with_all = ["person", "resume", "reference", "learn_placement"], allow_negative_numbers = true, value_parser = within(2..=20_usize))]
     people: Option<usize>,

@@ -18,13 +18,13 @@ use crate::track::{self, TrackArguments, Whom};
 use crate::track_report::TrackReport;
 
 /// A person who was tracked.
-struct Tracked {
+struct TrackedPerson {
     report: TrackReport,
     model: Arc<Model>,
     out: PathBuf,
 }
 
-impl Tracked {
+impl TrackedPerson {
     /// The body in all frames in which it was not lost.
     fn body(&self) -> KnownBody {
         let frames = self.report.track.frames.iter().filter(|(_, estimate)| !estimate.is_lost());
@@ -33,7 +33,7 @@ impl Tracked {
     }
 }
 
-/// Tracks so many people, writes the files of each, and prints a row a person.
+/// Tracks this number of people, writes the files of each, and prints a row a person.
 pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken) -> anyhow::Result<()> {
     let footage = track::open(arguments, None)?;
     let frames = arguments.part.frames(footage.take())?;
@@ -57,9 +57,9 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
         };
         let out = whom.out.to_owned();
         let (report, model) = track::track(arguments, whom, None, cancel)?;
-        all.push(Tracked { report, model, out });
+        all.push(TrackedPerson { report, model, out });
     }
-    let bodies: Vec<KnownBody> = all.iter().map(Tracked::body).collect();
+    let bodies: Vec<KnownBody> = all.iter().map(TrackedPerson::body).collect();
     for (index, tracked) in all.iter_mut().enumerate() {
         output::complain(&format!("person {} again, without what the others' bodies cover", index + 1));
         if let Some(followed) = with_bodies(&found, index, &bodies) {
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
 /// Tracks a person once more from the pose and by the body that were found.
 fn again(
     arguments: &TrackArguments,
-    tracked: &mut Tracked,
+    tracked: &mut TrackedPerson,
     followed: FollowedPerson,
     cancel: &CancelToken,
 ) -> anyhow::Result<()> {
@@ -119,7 +119,7 @@ fn while_in_view(track: &PersonTrack, frames: &[usize]) -> Vec<usize> {
     frames.iter().filter(is_in).copied().collect()
 }
 
-fn text(all: &[Tracked]) -> String {
+fn text(all: &[TrackedPerson]) -> String {
     let mut table = Table::new(["person", "frames", "lost", "IoU", "unknown, %", "folder"]);
     for (tracked, number_of) in all.iter().zip(1..) {
         let summary = tracked.report.summary();
@@ -140,8 +140,8 @@ fn folder(path: &Path) -> String {
     path.display().to_string()
 }
 
-fn answer(all: &[Tracked]) -> impl serde::Serialize {
-    let person = |(tracked, number): (&Tracked, usize)| {
+fn answer(all: &[TrackedPerson]) -> impl serde::Serialize {
+    let person = |(tracked, number): (&TrackedPerson, usize)| {
         object! { person: number, folder: folder(&tracked.out), summary: tracked.report.summary() }
     };
     object! { people: all.iter().zip(1..).map(person).collect::<Vec<_>>() }

@@ -15,10 +15,10 @@ use backlit_words::format;
 
 /// Cells along the longer side of an area, where nothing else is said.
 pub const CELLS: usize = 5;
-/// Up to so many cameras triples are compared, and up to so many pairs.
+/// Most cameras of which triples are compared, and pairs.
 const TRIPLES_UP_TO: usize = 8;
 const PAIRS_UP_TO: usize = 12;
-/// Places for one more camera, where nothing else is said: so many around, in these heights, metres.
+/// Places for one more camera, where nothing else is said: their number around, and heights, metres.
 const AROUND: usize = 12;
 const HEIGHTS_M: [f64; 2] = [1.2, 2.4];
 /// The side of an area where no two cameras see a person whole, metres.
@@ -210,7 +210,7 @@ impl PlanResult {
         self.sets.iter().find(|set| set.cameras.len() == self.subject.cameras.len())
     }
 
-    /// The best set of so many of them.
+    /// The best set of a size.
     #[must_use]
     pub fn best(&self, count: usize) -> Option<&PlannedSet> {
         self.sets.iter().find(|set| set.cameras.len() == count)

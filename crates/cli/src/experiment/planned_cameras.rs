@@ -40,7 +40,7 @@ const CELLS: usize = 2;
 const RING_M: [f64; 2] = [3.4, 1.6];
 /// Fewer cameras than that do not track.
 const FEWEST: usize = 2;
-/// The plan for the movement is of every so many of its poses.
+/// Of the movement's poses the plan for it takes one in this many.
 const POSES_EVERY: usize = 4;
 /// How far off starts are.
 const START: (f64, f64) = (3.0, 0.02);
