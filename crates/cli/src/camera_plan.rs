@@ -255,11 +255,11 @@ fn text(found: &PlanResult) -> String {
     let places = area.cells[0] * area.cells[1];
     let metres = |values: [f64; 2], between: &str| values.map(|value| number(value, 2)).join(between);
     let mut out = format!(
-        "{} m of the floor about ({}), its height {}: {places} places, {} bodies at each\n\
+        "{} m of the floor about ({}), its height {} m: {places} places, {} bodies at each\n\
          deviations of joints in mm, worst direction; in the mean none counts as more than 250\n\n",
         metres(area.size_m, " × "),
         metres(area.middle, ", "),
-        format!("{} m", number(found.subject.floor.height_m, 2)),
+        number(found.subject.floor.height_m, 2),
         found.bodies,
     );
     let titles = ["cameras", "mean", "middle joint", "worst joint", "", "known, %"];

@@ -28,6 +28,7 @@ use crate::numbers::within;
 use crate::person::PersonArguments;
 use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
 use crate::track_files::{Earlier, Writer};
+use crate::track_people::Whom;
 use crate::track_report::TrackReport;
 use crate::{output, person, progress, track_people};
 
@@ -119,22 +120,9 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         Some(_) => None,
         None => arguments.start.known_pose(footage.take(), frames[0])?,
     };
-    let whom = Whom { footage, frames, start, has_sizes: false, out: &arguments.out };
+    let whom = Whom { footage, frames, start, found: None, out: &arguments.out };
     let (report, _) = track(arguments, whom, earlier, &cancel)?;
     output::print_result(arguments.json, &report.summary(), || report.text())
-}
-
-/// Who is tracked, and where to.
-pub(crate) struct Whom<'a> {
-    /// What shows nobody else.
-    pub(crate) footage: Arc<Footage>,
-    /// At least one.
-    pub(crate) frames: Vec<usize>,
-    /// Where to begin, if that is known.
-    pub(crate) start: Option<Pose>,
-    /// The take's body has this person's sizes.
-    pub(crate) has_sizes: bool,
-    pub(crate) out: &'a Path,
 }
 
 /// Tracks one person, and writes the files. Returns what came of it, and the person's body.
@@ -224,7 +212,7 @@ impl<'a> TrackInputs<'a> {
         smoothing: Option<Smoothing>,
         cancel: &CancelToken,
     ) -> anyhow::Result<Self> {
-        let Whom { footage, start, has_sizes, out, .. } = whom;
+        let Whom { footage, start, found: begun_before, out, .. } = whom;
         let cameras = arguments.part.cameras(footage.take())?;
         let mut reader = TakeReader::of_silhouettes(footage, cameras);
         let take = reader.footage.take();
@@ -239,7 +227,7 @@ impl<'a> TrackInputs<'a> {
         }
         person::check_silhouettes(&reader, all_frames)?;
         // A body that is named has its sizes.
-        let sizes = !has_sizes && arguments.model.is_none() && take.sizes() == BodySizes::Fit;
+        let sizes = begun_before.is_none() && arguments.model.is_none() && take.sizes() == BodySizes::Fit;
         output::make_folder(out)?;
         let (model, fit) = (Arc::clone(take.model()), arguments.follow.fit()?);
         let search = PersonSearch { model, fit, start, frames: all_frames.to_vec(), sizes };
@@ -251,7 +239,7 @@ impl<'a> TrackInputs<'a> {
             reader.footage = Arc::new(Footage::new(take));
         }
         reader.cues.clone_from(&arguments.cues);
-        let (start, begun) = (found.start, Some(begun));
+        let (start, begun) = (found.start, begun_before.or(Some(begun)));
         Ok(Self { reader: Arc::new(reader), frames: all_frames, start, begun, earlier: None })
     }
 }

@@ -12,10 +12,24 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::people::{FollowedPerson, FoundBodies, KnownBody, PersonTrack};
 
 use crate::output::{self, number, object};
-use crate::person;
+use crate::person::{self, Begun};
 use crate::table::Table;
-use crate::track::{self, TrackArguments, Whom};
+use crate::track::{self, TrackArguments};
 use crate::track_report::TrackReport;
+
+/// Who is tracked, and where to.
+pub(crate) struct Whom<'a> {
+    /// What shows nobody else.
+    pub(crate) footage: Arc<Footage>,
+    /// At least one.
+    pub(crate) frames: Vec<usize>,
+    /// Where to begin, if that is known.
+    pub(crate) start: Option<Pose>,
+    /// What was found before an earlier track of the same person: the take's body has the sizes then.
+    pub(crate) found: Option<Begun>,
+    /// The folder of the results.
+    pub(crate) out: &'a Path,
+}
 
 /// A person who was tracked.
 struct TrackedPerson {
@@ -52,7 +66,7 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
             footage: Arc::new(footage.with_replacements(None, Arc::default(), followed)),
             frames: while_in_view(own, &frames),
             start: start.clone().filter(|_| of_start == Some(index)),
-            has_sizes: false,
+            found: None,
             out: &arguments.out.join(format!("person-{}", index + 1)),
         };
         let out = whom.out.to_owned();
@@ -84,12 +98,10 @@ fn again(
         footage: Arc::new(Footage::new(take)),
         frames: tracked.report.track.frames.keys().copied().collect(),
         start: Some(start),
-        has_sizes: true,
+        found: Some(tracked.report.begun.take().unwrap_or_default()),
         out: &tracked.out,
     };
-    let begun = tracked.report.begun.take();
     (tracked.report, _) = track::track(arguments, whom, None, cancel)?;
-    tracked.report.begun = begun;
     Ok(())
 }
 

@@ -175,12 +175,12 @@ fn planned_sets(cameras: &[usize]) -> Vec<Vec<usize>> {
     let mut sets = camera_subsets(cameras);
     let count = cameras.len();
     let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| vec![a, b]));
-    let more: Vec<Vec<usize>> = match count {
-        ..=TRIPLES_UP_TO => {
-            pairs.flat_map(|pair| (pair[1] + 1..count).map(move |c| vec![pair[0], pair[1], c])).collect()
-        }
-        ..=PAIRS_UP_TO => pairs.collect(),
-        _ => Vec::new(),
+    let more: Vec<Vec<usize>> = if count <= TRIPLES_UP_TO {
+        pairs.flat_map(|pair| (pair[1] + 1..count).map(move |c| vec![pair[0], pair[1], c])).collect()
+    } else if count <= PAIRS_UP_TO {
+        pairs.collect()
+    } else {
+        Vec::new()
     };
     sets.extend(more.into_iter().map(|set| set.into_iter().map(|at| cameras[at]).collect()));
     sets.sort();

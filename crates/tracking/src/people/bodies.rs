@@ -117,7 +117,7 @@ mod tests {
         let [own, other] = [own, other].map(|body| DrawnBody::new(&body, &camera, 3).unwrap());
         let inside = |body: &DrawnBody, x, y| body.distance_m(DVec2::new(x as f64, y as f64)) < 0.0;
         let mut mask = fixtures::covered([320, 240], |x, y| inside(&own, x, y) || inside(&other, x, y));
-        hide(&own, &[other.clone()], &mut mask);
+        hide(&own, std::slice::from_ref(&other), &mut mask);
         for (index, label) in mask.labels().iter().enumerate() {
             let (x, y) = (index % 320, index / 320);
             let expected = match (inside(&own, x, y), inside(&other, x, y)) {
@@ -129,7 +129,7 @@ mod tests {
         }
         // In the same place nothing is known of either.
         let mut both = fixtures::covered([320, 240], |x, y| inside(&own, x, y));
-        hide(&own, &[own.clone()], &mut both);
+        hide(&own, std::slice::from_ref(&own), &mut both);
         assert_eq!(both.count(Label::Subject), 0);
     }
 }
