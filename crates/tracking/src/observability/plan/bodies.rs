@@ -55,7 +55,7 @@ fn upright(model: &Model, floor: &Floor, limbs: &Turns, angle: f64) -> Pose {
             let out = if side == "right" { -1.0 } else { 1.0 } * outwards.to_radians();
             let turn = DQuat::from_axis_angle(-left, forwards.to_radians());
             let rotation = model.limbs()[limb].rotation;
-            pose.rotations[rotation] = DQuat::from_axis_angle(-ahead, out) * turn * pose.rotations[rotation];
+            pose.rotations[rotation] = DQuat::from_axis_angle(ahead, out) * turn * pose.rotations[rotation];
         }
     }
     let [across, along] = floor.axes();
