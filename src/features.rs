@@ -5,6 +5,7 @@
 pub mod basin;
 pub(crate) mod beginnings;
 pub(crate) mod camera_check;
+pub(crate) mod camera_plan;
 pub mod camera_views;
 pub mod convergence;
 pub(crate) mod demonstrations;
@@ -59,6 +60,7 @@ features! {
     pub(crate) new_take: new_take::NewTake,
     pub(crate) offsets: offsets::Offsets,
     pub(crate) camera_check: camera_check::CameraCheck,
+    pub(crate) camera_plan: camera_plan::CameraPlan,
     pub(crate) export: export::Export,
     pub convergence: convergence::Convergence,
     pub(crate) tracking: tracking::Tracking,
@@ -97,6 +99,7 @@ impl Features {
     pub(crate) fn of_card(&mut self, card: FeatureCard) -> &mut dyn Feature {
         match card {
             FeatureCard::CameraCheck => &mut self.camera_check,
+            FeatureCard::CameraPlan => &mut self.camera_plan,
             FeatureCard::Export => &mut self.export,
             FeatureCard::NewTake => &mut self.new_take,
             FeatureCard::Offsets => &mut self.offsets,

@@ -297,6 +297,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Messages => "messages",
         Overlay::About => "about",
         Overlay::Card(FeatureCard::CameraCheck) => "camera check",
+        Overlay::Card(FeatureCard::CameraPlan) => "camera plan",
         Overlay::Card(FeatureCard::Export) => "export",
         Overlay::Card(FeatureCard::NewTake) => "new take",
         Overlay::Card(FeatureCard::Offsets) => "offsets",

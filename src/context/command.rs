@@ -59,6 +59,7 @@ groups! {
         Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
         Offsets,
         CameraCheck,
+        CameraPlan,
         Tour,
     }
 }

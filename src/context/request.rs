@@ -181,6 +181,7 @@ pub(crate) enum PaneEvent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FeatureCard {
     CameraCheck,
+    CameraPlan,
     Export,
     NewTake,
     Offsets,

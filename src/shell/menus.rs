@@ -70,7 +70,7 @@ fn submenu(command: Command) -> Option<&'static str> {
         Command::Fit(FitCommand::Refit(_)) => Some("Refit"),
         Command::Fit(FitCommand::RunAgain(_)) => Some("Run again"),
         Command::Convergence(_) => Some("Curves"),
-        Command::Observability(_) => Some("What cameras see"),
+        Command::Observability(_) | Command::CameraPlan => Some("What cameras see"),
         Command::Basin(_) => Some("Basin"),
         Command::Beginning(_) => Some("Ways to begin"),
         _ => None,

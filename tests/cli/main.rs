@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod camera_plan;
 mod cameras;
 mod check;
 mod experiment;
@@ -14,6 +15,7 @@ mod formats;
 mod golden;
 mod import;
 mod observability;
+mod people;
 mod person;
 mod placement;
 mod prior;

@@ -7,6 +7,7 @@
 mod background;
 mod basin;
 mod camera_check;
+mod camera_plan;
 mod camera_tile;
 mod cues;
 mod curves;

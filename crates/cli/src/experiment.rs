@@ -17,6 +17,7 @@ mod footage;
 mod frame_basin;
 mod measures;
 mod no_start;
+mod planned_cameras;
 mod refinement;
 mod sequence;
 mod sizes;
@@ -196,6 +197,8 @@ enum Chosen {
     Begin(Box<begin::Arguments>),
     Footage(Box<footage::Arguments>),
     NoStart(WithOutput<no_start::NoStart>),
+    #[command(name = planned_cameras::PlannedCameras::NAME)]
+    CameraPlan(WithOutput<planned_cameras::PlannedCameras>),
     #[command(name = refinement::RefinedRigs::NAME)]
     RefineCameras(WithOutput<refinement::RefinedRigs>),
     Sync(WithOutput<sync::ShiftedTake>),
@@ -234,6 +237,7 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         Chosen::Begin(chosen) => chosen.run(),
         Chosen::Footage(chosen) => chosen.run(),
         Chosen::NoStart(chosen) => chosen.run(),
+        Chosen::CameraPlan(chosen) => chosen.run(),
         Chosen::RefineCameras(chosen) => chosen.run(),
         Chosen::Sync(chosen) => chosen.run(),
         Chosen::Trust(chosen) => chosen.run(),

@@ -10,6 +10,7 @@
 //! | `output`, `table`, `progress`, `interrupt` | the terminal, folders, Ctrl+C |
 
 mod background;
+mod camera_plan;
 mod cameras;
 mod check;
 mod evidence;
@@ -38,6 +39,7 @@ mod table;
 mod take_options;
 mod track;
 mod track_files;
+mod track_people;
 mod track_report;
 
 pub use track::print_robust_track;

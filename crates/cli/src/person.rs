@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, ensure};
 use backlit_formats::Footage;
 use backlit_runs::people;
 use backlit_runs::person::{PersonSearch, PersonSearchError};
@@ -42,25 +42,9 @@ impl PersonArguments {
         cancel: &CancelToken,
     ) -> anyhow::Result<Arc<Footage>> {
         let Some(number) = self.person else { return Ok(footage) };
-        ensure!(
-            cameras.len() >= FEWEST_CAMERAS,
-            "--person: {} cameras cannot tell people apart; expected {FEWEST_CAMERAS} or more",
-            cameras.len()
-        );
-        let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras.to_vec()));
-        let spinner = progress::spinner();
-        let found = people::find(&reader, frames, cancel, |done, all| {
-            spinner.set_message(format!("looking for people in {all} frames: {done}"));
-        })?;
-        spinner.finish_and_clear();
-        ensure!(!cancel.is_cancelled(), Interrupted);
+        let found = in_view("--person", &footage, (cameras, frames), cancel)?;
         let Some(person) = FollowedPerson::of(&found, number - 1) else {
-            let all: Vec<String> =
-                found.iter().zip(1..).map(|(track, number)| place_text(number, track)).collect();
-            match all.len() {
-                0 => bail!("--person {number}: nobody as large as a person is in view of these cameras"),
-                _ => bail!("--person {number}: there is no such person; in view are: {}", all.join("; ")),
-            }
+            return Err(nobody(&format!("--person {number}"), &found));
         };
         output::complain(&format!(
             "followed of {} in view: {}",
@@ -71,8 +55,39 @@ impl PersonArguments {
     }
 }
 
+/// Who is in view of these cameras in these frames, those who are seen longest first; `option` asked for it.
+pub(crate) fn in_view(
+    option: &str,
+    footage: &Arc<Footage>,
+    (cameras, frames): (&[usize], &[usize]),
+    cancel: &CancelToken,
+) -> anyhow::Result<Vec<PersonTrack>> {
+    ensure!(
+        cameras.len() >= FEWEST_CAMERAS,
+        "{option}: {} cameras cannot tell people apart; expected {FEWEST_CAMERAS} or more",
+        cameras.len()
+    );
+    let reader = Arc::new(TakeReader::of_silhouettes(footage.clone(), cameras.to_vec()));
+    let spinner = progress::spinner();
+    let found = people::find(&reader, frames, cancel, |done, all| {
+        spinner.set_message(format!("looking for people in {all} frames: {done}"));
+    })?;
+    spinner.finish_and_clear();
+    ensure!(!cancel.is_cancelled(), Interrupted);
+    Ok(found)
+}
+
+/// Why somebody who was asked for by an option is not in view.
+pub(crate) fn nobody(option: &str, found: &[PersonTrack]) -> anyhow::Error {
+    let all: Vec<String> = found.iter().zip(1..).map(|(track, number)| place_text(number, track)).collect();
+    match all.len() {
+        0 => anyhow!("{option}: nobody as large as a person is in view of these cameras"),
+        _ => anyhow!("{option}: there is no such person; in view are: {}", all.join("; ")),
+    }
+}
+
 /// "person 2, frames 0 to 69, first at (0.31, -0.20, 0.90) m".
-fn place_text(number: usize, track: &PersonTrack) -> String {
+pub(crate) fn place_text(number: usize, track: &PersonTrack) -> String {
     let ends = track.places.first_key_value().zip(track.places.last_key_value());
     let Some(((first, at), (last, _))) = ends else { return format!("person {number}") };
     let [x, y, z] = at.bounds.centre().to_array();
@@ -130,8 +145,10 @@ pub(crate) fn check_silhouettes(reader: &TakeReader, frames: &[usize]) -> anyhow
     let found = survey(reader, frames, LOOKED_AT, &CancelToken::new());
     found.check()?;
     found.doubts().for_each(|doubt| output::complain(&doubt.to_string()));
-    if let Some(several) = found.several_people() {
-        output::complain(&format!("{several}: follow one of them with --person K"));
+    // Who is followed is one of them: what is left of the others is unknown.
+    let is_followed = reader.footage.take().person().is_some();
+    if let Some(several) = found.several_people().filter(|_| !is_followed) {
+        output::complain(&format!("{several}: follow one of them with --person K, or all with --people N"));
     }
     Ok(())
 }

@@ -24,11 +24,13 @@ use indicatif::ProgressBar;
 
 use crate::follow_options::FollowArguments;
 use crate::interrupt::{self, Interrupted};
+use crate::numbers::within;
 use crate::person::PersonArguments;
 use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
 use crate::track_files::{Earlier, Writer};
+use crate::track_people::Whom;
 use crate::track_report::TrackReport;
-use crate::{output, person, progress};
+use crate::{output, person, progress, track_people};
 
 const AFTER_HELP: &str = "\
 Writes to the folder of --out:
@@ -58,6 +60,7 @@ Examples:
   backlit track TAKE --out results --cues keypoints,flow,stereo
   backlit track TAKE --out results --prior people
   backlit track TAKE --out results --motion kalman --tune
+  backlit track TAKE --out results --people 2
   backlit track TAKE --out results --resume";
 
 /// What `backlit track` is told.
@@ -65,16 +68,20 @@ Examples:
 #[command(after_help = AFTER_HELP)]
 pub struct TrackArguments {
     /// Take: its folder or its take.toml
-    take: PathBuf,
+    pub(crate) take: PathBuf,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Track several people, each into a folder of its own, person-1 and so on: 1 is who is in view longest. Needs three cameras
+    /// or more [2 to 20]
+    #[arg(long, value_name = "N", conflicts_with_all = ["person", "resume", "reference", "learn_placement"], allow_negative_numbers = true, value_parser = within(2..=20_usize))]
+    people: Option<usize>,
     /// Go on where an earlier track into the same folder was stopped; give the same options again
     #[arg(long)]
     resume: bool,
     /// Print the summary as JSON
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
     /// Estimate the Kalman filter's noise from these frames first, from 600 at most, then track with it
     #[arg(long)]
     tune: bool,
@@ -85,11 +92,11 @@ pub struct TrackArguments {
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<String>,
     #[command(flatten)]
-    part: PartArguments,
+    pub(crate) part: PartArguments,
     #[command(flatten)]
     person: PersonArguments,
     #[command(flatten)]
-    start: StartArguments,
+    pub(crate) start: StartArguments,
     #[command(flatten)]
     reference: ReferenceArguments,
     #[command(flatten)]
@@ -98,28 +105,50 @@ pub struct TrackArguments {
 
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
-    let smoothing = arguments.follow.smoothing()?;
+    if let Some(count) = arguments.people {
+        return track_people::run(arguments, count, &cancel);
+    }
     let earlier = match arguments.resume {
         true => Some(Earlier::read(&arguments.out, arguments.model.as_deref())?),
         false => None,
     };
     let footage = open(arguments, earlier.as_ref())?;
-    let known_notes = footage.take().notes();
-    let all_frames = arguments.part.frames(footage.take())?;
-    let inputs = TrackInputs::new(arguments, footage, &all_frames, earlier, smoothing, &cancel)?;
+    let frames = arguments.part.frames(footage.take())?;
+    let cameras = arguments.part.cameras(footage.take())?;
+    let footage = arguments.person.follow(footage, &cameras, &frames, &cancel)?;
+    let start = match earlier {
+        Some(_) => None,
+        None => arguments.start.known_pose(footage.take(), frames[0])?,
+    };
+    let whom = Whom { footage, frames, start, found: None, out: &arguments.out };
+    let (report, _) = track(arguments, whom, earlier, &cancel)?;
+    output::print_result(arguments.json, &report.summary(), || report.text())
+}
+
+/// Tracks one person, and writes the files. Returns what came of it, and the person's body.
+pub(crate) fn track(
+    arguments: &TrackArguments,
+    whom: Whom<'_>,
+    earlier: Option<Earlier>,
+    cancel: &CancelToken,
+) -> anyhow::Result<(TrackReport, Arc<Model>)> {
+    let smoothing = arguments.follow.smoothing()?;
+    let known_notes = whom.footage.take().notes();
+    let (all_frames, out) = (whom.frames.clone(), whom.out);
+    let inputs = TrackInputs::new(arguments, whom, &all_frames, earlier, smoothing, cancel)?;
     let TrackInputs { reader, frames, start, begun, earlier } = inputs;
     let take = reader.footage.take();
     let judge = arguments.reference.take(take)?;
     let known = earlier.as_ref().and_then(Earlier::noise);
-    let plan = plan(arguments, &reader, start, frames, known, &cancel)?;
+    let plan = plan(arguments, &reader, start, frames, known, cancel)?;
     let renderer = plan.fit.renderer;
     let mut report = TrackReport::new(take, &reader.cameras);
     let mut run = TrackRun::new(reader.clone(), plan).remembering();
     if let Some(earlier) = earlier {
         run = earlier.go_on(take, run, &mut report)?;
     }
-    let mut writer = Writer::new(&arguments.out, take);
-    let tracked = follow(take, &mut run, frames.len(), &mut report, &cancel, |run, report| {
+    let mut writer = Writer::new(out, take);
+    let tracked = follow(take, &mut run, frames.len(), &mut report, cancel, |run, report| {
         writer.now_and_then(report, run);
     });
     // What cannot be smoothed or measured, as where the footage is gone, is written as it is.
@@ -142,7 +171,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         writer.at_the_end(&report, run.resume_point().as_ref())?;
     }
     if let Err(error) = tracked {
-        let (all, folder) = (all_frames.len(), arguments.out.display());
+        let (all, folder) = (all_frames.len(), out.display());
         return Err(match done {
             0 => error,
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
@@ -151,11 +180,12 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     smoothed
         .and_then(|()| arguments.reference.learn(&report.errors))
         .context("what was tracked is written")?;
-    output::print_result(arguments.json, &report.summary(), || report.text())
+    let model = Arc::clone(take.model());
+    Ok((report, model))
 }
 
 /// The take, with the body of an earlier track if that is gone on with.
-fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Arc<Footage>> {
+pub(crate) fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> anyhow::Result<Arc<Footage>> {
     let segmentation = arguments.follow.solver.segmentation();
     let Some(earlier) = earlier else {
         let model = arguments.model.as_deref();
@@ -178,30 +208,29 @@ struct TrackInputs<'a> {
 impl<'a> TrackInputs<'a> {
     fn new(
         arguments: &TrackArguments,
-        footage: Arc<Footage>,
+        whom: Whom<'_>,
         all_frames: &'a [usize],
         earlier: Option<Earlier>,
         smoothing: Option<Smoothing>,
         cancel: &CancelToken,
     ) -> anyhow::Result<Self> {
+        let Whom { footage, start, found: begun_before, out, .. } = whom;
         let cameras = arguments.part.cameras(footage.take())?;
-        let footage = arguments.person.follow(footage, &cameras, all_frames, cancel)?;
         let mut reader = TakeReader::of_silhouettes(footage, cameras);
         let take = reader.footage.take();
         if let Some(mut earlier) = earlier {
             let frames = earlier.frames_left(take, &reader.cameras, all_frames)?;
             if !frames.is_empty() {
-                earlier.recall(&arguments.out, smoothing)?;
+                earlier.recall(out, smoothing)?;
             }
             reader.cues.clone_from(&arguments.cues);
             let (start, begun) = (earlier.last_pose(), earlier.begun.clone());
             return Ok(Self { reader: Arc::new(reader), frames, start, begun, earlier: Some(earlier) });
         }
-        let start = arguments.start.known_pose(take, all_frames[0])?;
         person::check_silhouettes(&reader, all_frames)?;
         // A body that is named has its sizes.
-        let sizes = arguments.model.is_none() && take.sizes() == BodySizes::Fit;
-        output::make_folder(&arguments.out)?;
+        let sizes = begun_before.is_none() && arguments.model.is_none() && take.sizes() == BodySizes::Fit;
+        output::make_folder(out)?;
         let (model, fit) = (Arc::clone(take.model()), arguments.follow.fit()?);
         let search = PersonSearch { model, fit, start, frames: all_frames.to_vec(), sizes };
         let (found, begun) = person::find(&reader, search, cancel)?;
@@ -212,7 +241,7 @@ impl<'a> TrackInputs<'a> {
             reader.footage = Arc::new(Footage::new(take));
         }
         reader.cues.clone_from(&arguments.cues);
-        let (start, begun) = (found.start, Some(begun));
+        let (start, begun) = (found.start, begun_before.or(Some(begun)));
         Ok(Self { reader: Arc::new(reader), frames: all_frames, start, begun, earlier: None })
     }
 }

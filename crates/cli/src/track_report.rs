@@ -84,7 +84,7 @@ pub(crate) struct IouSummary {
     pub(crate) mean: Option<f64>,
     by_camera: BTreeMap<String, Option<f64>>,
     /// The share of the body's pixels that it leaves out, because the silhouettes are unknown there.
-    left_out: Option<f64>,
+    pub(crate) left_out: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]

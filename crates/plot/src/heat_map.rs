@@ -78,7 +78,7 @@ impl AsPicture for HeatMap {
             self.axes(&mut page, grid, colours);
             self.cells(&mut page, grid, values, colours);
         }
-        self.legend(&mut page, Point::new(left, legend_top + 2.0), colours);
+        legend(&mut page, Point::new(left, legend_top + 2.0), self.limit, colours);
         page.finish()
     }
 }
@@ -102,7 +102,7 @@ fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
 }
 
 /// The colour of a distance.
-fn error_colour(value: f64, limit: f64) -> u32 {
+pub(crate) fn error_colour(value: f64, limit: f64) -> u32 {
     let [r, g, b] = interpolate(&GRADIENT_STOPS, error_share(value, limit));
     u32::from_be_bytes([0, r, g, b])
 }
@@ -152,28 +152,28 @@ impl HeatMap {
         let below = Point::new(grid.x0, grid.y1 + 19.0);
         page.text(below, LEFT_TOP, &format!("Across: {}", self.labels[0]), SMALL, colours.text);
     }
+}
 
-    /// The bar that says which colour is which distance.
-    fn legend(&self, page: &mut Page, corner: Point, colours: &PageColours) {
-        let bar = Rect::from_origin_size(corner, (BAR[0], BAR[1]));
-        let last = LAST_COLOUR * self.limit;
-        for column in 0..BAR[0] as usize {
-            let x = bar.x0 + column as f64;
-            let colour = error_colour(column as f64 / BAR[0] * last, self.limit);
-            page.fill(Rect::new(x, bar.y0, x + 1.0, bar.y1), colour);
-        }
-        page.frame(bar.inset(1.0), colours.line2);
-        let at_limit = (bar.x0 + BAR[0] / LAST_COLOUR).floor() + 0.5;
-        let [above, below] = [bar.y0 - 2.0, bar.y1 + 2.0].map(|y| Point::new(at_limit, y));
-        page.hairline(above, below, colours.text);
-        let words = [
-            (bar.x0, LEFT_TOP, "0".to_owned()),
-            (at_limit + 2.0, CENTRE_TOP, plain(self.limit)),
-            (bar.x1, RIGHT_TOP, format!("{} mm and more", plain(last))),
-        ];
-        for (x, anchor, text) in words {
-            page.text(Point::new(x, bar.y1 + 4.0), anchor, &text, SMALL, colours.text2);
-        }
+/// The bar that says which colour is which distance, millimetres.
+pub(crate) fn legend(page: &mut Page, corner: Point, limit: f64, colours: &PageColours) {
+    let bar = Rect::from_origin_size(corner, (BAR[0], BAR[1]));
+    let last = LAST_COLOUR * limit;
+    for column in 0..BAR[0] as usize {
+        let x = bar.x0 + column as f64;
+        let colour = error_colour(column as f64 / BAR[0] * last, limit);
+        page.fill(Rect::new(x, bar.y0, x + 1.0, bar.y1), colour);
+    }
+    page.frame(bar.inset(1.0), colours.line2);
+    let at_limit = (bar.x0 + BAR[0] / LAST_COLOUR).floor() + 0.5;
+    let [above, below] = [bar.y0 - 2.0, bar.y1 + 2.0].map(|y| Point::new(at_limit, y));
+    page.hairline(above, below, colours.text);
+    let words = [
+        (bar.x0, LEFT_TOP, "0".to_owned()),
+        (at_limit + 2.0, CENTRE_TOP, plain(limit)),
+        (bar.x1, RIGHT_TOP, format!("{} mm and more", plain(last))),
+    ];
+    for (x, anchor, text) in words {
+        page.text(Point::new(x, bar.y1 + 4.0), anchor, &text, SMALL, colours.text2);
     }
 }
 

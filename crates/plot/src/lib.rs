@@ -3,6 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`figure`] | [`Figure`]: a title, axes with their units, and curves between them |
+//! | [`floor_map`] | [`FloorMap`]: a floor seen from above, with cameras |
 //! | [`heat_map`] | [`HeatMap`]: a grid of coloured cells |
 //! | [`sheet`] | [`Sheet`]: pictures in rows and columns |
 //! | [`marks`] | where an axis has its marks |
@@ -11,6 +12,7 @@
 
 pub mod colours;
 pub mod figure;
+pub mod floor_map;
 pub mod heat_map;
 pub mod marks;
 mod page;
@@ -21,6 +23,7 @@ use image::{DynamicImage, ImageResult, RgbaImage};
 
 pub use colours::Theme;
 pub use figure::{Axis, Figure, Line};
+pub use floor_map::{FloorMap, MapCamera};
 pub use heat_map::HeatMap;
 pub use sheet::Sheet;
 

@@ -32,6 +32,7 @@
 mod cause;
 mod directions;
 mod information;
+pub mod plan;
 mod subsets;
 mod uncertainty;
 

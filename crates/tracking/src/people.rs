@@ -5,11 +5,15 @@
 //! cube goes to the person who was nearest, so that people who touch stay apart. Two cameras leave crossings of sight
 //! rays that look like people: three or more are needed. Lengths are metres, in world axes.
 
+mod bodies;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use self::bodies::DrawnBody;
+pub use self::bodies::KnownBody;
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitView};
@@ -341,6 +345,18 @@ pub struct FollowedPerson {
     pub own: PersonTrack,
     /// Everybody else.
     pub others: Vec<PersonTrack>,
+    /// Their bodies, where a track has found them. They are not written.
+    #[serde(skip)]
+    pub bodies: FoundBodies,
+}
+
+/// Bodies of who is followed and of the others, as far as they are known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FoundBodies {
+    /// Of who is followed.
+    pub own: Option<KnownBody>,
+    /// In the order of the others; may be empty.
+    pub others: Vec<Option<KnownBody>>,
 }
 
 impl FollowedPerson {
@@ -348,29 +364,46 @@ impl FollowedPerson {
     #[must_use]
     pub fn of(people: &[PersonTrack], number: usize) -> Option<Self> {
         let mut others = people.to_vec();
-        (number < others.len()).then(|| Self { own: others.remove(number), others })
+        let bodies = FoundBodies::default();
+        (number < others.len()).then(|| Self { own: others.remove(number), others, bodies })
     }
 
-    /// Makes subject that is, or may be, another's unknown in a camera without distortion: pixels before or behind whose surface a
-    /// cube of another is.
+    /// Makes subject that is, or may be, another's unknown in a camera without distortion: pixels that a known body of another
+    /// explains, or that it explains better than one's own; of others whose body is not known, pixels before or behind whose
+    /// surface a cube of theirs is.
     pub fn hide_others(&self, camera: &Camera, frame: usize, mask: &mut Mask) {
-        let (width, height) = (mask.width(), mask.height());
-        let labels = mask.labels_mut();
-        for place in self.others.iter().filter_map(|other| other.at(frame)) {
-            let reach = MARGIN * place.side_m * camera.intrinsics().mean_focal_px();
-            for at in place.cubes() {
-                let Some(pixel) = camera.project(at) else { continue };
-                let reach = reach / camera.depth(at) + 1.0;
-                let ends = |at: f64, count: usize| {
-                    let [low, high] = [at - reach, at + reach + 1.0].map(|end| end.clamp(0.0, count as f64));
-                    low as usize..high as usize
-                };
-                let columns = ends(pixel.x, width);
-                for row in ends(pixel.y, height) {
-                    for label in &mut labels[row * width..][columns.clone()] {
-                        if *label == Label::Subject {
-                            *label = Label::Unknown;
-                        }
+        let drawn = |body: &KnownBody| DrawnBody::new(body, camera, frame);
+        let own = self.bodies.own.as_ref().and_then(drawn);
+        let body = |other: usize| own.as_ref().and(self.bodies.others.get(other)?.as_ref()).and_then(drawn);
+        let others: Vec<Option<DrawnBody>> = (0..self.others.len()).map(body).collect();
+        for (other, _) in self.others.iter().zip(&others).filter(|(_, body)| body.is_none()) {
+            hide_cubes(other.at(frame), camera, mask);
+        }
+        let known: Vec<DrawnBody> = others.into_iter().flatten().collect();
+        if let Some(own) = own.filter(|_| !known.is_empty()) {
+            bodies::hide(&own, &known, mask);
+        }
+    }
+}
+
+/// Makes subject unknown before or behind whose surface a cube of a place is.
+fn hide_cubes(place: Option<&PersonPlace>, camera: &Camera, mask: &mut Mask) {
+    let (width, height) = (mask.width(), mask.height());
+    let labels = mask.labels_mut();
+    if let Some(place) = place {
+        let reach = MARGIN * place.side_m * camera.intrinsics().mean_focal_px();
+        for at in place.cubes() {
+            let Some(pixel) = camera.project(at) else { continue };
+            let reach = reach / camera.depth(at) + 1.0;
+            let ends = |at: f64, count: usize| {
+                let [low, high] = [at - reach, at + reach + 1.0].map(|end| end.clamp(0.0, count as f64));
+                low as usize..high as usize
+            };
+            let columns = ends(pixel.x, width);
+            for row in ends(pixel.y, height) {
+                for label in &mut labels[row * width..][columns.clone()] {
+                    if *label == Label::Subject {
+                        *label = Label::Unknown;
                     }
                 }
             }

@@ -7,8 +7,9 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, CameraCheck, Convergence, Demonstration as Show, Export, File, Fit, History,
-    Laboratory, Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
+    Basin, Beginning, CameraCheck, CameraPlan, Convergence, Demonstration as Show, Export, File, Fit,
+    History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View,
+    Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
@@ -162,6 +163,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Fit, Observability(ObservabilityCommand::Sway), "Sway", "Sway the body along the selected direction, or hold it still", &[shift(Key::U)]),
     row(Menu::Fit, Observability(ObservabilityCommand::WeakerDirection), "Worse seen direction", "Select the next direction that the cameras see less well", &[key(Key::PageDown)]),
     row(Menu::Fit, Observability(ObservabilityCommand::StrongerDirection), "Better seen direction", "Select the next direction that the cameras see better", &[key(Key::PageUp)]),
+    row(Menu::Fit, CameraPlan, "Where to put cameras…", "Find how well the cameras would know a person anywhere on the floor, which of them is missed least, and where one more would bring most", &[]),
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Angles)), "Run basin", "Fit this frame from many starts farther and farther off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Map)), "Run basin map", "Fit this frame from a grid of starts with two angles set off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Cancel), "Cancel basin", "Stop the basin’s fits; what is done stays", &[]),

@@ -12,7 +12,7 @@ use crate::fit::{FitError, FitOptions, FitView, Stage};
 use crate::geometry::rotation::skew;
 use crate::optimize::NormalEquations;
 use crate::render::wrench::WrenchBlock;
-use crate::render::{BACKGROUND, RowWinners, View};
+use crate::render::{BACKGROUND, Ramp, RendererKind, RowWinners, View};
 use crate::residual::Loss;
 use crate::residual::silhouette::{StateMap, WorldBlocks};
 
@@ -109,6 +109,25 @@ impl FrameInformation {
         Ok(Self { model: Arc::clone(model), kinematics, pose, cameras, lever_m })
     }
 
+    /// Looks at a pose as cameras would see it whose silhouettes are what the model predicts: nothing errs, every pixel counts, each
+    /// camera has a weight of one. No footage is needed. Lenses are taken for ideal.
+    #[must_use]
+    pub fn of_prediction(
+        model: &Arc<Model>,
+        cameras: &[Arc<Camera>],
+        (renderer, ramp): (RendererKind, Ramp),
+        pose: &Pose,
+    ) -> Self {
+        let pose = pose.normalized();
+        let kinematics = Kinematics::new(model, &pose);
+        let look = |camera: &Arc<Camera>| {
+            let drawn = View::new(model, &kinematics, camera, renderer, ramp);
+            Some(look_through(model, &kinematics, camera, &drawn, |_, _| [0.0, 1.0]))
+        };
+        let cameras = cameras.par_iter().map(look).collect();
+        Self { model: Arc::clone(model), lever_m: mean_lever(model), cameras, kinematics, pose }
+    }
+
     /// H = Σ w JᵀJ of a set of cameras, tangent columns. Cameras without data add nothing.
     #[must_use]
     pub fn equations(&self, cameras: &[usize]) -> NormalEquations {
@@ -168,6 +187,23 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
     let loss = if stages.len() > 1 { options.pixel_loss } else { Loss::Squares };
     let data = view.data(&stage, view.distance(std::slice::from_ref(&stage)).as_ref());
     let drawn = View::new(model, kinematics, &view.camera, options.renderer, stage.ramp);
+    let seen = |at: usize, level: f64| {
+        let residual = f64::from(data.values()[at]) - BACKGROUND * level;
+        [residual, f64::from(data.weights()[at]) * loss.weight(residual * residual)]
+    };
+    CameraInformation { weight: view.weight, ..look_through(model, kinematics, &view.camera, &drawn, seen) }
+}
+
+/// What a camera of weight one tells. `seen` says of a pixel, by its index and predicted level from 0 to 1, the residual and how
+/// much it counts.
+fn look_through(
+    model: &Model,
+    kinematics: &Kinematics,
+    camera: &Arc<Camera>,
+    drawn: &View,
+    seen: impl Fn(usize, f64) -> [f64; 2],
+) -> CameraInformation {
+    let (width, height) = (camera.width(), camera.height());
     let columns = Parameters::Tangent.columns(model.rotation_count());
     let count = model.limbs().len();
     let moving = |limb| {
@@ -176,37 +212,38 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
         columns
     };
     let moving: Vec<Vec<MovingColumn>> = (0..count).map(moving).collect();
-    let camera_from_world = view.camera.camera_from_world().rotation;
+    let camera_from_world = camera.camera_from_world().rotation;
     let world_from_camera = camera_from_world.transpose();
     let mut blocks = vec![WrenchBlock::default(); count];
     let mut limbs =
         vec![LimbSight { in_picture: false, won: 0, on_ramp: 0, by_ends: Matrix6::zeros() }; count];
     let (mut cost, mut ramp_weight) = (0.0, 0.0);
     // g of the cells of the current row of cells.
-    let mut cells = vec![DVector::zeros(columns); data.width().div_ceil(CELL_PX)];
+    let mut cells = vec![DVector::zeros(columns); width.div_ceil(CELL_PX)];
     let mut scatter = DMatrix::zeros(columns, columns);
     let mut row = RowWinners::default();
-    for y in 0..data.height() {
-        row.find(&drawn, y, 1, 0);
+    for y in 0..height {
+        row.find(drawn, y, 1, 0);
         for x in row.touched() {
             let Some(winner) = row.winner(x) else { continue };
             let primitive = &drawn.primitives[winner];
             limbs[primitive.limb].won += 1;
-            let at = y * data.width() + x;
             let sample = primitive.sample(drawn.ray(x, y));
-            let residual = f64::from(data.values()[at]) - BACKGROUND * row.level(x).clamp(0.0, 1.0);
-            let weight = f64::from(data.weights()[at]) * loss.weight(residual * residual);
+            let [residual, weight] = seen(y * width + x, row.level(x).clamp(0.0, 1.0));
             let Some(wrench) = sample.wrench.filter(|_| weight > 0.0) else { continue };
             blocks[primitive.limb].add(wrench, weight, residual);
             limbs[primitive.limb].on_ramp += 1;
             cost += weight * residual * residual;
             ramp_weight += weight;
+            if residual == 0.0 {
+                continue;
+            }
             let pull = SVector::from(wrench.rotated(world_from_camera).to_array()) * (weight * residual);
             for column in &moving[primitive.limb] {
                 cells[x / CELL_PX][column.index] += SVector::from(column.motion).dot(&pull);
             }
         }
-        if y % CELL_PX == CELL_PX - 1 || y + 1 == data.height() {
+        if y % CELL_PX == CELL_PX - 1 || y + 1 == height {
             for cell in cells.iter_mut().filter(|cell| cell.iter().any(|value| *value != 0.0)) {
                 scatter.ger(1.0, cell, cell, 1.0);
                 cell.fill(0.0);
@@ -214,19 +251,19 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
         }
     }
     let mut world = WorldBlocks::new(count);
-    world.add(&view.camera, &blocks, 1.0);
+    world.add(camera, &blocks, 1.0);
     let mut equations = NormalEquations::zeros(columns);
     world.add_to(kinematics, Parameters::Tangent, &mut StateMap::default(), &mut equations);
     equations.cost = cost;
     for (limb, sight) in limbs.iter_mut().enumerate() {
         let (start, end) = (kinematics.starts()[limb], kinematics.ends()[limb]);
         let (products, _) = blocks[limb].in_world(camera_from_world);
-        sight.in_picture = is_in_picture(&view.camera, start, end);
+        sight.in_picture = is_in_picture(camera, start, end);
         sight.by_ends = by_ends(&products, end - start);
     }
     let ramp_pixels = limbs.iter().map(|sight| sight.on_ramp).sum();
-    let (camera, weight) = (Arc::clone(&view.camera), view.weight);
-    CameraInformation { camera, weight, equations, ramp_weight, ramp_pixels, scatter, limbs }
+    let camera = Arc::clone(camera);
+    CameraInformation { camera, weight: 1.0, equations, ramp_weight, ramp_pixels, scatter, limbs }
 }
 
 fn is_in_picture(camera: &Camera, start: DVec3, end: DVec3) -> bool {

@@ -5,6 +5,7 @@
 mod acquisition;
 mod bad_evidence;
 mod bad_input;
+mod camera_plan;
 mod cues;
 mod drawing;
 mod errata;
