@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use crate::render::Ramp;
+use crate::silhouette::Overlap;
 use crate::statistics::upper_median;
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
@@ -23,6 +24,12 @@ const LEAST_RISE: f64 = 4.0;
 
 /// The usual RMS is the median of this many frames.
 const REMEMBERED: usize = 10;
+
+/// One of fewer cameras cannot be blamed.
+const FEWEST_CAMERAS: usize = 3;
+
+/// A camera that has more than this share of all that is wrong is to blame for it.
+const MOST_OF_IT: f64 = 0.5;
 
 /// With fewer frames nothing is usual.
 const FEWEST: usize = 3;
@@ -82,14 +89,18 @@ impl UsualCost {
         wrong.map(|&rms| (rms, "a finite number, 0 or more"))
     }
 
-    /// How a fitted frame is lost, if it is.
-    pub(super) fn judge(&self, rms: f64, iou: Option<f64>) -> Option<Lost> {
+    /// How a fitted frame is lost, if it is. `overlaps` are those of the cameras: where one picture alone is to blame for a cost, the body is
+    /// not lost.
+    pub(super) fn judge(&self, rms: f64, iou: Option<f64>, overlaps: &[Option<Overlap>]) -> Option<Lost> {
         match iou {
             _ if !rms.is_finite() => Some(Lost::Numbers),
             Some(iou) if iou < LOST_BELOW_IOU => Some(Lost::Overlap { iou }),
             _ => {
                 let usual = self.usual()?;
                 let ratio = rms / usual;
+                if ratio * of_others(overlaps) <= LOST_ABOVE_RMS_RATIO {
+                    return None;
+                }
                 (ratio > LOST_ABOVE_RMS_RATIO && rms - usual > LEAST_RISE).then_some(Lost::Cost { ratio })
             }
         }
@@ -124,6 +135,19 @@ impl UsualCost {
     }
 }
 
+/// By which factor the RMS changes without the camera that disagrees most; 1 unless most of the disagreement is in that camera, and there
+/// are two others at least. Pixels that are wrong stand for squared residuals.
+fn of_others(overlaps: &[Option<Overlap>]) -> f64 {
+    let wrong: Vec<f64> =
+        overlaps.iter().flatten().map(|overlap| (overlap.missing + overlap.spurious) as f64).collect();
+    let (count, all) = (wrong.len() as f64, wrong.iter().sum::<f64>());
+    let worst = wrong.iter().fold(0.0_f64, |worst, wrong| worst.max(*wrong)) / all;
+    if wrong.len() < FEWEST_CAMERAS || !(worst > MOST_OF_IT) {
+        return 1.0;
+    }
+    ((1.0 - worst) * count / (count - 1.0)).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,8 +156,8 @@ mod tests {
     fn a_fit_whose_numbers_ran_out_of_range_is_lost_however_it_overlaps() {
         let mut usual = UsualCost::default();
         for rms in [f64::INFINITY, f64::NAN] {
-            assert_eq!(usual.judge(rms, Some(0.95)), Some(Lost::Numbers));
-            assert_eq!(usual.judge(rms, None), Some(Lost::Numbers));
+            assert_eq!(usual.judge(rms, Some(0.95), &[]), Some(Lost::Numbers));
+            assert_eq!(usual.judge(rms, None, &[]), Some(Lost::Numbers));
             usual.remember(rms, Some(Lost::Numbers));
         }
         // Nothing is learnt from it.
@@ -145,34 +169,51 @@ mod tests {
     fn a_cost_by_another_ramp_is_no_measure() {
         let mut usual = UsualCost::default().by(Ramp::Half);
         (0..FEWEST).for_each(|_| usual.remember(10.0, None));
-        assert!(matches!(usual.by(Ramp::Half).judge(30.0, None), Some(Lost::Cost { .. })));
-        assert_eq!(usual.by(Ramp::Thesis).judge(30.0, None), None);
+        assert!(matches!(usual.by(Ramp::Half).judge(30.0, None, &[]), Some(Lost::Cost { .. })));
+        assert_eq!(usual.by(Ramp::Thesis).judge(30.0, None, &[]), None);
     }
 
     #[test]
     fn a_cost_that_jumps_is_lost_and_one_that_stays_is_usual() {
         let mut usual = UsualCost::default();
-        assert_eq!(usual.judge(100.0, Some(0.9)), None, "nothing is usual yet");
+        assert_eq!(usual.judge(100.0, Some(0.9), &[]), None, "nothing is usual yet");
         for frame in 0..20 {
             let rms = 20.0 + 0.3 * f64::from(frame);
-            assert_eq!(usual.judge(rms, Some(0.9)), None, "frame {frame}");
+            assert_eq!(usual.judge(rms, Some(0.9), &[]), None, "frame {frame}");
             usual.remember(rms, None);
         }
-        assert!(matches!(usual.judge(36.0, Some(0.8)), Some(Lost::Cost { ratio }) if ratio > 1.4));
-        assert_eq!(usual.judge(36.0, Some(0.1)), Some(Lost::Overlap { iou: 0.1 }));
+        assert!(matches!(usual.judge(36.0, Some(0.8), &[]), Some(Lost::Cost { ratio }) if ratio > 1.4));
+        assert_eq!(usual.judge(36.0, Some(0.1), &[]), Some(Lost::Overlap { iou: 0.1 }));
         let mut lost = 0;
         for _ in 0..30 {
-            let found = usual.judge(36.0, Some(0.8));
+            let found = usual.judge(36.0, Some(0.8), &[]);
             lost += usize::from(found.is_some());
             usual.remember(36.0, found);
         }
         assert_eq!(lost, REMEMBERED);
     }
 
+    /// A patch over one of four pictures is no loss; a limb that is elsewhere is wrong in several.
+    #[test]
+    fn one_picture_alone_is_no_loss() {
+        let mut usual = UsualCost::default();
+        (0..FEWEST).for_each(|_| usual.remember(20.0, None));
+        let wrong = |pixels: &[usize]| -> Vec<Option<Overlap>> {
+            let of = |&missing| Some(Overlap { agreement: 2000, missing, ..Overlap::default() });
+            pixels.iter().map(of).collect()
+        };
+        assert_eq!(usual.judge(40.0, Some(0.8), &wrong(&[2000, 200, 200, 200])), None);
+        assert!(usual.judge(40.0, Some(0.8), &wrong(&[700, 700, 200, 200])).is_some());
+        // The others disagree as well, and of two nobody knows which.
+        assert!(usual.judge(80.0, Some(0.8), &wrong(&[2000, 600, 600, 600])).is_some());
+        assert!(usual.judge(40.0, Some(0.8), &wrong(&[2000, 200])).is_some());
+        assert!(usual.judge(40.0, Some(0.8), &wrong(&[0, 0, 0])).is_some());
+    }
+
     #[test]
     fn a_perfect_fit_is_no_measure() {
         let mut usual = UsualCost::default();
         (0..5).for_each(|_| usual.remember(0.0, None));
-        assert_eq!(usual.judge(3.0, None), None);
+        assert_eq!(usual.judge(3.0, None, &[]), None);
     }
 }

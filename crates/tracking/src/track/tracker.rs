@@ -303,7 +303,7 @@ impl Tracker {
         let kinematics = Kinematics::new(&self.model, &summary.pose);
         let is_out = extent::is_beyond(&self.model, &kinematics, views, &overlap);
         let usual = self.usual.by(fit.options.final_ramp());
-        let judge = || usual.judge(rms(&summary), iou(&overlap));
+        let judge = || usual.judge(rms(&summary), iou(&overlap), &overlap);
         let lost = if is_out { Some(Lost::OutOfScene) } else { judge() };
         Attempt { fit, summary, hypotheses, overlap, lost, conflicts: None, modes: Vec::new() }
     }
@@ -462,7 +462,7 @@ impl Tracker {
         let attempt = self.attempt(fit, Vec::new(), views, cancel)?;
         let usual = self.usual.by(attempt.fit.options.final_ramp());
         let is_poor = iou(&attempt.overlap).is_some_and(|iou| iou < SEARCH_BELOW_IOU)
-            || usual.judge(rms(&attempt.summary), None).is_some();
+            || usual.judge(rms(&attempt.summary), None, &attempt.overlap).is_some();
         if self.search == WhenToSearch::WhenPoor && is_poor {
             return self.search(views, start, cancel);
         }
