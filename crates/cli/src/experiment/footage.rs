@@ -134,8 +134,8 @@ impl Arguments {
         let (frames, cameras) = (self.part.frames(take)?, self.part.cameras(take)?);
         let (disturbed, from) = (self.disturbed_camera - 1, self.disturbed_from);
         ensure!(
-            cameras.contains(&disturbed),
-            "--disturbed-camera {}: the take's cameras that are used do not include it",
+            self.disturb.is_none() || cameras.contains(&disturbed),
+            "--disturbed-camera {}: expected one of the cameras that are used",
             disturbed + 1
         );
         let disturbance = self.disturb.map(|what| (what, disturbed, from));

@@ -40,7 +40,7 @@ impl PictureDisturbance {
         Self::SuddenLight,
     ];
 
-    /// Disturbs a picture so many frames after the disturbance began.
+    /// Disturbs a picture; `since` counts frames from the first that is disturbed.
     pub fn apply(self, picture: &mut RgbImage, since: usize) {
         let phase = since as f64 / PERIOD;
         let to_and_fro = 0.5 - 0.4 * (TAU * phase).cos();

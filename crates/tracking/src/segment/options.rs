@@ -47,7 +47,7 @@ pub struct SegmentOptions {
     /// Where the subject may be; all else is background.
     pub region: Option<Region>,
     /// Whether subject that no other camera [supports](crate::visual_hull::unsupported_parts) is unknown. [`segment`](super::segment)
-    /// knows one camera only: who has all cameras' masks sees to it.
+    /// knows one camera only; `Footage` of the crate `formats` does it for all.
     pub needs_support: bool,
 }
 

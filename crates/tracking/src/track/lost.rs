@@ -28,8 +28,8 @@ const REMEMBERED: usize = 10;
 /// One of fewer cameras cannot be blamed.
 const FEWEST_CAMERAS: usize = 3;
 
-/// A camera that has more than this share of all that is wrong is to blame for it.
-const MOST_OF_IT: f64 = 0.5;
+/// A camera is to blame for what is wrong if it has this many times its share of it.
+const BLAMED_FROM: f64 = 1.6;
 
 /// With fewer frames nothing is usual.
 const FEWEST: usize = 3;
@@ -135,14 +135,14 @@ impl UsualCost {
     }
 }
 
-/// By which factor the RMS changes without the camera that disagrees most; 1 unless most of the disagreement is in that camera, and there
+/// By which factor the RMS changes without the camera that disagrees most; 1 unless that camera has much more than its share, and there
 /// are two others at least. Pixels that are wrong stand for squared residuals.
 fn of_others(overlaps: &[Option<Overlap>]) -> f64 {
     let wrong: Vec<f64> =
         overlaps.iter().flatten().map(|overlap| (overlap.missing + overlap.spurious) as f64).collect();
     let (count, all) = (wrong.len() as f64, wrong.iter().sum::<f64>());
     let worst = wrong.iter().fold(0.0_f64, |worst, wrong| worst.max(*wrong)) / all;
-    if wrong.len() < FEWEST_CAMERAS || !(worst > MOST_OF_IT) {
+    if wrong.len() < FEWEST_CAMERAS || !(worst * count > BLAMED_FROM) {
         return 1.0;
     }
     ((1.0 - worst) * count / (count - 1.0)).sqrt()

@@ -22,7 +22,7 @@ use std::borrow::Borrow;
 use glam::{DVec2, DVec3};
 
 use super::{Extent, HullView, region};
-use crate::camera::Camera;
+use crate::camera::{Camera, Intrinsics};
 use crate::silhouette::{Label, Mask};
 use crate::statistics;
 
@@ -30,7 +30,7 @@ use crate::statistics;
 const BLOCKS: usize = 160;
 /// So far off may a camera be at the subject, by its calibration and its silhouette.
 const TOLERANCE_M: f64 = 0.04;
-/// One in so many cameras that are asked may be against.
+/// Of three cameras that vote one may be against.
 const ONE_FORGIVEN_IN: usize = 3;
 /// A part is told if it is as large as this share of what is supported: about a forearm.
 const LEAST_SHARE: f64 = 0.02;
@@ -91,15 +91,19 @@ pub fn unsupported_parts<C: Borrow<Camera>, M: Borrow<Mask>>(
         .zip(extents)
         .filter_map(|(view, extent)| Some(BlockView::new(extent?, view.silhouette.borrow(), middle)))
         .collect();
-    let ball = Ball { middle, radius: 3.0_f64.sqrt() * half };
+    let ball = Ball { middle, radius: half };
     let enough = ENOUGH.min(seen.len().saturating_sub(1));
     let mut search = SupportSearch { views: &seen, ball, places: Vec::new() };
     search.places = seen.iter().map(|view| vec![None; view.subject.len()]).collect();
-    search.fill(|votes| votes.supporting == votes.seen && votes.supporting >= enough);
+    let all_for = |votes: &Votes| votes.supporting == votes.seen;
+    search.fill(SupportSearch::unsupported, all_for, |votes| votes.supporting >= enough);
     let Some(body) = search.median() else { return none() };
     search.ball = Ball { middle: body, radius: REACH_M };
-    search.fill(|votes| votes.against == 0 && (votes.supporting == 0 || votes.unexplained > 0));
-    search.fill(|votes| {
+    let none_against = |votes: &Votes| votes.against == 0;
+    let large = SupportSearch::large_unsupported;
+    search.fill(large, none_against, |votes| votes.supporting == 0 || votes.unexplained > 0);
+    let any = |_: &Votes| true;
+    search.fill(large, any, |votes| {
         let forgiven = (votes.supporting + votes.against) / ONE_FORGIVEN_IN;
         votes.against <= forgiven && votes.supporting >= enough && votes.unexplained > 0
     });
@@ -199,12 +203,21 @@ impl<'a> BlockView<'a> {
         self.subject.iter().zip(blocks).filter(|(_, is_in)| **is_in).map(|(pixels, _)| pixels).sum()
     }
 
-    /// The block of a place; `None` if that is not in the picture.
-    fn block(&self, place: DVec3) -> Option<usize> {
-        let block = (self.extent.camera.project(place)? + 0.5) / self.side_px as f64;
-        let is_inside =
-            block.min_element() >= 0.0 && block.x < self.columns as f64 && block.y < self.rows as f64;
-        is_inside.then(|| block.y as usize * self.columns + block.x as usize)
+    /// Homogeneous coordinates, in blocks, of a place (w = 1) or a direction (w = 0) of the world.
+    fn block_from_world(&self, place: DVec3, w: f64) -> DVec3 {
+        let camera = self.extent.camera;
+        let from_world = camera.camera_from_world();
+        let at = from_world.rotation * place + w * from_world.translation;
+        let Intrinsics { fx, fy, cx, cy } = *camera.intrinsics();
+        let side = self.side_px as f64;
+        DVec3::new(fx * at.x + (cx + 0.5) * at.z, fy * at.y + (cy + 0.5) * at.z, side * at.z)
+    }
+
+    /// The block of a place in such coordinates; `None` if that is not in the picture.
+    fn block(&self, at: DVec3) -> Option<usize> {
+        let (x, y) = (at.x / at.z, at.y / at.z);
+        let is_inside = at.z > 0.0 && x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
+        is_inside.then(|| y as usize * self.columns + x as usize)
     }
 
     /// The ray through the middle of a block.
@@ -264,6 +277,13 @@ struct Votes {
     unexplained: usize,
 }
 
+/// A ray in the homogeneous coordinates of another view's blocks.
+struct SeenRay {
+    view: usize,
+    origin: DVec3,
+    direction: DVec3,
+}
+
 /// A search for the places that support blocks.
 struct SupportSearch<'s, 'a> {
     views: &'s [BlockView<'a>],
@@ -273,12 +293,26 @@ struct SupportSearch<'s, 'a> {
 }
 
 impl SupportSearch<'_, '_> {
-    /// Looks for a place for every block that has none.
-    fn fill(&mut self, supports: impl Fn(&Votes) -> bool) {
-        let unsupported: Vec<Vec<bool>> = (0..self.views.len()).map(|view| self.unsupported(view)).collect();
-        for view in 0..self.views.len() {
-            let holds = |place: DVec3| supports(&self.votes(view, place, &unsupported));
-            let found = self.look(view, &unsupported[view], holds);
+    /// Looks for places for the wanted blocks of every view. A place is given up as soon as `goes_on`
+    /// fails.
+    fn fill(
+        &mut self,
+        wanted: impl Fn(&Self, usize) -> Vec<bool>,
+        goes_on: impl Fn(&Votes) -> bool,
+        supports: impl Fn(&Votes) -> bool,
+    ) {
+        let views = 0..self.views.len();
+        let unsupported: Vec<Vec<bool>> = views.clone().map(|view| self.unsupported(view)).collect();
+        for view in views {
+            let holds = |rays: &[SeenRay], distance: f64| {
+                let mut votes = Votes::default();
+                let all = rays.iter().all(|ray| {
+                    self.vote(ray, distance, &unsupported, &mut votes);
+                    goes_on(&votes)
+                });
+                all && supports(&votes)
+            };
+            let found = self.look(view, &wanted(self, view), holds);
             for (place, found) in self.places[view].iter_mut().zip(found) {
                 *place = place.or(found);
             }
@@ -296,44 +330,58 @@ impl SupportSearch<'_, '_> {
         self.views[view].large_parts(self.unsupported(view))
     }
 
-    fn votes(&self, view: usize, place: DVec3, unsupported: &[Vec<bool>]) -> Votes {
-        let mut votes = Votes::default();
-        for (number, other) in self.views.iter().enumerate().filter(|(number, _)| *number != view) {
-            let Some(block) = other.block(place) else {
-                votes.seen += usize::from(!other.is_cut);
-                votes.against += usize::from(!other.is_cut);
-                continue;
-            };
-            votes.seen += 1;
-            match other.says[block] {
-                Says::For => {
-                    votes.supporting += 1;
-                    votes.unexplained += usize::from(unsupported[number][block]);
-                }
-                Says::Nothing => {}
-                Says::Against => votes.against += 1,
+    /// What a camera says of the place at a distance along a ray.
+    fn vote(&self, ray: &SeenRay, distance: f64, unsupported: &[Vec<bool>], votes: &mut Votes) {
+        let other = &self.views[ray.view];
+        let Some(block) = other.block(ray.origin + distance * ray.direction) else {
+            votes.seen += usize::from(!other.is_cut);
+            votes.against += usize::from(!other.is_cut);
+            return;
+        };
+        votes.seen += 1;
+        match other.says[block] {
+            Says::For => {
+                votes.supporting += 1;
+                votes.unexplained += usize::from(unsupported[ray.view][block]);
             }
+            Says::Nothing => {}
+            Says::Against => votes.against += 1,
         }
-        votes
     }
 
     /// A place on the ray of each of the wanted blocks of a view.
-    fn look(&self, view: usize, wanted: &[bool], holds: impl Fn(DVec3) -> bool) -> Vec<Option<DVec3>> {
+    fn look(
+        &self,
+        view: usize,
+        wanted: &[bool],
+        holds: impl Fn(&[SeenRay], f64) -> bool,
+    ) -> Vec<Option<DVec3>> {
         let own = &self.views[view];
         let origin = own.extent.camera.centre();
         let step = STEP * TOLERANCE_M;
+        let others = || self.views.iter().enumerate().filter(|(number, _)| *number != view);
+        let mut rays: Vec<SeenRay> = others()
+            .map(|(view, other)| SeenRay {
+                view,
+                origin: other.block_from_world(origin, 1.0),
+                direction: DVec3::ZERO,
+            })
+            .collect();
         // What supports a block is likely near what supports the one before it.
         let mut last = origin.distance(self.ball.middle);
         let place = |block: usize| {
-            let ray = own.ray(block).filter(|_| wanted[block])?;
+            let ray = if wanted[block] { own.ray(block)? } else { return None };
             let [enter, leave] = self.ball.chord(origin, ray)?;
+            for (seen, (_, other)) in rays.iter_mut().zip(others()) {
+                seen.direction = other.block_from_world(ray, 0.0);
+            }
             let middle = last.clamp(enter, leave);
             let count = ((leave - middle).max(middle - enter) / step).ceil() as usize;
-            let outwards = (0..=count).flat_map(|number| {
+            let mut outwards = (0..=count).flat_map(|number| {
                 let away = step * number as f64;
                 [(middle - away).max(enter), (middle + away).min(leave)]
             });
-            last = { outwards }.find(|distance| holds(origin + *distance * ray))?;
+            last = outwards.find(|distance| holds(&rays, *distance))?;
             Some(origin + last * ray)
         };
         (0..wanted.len()).map(place).collect()
