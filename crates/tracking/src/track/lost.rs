@@ -142,10 +142,8 @@ fn of_others(overlaps: &[Option<Overlap>]) -> f64 {
         overlaps.iter().flatten().map(|overlap| (overlap.missing + overlap.spurious) as f64).collect();
     let (count, all) = (wrong.len() as f64, wrong.iter().sum::<f64>());
     let worst = wrong.iter().fold(0.0_f64, |worst, wrong| worst.max(*wrong)) / all;
-    if wrong.len() < FEWEST_CAMERAS || !(worst * count > BLAMED_FROM) {
-        return 1.0;
-    }
-    ((1.0 - worst) * count / (count - 1.0)).sqrt()
+    let is_blamed = wrong.len() >= FEWEST_CAMERAS && worst * count > BLAMED_FROM;
+    if is_blamed { ((1.0 - worst) * count / (count - 1.0)).sqrt() } else { 1.0 }
 }
 
 #[cfg(test)]
