@@ -13,8 +13,8 @@ use backlit_ui::drawing::{
     SideMarks, SightRay, SwayMarks, body_spheres, joined_outline, joint_position, limb_colours,
     project_joints, project_limbs, project_spheres, sight_ray,
 };
-use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
+use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::cut_off;
 use egui::{Color32, Rect, Role, Ui, UiBuilder, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
@@ -81,7 +81,9 @@ impl CameraViews {
         let frame = context.session.shown_frame(context.selection.frame);
         let frame = frame.and_then(|frame| frame.cameras.get(place.camera));
         if let Some(problem) = frame.and_then(|frame| frame.problem.as_deref()) {
-            problem_strip(ui, problem);
+            strip(ui, problem);
+        } else if let Some(px) = frame.map(|frame| frame.unsupported_px).filter(|px| *px > 0) {
+            strip(ui, &format!("{} px that no other camera sees are unknown", format::number(px as f64, 0)));
         }
         response.events.contains(&TileEvent::DragTile)
     }
@@ -341,8 +343,8 @@ fn limits(context: &Context<'_>, pose: &Pose) -> Vec<BoundedAngle> {
     twist.into_iter().chain(others).collect()
 }
 
-/// Why a camera has no picture or no silhouette, under its header.
-fn problem_strip(ui: &Ui, problem: &str) {
+/// Why a camera has no picture or no silhouette, or what of that is doubted, under its header.
+fn strip(ui: &Ui, problem: &str) {
     let palette = theme::palette(ui);
     let tile = ui.max_rect();
     let top = tile.top() + size::TILE_HEADER;

@@ -10,6 +10,7 @@ mod credibility;
 mod errata;
 mod given_masks;
 mod learnt_plates;
+mod one_camera_disturbed;
 mod own_sizes;
 mod thresholds;
 mod turned_round;

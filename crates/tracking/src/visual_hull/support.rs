@@ -10,9 +10,9 @@
 //! (3) or  against(p) ≤ ⌊(for(p) + against(p)) / 3⌋,  for(p) ≥ 2      one vote in three is forgiven
 //! ```
 //!
-//! by (2) and (3) only near the body, |p − m| ≤ R, and if a camera that is for it has no other place for its own pixel, or by (2) if none is for it: silhouettes meet in more
-//! places than those of the body. The body's middle m is the median of the places of (1). By (3) an arm that one camera misses is
-//! not lost to the others. With one other camera 1 stands for 2.
+//! (2) and (3) hold only near the body, |p − m| ≤ R, and only if some camera that is for p has no other place for its own pixel, or,
+//! with (2), if no camera is for p: silhouettes meet in more places than the body's. The body's middle m is the median of the
+//! places of (1). By (3) an arm that one camera misses is not lost to the others. With one other camera 1 stands for 2.
 //!
 //! A thing that moves in one picture only, a patch on a lens, a change of light have no such place.
 //! Pictures are looked at in blocks, at most 160 to a side. Lengths are metres.
@@ -28,7 +28,7 @@ use crate::statistics;
 
 /// Blocks along the longer side of a picture, about.
 const BLOCKS: usize = 160;
-/// So far off may a camera be at the subject, by its calibration and its silhouette.
+/// How far off a camera may be at the subject, by its calibration and its silhouette.
 const TOLERANCE_M: f64 = 0.04;
 /// Of three cameras that vote one may be against.
 const ONE_FORGIVEN_IN: usize = 3;
@@ -36,9 +36,9 @@ const ONE_FORGIVEN_IN: usize = 3;
 const LEAST_SHARE: f64 = 0.02;
 /// A camera of whose silhouette less than this share is unsupported agrees with the others.
 const AGREES: f64 = 0.1;
-/// So far does a body reach from its middle.
+/// How far a body reaches from its middle.
 const REACH_M: f64 = 1.4;
-/// So many other cameras support what is farther away.
+/// How many other cameras support a place, wherever it is.
 const ENOUGH: usize = 2;
 /// Distance of places on a ray, in tolerances.
 const STEP: f64 = 0.75;
@@ -86,6 +86,7 @@ pub fn unsupported_parts<C: Borrow<Camera>, M: Borrow<Mask>>(
     let extents: Vec<Option<Extent<'_>>> = extents.collect();
     let none = || vec![UnsupportedPart::default(); views.len()];
     let Some((middle, half)) = region(extents.iter().flatten()) else { return none() };
+    let shows: Vec<bool> = extents.iter().map(Option::is_some).collect();
     let seen: Vec<BlockView<'_>> = views
         .iter()
         .zip(extents)
@@ -119,8 +120,10 @@ pub fn unsupported_parts<C: Borrow<Camera>, M: Borrow<Mask>>(
         let pixels = view.pixels_in(&blocks);
         UnsupportedPart { side_px: view.side_px, columns: view.columns, blocks, pixels }
     });
-    let shows = views.iter().map(|view| view.silhouette.borrow().bounds().is_some());
-    shows.map(|shows| if shows { parts.next().unwrap_or_default() } else { Default::default() }).collect()
+    shows
+        .into_iter()
+        .map(|shows| if shows { parts.next().unwrap_or_default() } else { Default::default() })
+        .collect()
 }
 
 /// Where silhouettes can meet.
@@ -516,6 +519,10 @@ mod tests {
     fn without_two_silhouettes_nothing_is_told() {
         let cameras = cameras(2);
         let blank = Mask::filled(240, 320, Label::Background).unwrap();
+        let small = Mask::filled(24, 32, Label::Subject).unwrap();
+        for other in [&small, &blank] {
+            assert!(parts(&cameras, &[other.clone(), silhouette(&cameras[1], true)])[1].pixels == 0);
+        }
         let masks = [silhouette(&cameras[0], true), blank.clone()];
         assert!(parts(&cameras, &masks).iter().all(|part| part.pixels == 0));
         assert!(parts(&cameras, &[blank.clone(), blank]).iter().all(|part| part.pixels == 0));
