@@ -36,7 +36,7 @@ pub(crate) struct CameraPlan {
 #[derive(Debug)]
 enum PlanMessage {
     At([usize; 2]),
-    Ended(Result<Box<PlanResult>, String>),
+    Ended(Planned),
 }
 
 /// What a plan has said.
@@ -47,9 +47,10 @@ struct Planned {
     outcome: Result<Box<PlanResult>, String>,
 }
 
-/// The plan, one place a step.
-fn places(subject: PlanSubject) -> impl Job<PlanMessage> {
+/// The plan with the cameras of a calibration, one place a step.
+fn places(subject: PlanSubject, calibration: Option<Arc<Calibration>>) -> impl Job<PlanMessage> {
     let (mut begin, mut run) = (Some(subject), None);
+    let ended = move |outcome| PlanMessage::Ended(Planned { calibration: calibration.clone(), outcome });
     move |out: &Outbox<PlanMessage>| {
         if out.cancel().is_cancelled() {
             return Turn::Done;
@@ -57,7 +58,7 @@ fn places(subject: PlanSubject) -> impl Job<PlanMessage> {
         if let Some(subject) = begin.take() {
             match PlanRun::new(subject) {
                 Ok(made) => run = Some(made),
-                Err(error) => out.send(PlanMessage::Ended(Err(error.to_string()))),
+                Err(error) => out.send(ended(Err(error.to_string()))),
             }
         }
         let Some(run) = &mut run else { return Turn::Done };
@@ -66,7 +67,7 @@ fn places(subject: PlanSubject) -> impl Job<PlanMessage> {
         if goes_on {
             return Turn::Again;
         }
-        out.send(PlanMessage::Ended(Ok(Box::new(run.result()))));
+        out.send(ended(Ok(Box::new(run.result()))));
         Turn::Done
     }
 }
@@ -76,23 +77,20 @@ impl Feature for CameraPlan {
         for news in self.task.poll() {
             match news {
                 News::Output(PlanMessage::At(progress)) => self.progress = Some(progress),
-                News::Output(PlanMessage::Ended(outcome)) => {
-                    let calibration = context.document().calibration.clone();
-                    self.planned = Some(Planned { calibration, outcome });
-                }
+                News::Output(PlanMessage::Ended(planned)) => self.planned = Some(planned),
                 News::Ended => self.progress = None,
                 News::Failed(failure) => requests.failed("The plan of cameras", &failure),
             }
         }
-        let calibration = &context.document().calibration;
         let take = context.session.take.as_ref().filter(|_| self.is_wanted);
-        if let Some(take) = take.filter(|take| take.calibration == *calibration) {
+        if let Some(take) = take.filter(|take| take.calibration == context.document().calibration) {
+            let calibration = take.calibration.clone();
             (self.is_wanted, self.progress, self.planned, self.looked_at) = (false, None, None, 0);
             match subject(take, context) {
-                Some(subject) => self.task.begin(context.pool, (), |()| places(subject)),
+                Some(subject) => self.task.begin(context.pool, (), |()| places(subject, calibration)),
                 None => {
                     let outcome = Err("The cameras do not agree on which way is up".to_owned());
-                    self.planned = Some(Planned { calibration: calibration.clone(), outcome });
+                    self.planned = Some(Planned { calibration, outcome });
                 }
             }
         }

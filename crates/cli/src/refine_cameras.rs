@@ -10,8 +10,7 @@ use backlit_tracking::body_fit::{
     refine_cameras,
 };
 use backlit_tracking::camera::{CameraChange, Rig};
-use backlit_tracking::fit::{FitOptions, FitView};
-use backlit_tracking::silhouette::Mask;
+use backlit_tracking::fit::FitOptions;
 use clap::Args;
 use serde::Serialize;
 use serde_json::json;
@@ -107,11 +106,7 @@ pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
     let cancel = interrupt::listen()?;
     let start = arguments.start.pose(&footage, &cameras, frames[0], &options.person.fit)?;
     let spinner = progress::spinner();
-    let views = |frame| -> Result<_> {
-        let masks = footage.single_masks(&cameras, frame)?;
-        let view = |(&camera, mask): (&usize, Mask)| FitView::of_mask(footage.cameras[camera].clone(), mask);
-        Ok(cameras.iter().zip(masks).map(view).collect())
-    };
+    let views = |frame| -> Result<_> { Ok(footage.single_views(&cameras, frame)?) };
     let found = refine_cameras(take.model(), start, &frames, &options, &cancel, views, |at| {
         spinner.set_message(progress_text(at));
     });

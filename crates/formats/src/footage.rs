@@ -189,18 +189,24 @@ impl Footage {
     /// The same of silhouettes that are there: a mask each of these cameras.
     pub fn supported_views(&self, cameras: &[usize], mut masks: Vec<Mask>) -> Vec<FitView> {
         let options = self.take().measurement();
-        let mut seen: Vec<(usize, &mut Mask, bool)> = cameras
-            .iter()
-            .zip(&mut masks)
-            .map(|(&camera, mask)| (camera, mask, options[camera].needs_support))
-            .collect();
-        self.hide_unsupported(&mut seen);
+        let checked =
+            |(&camera, mask)| CheckedMask { camera, mask, needs_support: options[camera].needs_support };
+        self.hide_unsupported(cameras.iter().zip(&mut masks).map(checked).collect());
+        self.views_of(cameras, masks)
+    }
+
+    fn views_of(&self, cameras: &[usize], masks: Vec<Mask>) -> Vec<FitView> {
         let view =
             |(&camera, mask): (&usize, Mask)| FitView::of_mask(Arc::clone(&self.cameras[camera]), mask);
         cameras.iter().zip(masks).map(view).collect()
     }
 
-    /// The silhouettes of some cameras in a frame, each as if there were no other: for those who look for what is wrong with the cameras.
+    /// The evidence of some cameras in a frame, each as if there were no other: for those who look for what is wrong with the cameras.
+    pub fn single_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
+        Ok(self.views_of(cameras, self.single_masks(cameras, frame)?))
+    }
+
+    /// The silhouettes of the same.
     pub fn single_masks(&self, cameras: &[usize], frame: usize) -> Result<Vec<Mask>, FootageError> {
         let one = |&camera: &usize| {
             let mask = match self.given_mask(camera, frame)? {
@@ -218,23 +224,23 @@ impl Footage {
     }
 
     /// Makes unknown what no other of these cameras supports, where that is asked for. How many pixels that were, in their order.
-    fn hide_unsupported(&self, seen: &mut [(usize, &mut Mask, bool)]) -> Vec<usize> {
-        if !seen.iter().any(|(_, _, needs_support)| *needs_support) {
+    fn hide_unsupported(&self, seen: Vec<CheckedMask<'_>>) -> Vec<usize> {
+        if !seen.iter().any(|one| one.needs_support) {
             return vec![0; seen.len()];
         }
-        let views: Vec<HullView<&Camera, &Mask>> = seen
-            .iter()
-            .map(|(camera, mask, _)| HullView { camera: &*self.cameras[*camera], silhouette: &**mask })
-            .collect();
+        let mut views: Vec<HullView<&Camera, &Mask>> = Vec::with_capacity(seen.len());
+        for CheckedMask { camera, mask, .. } in &seen {
+            views.push(HullView { camera: &self.cameras[*camera], silhouette: mask });
+        }
         let parts = unsupported_parts(&views);
-        let hide = |((_, mask, needs_support), part): (&mut (usize, &mut Mask, bool), UnsupportedPart)| {
-            if !*needs_support {
+        let hide = |(one, part): (CheckedMask<'_>, UnsupportedPart)| {
+            if !one.needs_support {
                 return 0;
             }
-            part.hide(mask);
+            part.hide(one.mask);
             part.pixels
         };
-        seen.iter_mut().zip(parts).map(hide).collect()
+        seen.into_iter().zip(parts).map(hide).collect()
     }
 
     /// What a frame of these cameras has beside its silhouettes: the take's keypoints, and grey pictures if they are asked for.
@@ -263,6 +269,13 @@ impl Footage {
         let grey = picture.and_then(|picture| GreyPicture::of_image(&grayscale(picture)).ok());
         Ok(CameraCues { keypoints, picture: grey.map(Arc::new) })
     }
+}
+
+/// A camera's silhouette that the others may be asked about.
+struct CheckedMask<'a> {
+    camera: usize,
+    mask: &'a mut Mask,
+    needs_support: bool,
 }
 
 /// The point that is nearest to all optical axes; metres in front of the camera if there is only one.

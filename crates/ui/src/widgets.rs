@@ -13,6 +13,7 @@ pub mod image_canvas;
 mod marks;
 mod slider;
 mod still_plot;
+mod work_card;
 
 pub use buttons::{
     CHEVRON, camera_badge, checkbox, choice, icon_button, icon_toggle, menu_words, paint_camera_badge,
@@ -31,3 +32,4 @@ pub use slider::{
     SliderRow, ValueSlider, focus_holds_arrows_only, hint, hold_arrows, named_row, number_field, row_name,
 };
 pub use still_plot::{grid_marks, still_plot};
+pub use work_card::{WorkAnswer, work_buttons, work_head, work_progress, work_results};

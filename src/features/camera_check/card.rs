@@ -9,19 +9,17 @@ use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, PairAgreement};
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    button_row, camera_badge, hint, paint_camera_badge, paint_text, primary_button, search_card, text_button,
+    WorkAnswer, camera_badge, hint, paint_camera_badge, paint_text, primary_button, search_card, text_button,
+    work_buttons, work_head, work_progress, work_results,
 };
-use egui::{Align2, Color32, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{CameraCheck, look_at};
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::{Context, Requests, command_button};
 
-/// Width of the card, and height of what stands below the findings.
+/// Width of the card.
 const WIDTH: f32 = 620.0;
-const BELOW: f32 = 64.0;
-/// Height of the bar that grows.
-const BAR: f32 = 3.0;
 /// Where the numbers of two cameras end, from the right edge.
 const COLUMNS: [f32; 3] = [220.0, 110.0, 8.0];
 /// Two cameras stand out that a repair brings together by more than this factor.
@@ -32,19 +30,14 @@ impl CameraCheck {
     pub(super) fn show(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let Some(take) = context.session.take.clone() else { return false };
         let modal = search_card(ui.ctx(), "camera check").show(ui.ctx(), |ui| {
-            ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 4.0 * space::GUTTER_MARGIN));
-            ui.spacing_mut().item_spacing.y = space::ROW;
-            ui.label(RichText::new("Check cameras").text_style(theme::title()));
             let text = "What all cameras see of the person must fit together. Where it does not, every usual fault is \
                         tried, and the likeliest is told. The person must move.";
-            ui.label(RichText::new(text).color(theme::palette(ui).text2));
-            ui.add_space(space::WIDGET);
+            work_head(ui, WIDTH, "Check cameras", text);
             if self.is_busy() {
                 self.progress(ui);
             } else {
                 self.outcome(ui, &take, context, requests);
             }
-            ui.add_space(space::ROW);
             self.buttons(ui, context, requests)
         });
         let is_left = modal.inner || modal.should_close();
@@ -68,13 +61,7 @@ impl CameraCheck {
                 (format!("Faults: {done} of {all} tried"), [done, all])
             }
         };
-        hint(ui, text);
-        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
-        let palette = theme::palette(ui);
-        ui.painter().rect_filled(rect, 0.0, palette.widget);
-        let share = done as f32 / all.max(1) as f32;
-        let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
-        ui.painter().rect_filled(bar, 0.0, palette.accent);
+        work_progress(ui, text, [done, all]);
     }
 
     fn outcome(&mut self, ui: &mut Ui, take: &Footage, context: &Context<'_>, requests: &mut Requests) {
@@ -96,10 +83,8 @@ impl CameraCheck {
             hint(ui, "What stands below is about the cameras before. Check again to see what is left.");
             ui.add_space(space::WIDGET);
         }
-        let room = ui.ctx().content_rect().bottom() - ui.cursor().top() - BELOW;
         let mut used = None;
-        let scroll = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
-        scroll.auto_shrink([false, true]).show(ui, |ui| {
+        work_results(ui, |ui| {
             let cameras = take.take().rig().cameras();
             used = findings(ui, take, found, is_current, context, requests);
             pairs(ui, cameras, found);
@@ -112,25 +97,21 @@ impl CameraCheck {
 
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        button_row(ui, |ui| {
-            if self.is_busy() {
-                if text_button(ui, "Cancel").clicked() {
-                    self.stop();
-                }
-                return false;
-            }
-            let is_closed = text_button(ui, "Close").clicked();
-            let text = if self.checked.is_some() { "Check again" } else { "Check" };
-            let again =
-                if self.is_current(context) { text_button(ui, text) } else { primary_button(ui, text) };
-            self.is_wanted |= again.clicked();
-            let is_newest = context.history.undo_text() == Some(&*Edit::SetCalibration(None).text());
-            if is_newest && self.repaired_now(context).is_some() {
+        let text = if self.checked.is_some() { "Check again" } else { "Check" };
+        let is_newest = context.history.undo_text() == Some(&*Edit::SetCalibration(None).text());
+        let has_undo = is_newest && self.repaired_now(context).is_some();
+        let answer = work_buttons(ui, self.is_busy(), (text, !self.is_current(context)), |ui| {
+            if has_undo {
                 let undo = Command::History(HistoryCommand::Undo);
                 command_button::named_button(ui, context, requests, undo, "Undo repair");
             }
-            is_closed
-        })
+        });
+        match answer {
+            Some(WorkAnswer::Stop) => self.stop(),
+            Some(WorkAnswer::Again) => self.is_wanted = true,
+            Some(WorkAnswer::Close) | None => {}
+        }
+        answer == Some(WorkAnswer::Close)
     }
 }
 

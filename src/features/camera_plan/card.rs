@@ -6,20 +6,19 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::heat_map::error_legend;
 use backlit_ui::widgets::{
-    button_row, hint, paint_camera_badge, paint_text, primary_button, search_card, text_button,
+    WorkAnswer, hint, paint_camera_badge, paint_text, search_card, work_buttons, work_head, work_progress,
+    work_results,
 };
-use egui::{Align2, Color32, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{CameraPlan, map};
 use crate::context::{Context, Requests};
 
-/// Width of the card, of its two maps, and height of what stands below them.
+/// Width of the card and of its two maps.
 const WIDTH: f32 = 700.0;
 const MAP: f32 = 320.0;
 const LEAST_MAP: f32 = 200.0;
-const BELOW: f32 = 64.0;
-/// Height of the bar that grows, and of the legend.
-const BAR: f32 = 3.0;
+/// Height of the legend.
 const LEGEND: f32 = 34.0;
 /// Where the numbers of a set end, from the right edge.
 const COLUMNS: [f32; 2] = [110.0, 8.0];
@@ -34,19 +33,14 @@ impl CameraPlan {
             return false;
         }
         let modal = search_card(ui.ctx(), "camera plan").show(ui.ctx(), |ui| {
-            ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 4.0 * space::GUTTER_MARGIN));
-            ui.spacing_mut().item_spacing.y = space::ROW;
-            ui.label(RichText::new("Where to put cameras").text_style(theme::title()));
             let text = "How far off joints would be that silhouettes alone find, in the mean, for a person who stands, walks and \
                         reaches at each place of the floor. No footage is looked at.";
-            ui.label(RichText::new(text).color(theme::palette(ui).text2));
-            ui.add_space(space::WIDGET);
+            work_head(ui, WIDTH, "Where to put cameras", text);
             if self.is_busy() {
                 self.progress(ui);
             } else {
                 self.outcome(ui, context);
             }
-            ui.add_space(space::ROW);
             self.buttons(ui, context)
         });
         let is_left = modal.inner || modal.should_close();
@@ -57,17 +51,10 @@ impl CameraPlan {
     }
 
     fn progress(&self, ui: &mut Ui) {
-        let [done, all] = self.progress.unwrap_or([0, 1]);
-        hint(
-            ui,
-            if self.progress.is_some() { format!("{done} of {all} places") } else { "Cameras".to_owned() },
-        );
-        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
-        let palette = theme::palette(ui);
-        ui.painter().rect_filled(rect, 0.0, palette.widget);
-        let share = done as f32 / all.max(1) as f32;
-        let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
-        ui.painter().rect_filled(bar, 0.0, palette.accent);
+        match self.progress {
+            None => work_progress(ui, "Cameras", [0, 1]),
+            Some([done, all]) => work_progress(ui, format!("{done} of {all} places"), [done, all]),
+        }
     }
 
     fn outcome(&mut self, ui: &mut Ui, context: &Context<'_>) {
@@ -83,10 +70,8 @@ impl CameraPlan {
         if !self.is_current(context) {
             hint(ui, "What stands below is about the cameras before. Plan again with those in use.");
         }
-        let room = ui.ctx().content_rect().bottom() - ui.cursor().top() - BELOW;
         let mut looked_at = self.looked_at;
-        let scroll = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
-        scroll.auto_shrink([false, true]).show(ui, |ui| {
+        work_results(ui, |ui| {
             maps(ui, found, looked_at);
             ui.spacing_mut().item_spacing.y = 0.0;
             if let Some(clicked) = additions(ui, found, looked_at) {
@@ -100,20 +85,14 @@ impl CameraPlan {
 
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
-        button_row(ui, |ui| {
-            if self.is_busy() {
-                if text_button(ui, "Cancel").clicked() {
-                    self.stop();
-                }
-                return false;
-            }
-            let is_closed = text_button(ui, "Close").clicked();
-            let text = if self.planned.is_some() { "Plan again" } else { "Plan" };
-            let again =
-                if self.is_current(context) { text_button(ui, text) } else { primary_button(ui, text) };
-            self.is_wanted |= again.clicked();
-            is_closed
-        })
+        let text = if self.planned.is_some() { "Plan again" } else { "Plan" };
+        let answer = work_buttons(ui, self.is_busy(), (text, !self.is_current(context)), |_| {});
+        match answer {
+            Some(WorkAnswer::Stop) => self.stop(),
+            Some(WorkAnswer::Again) => self.is_wanted = true,
+            Some(WorkAnswer::Close) | None => {}
+        }
+        answer == Some(WorkAnswer::Close)
     }
 }
 

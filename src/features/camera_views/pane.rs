@@ -83,7 +83,7 @@ impl CameraViews {
         if let Some(problem) = frame.and_then(|frame| frame.problem.as_deref()) {
             strip(ui, problem);
         } else if let Some(px) = frame.map(|frame| frame.unsupported_px).filter(|px| *px > 0) {
-            strip(ui, &format!("{} px that no other camera sees are unknown", format::number(px as f64, 0)));
+            strip(ui, &format!("{} px that no other camera sees are unknown", format::count(px as i64)));
         }
         response.events.contains(&TileEvent::DragTile)
     }

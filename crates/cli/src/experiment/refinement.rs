@@ -93,7 +93,7 @@ impl Scene {
             }
             Self::Take(footage) => {
                 let all: Vec<usize> = (0..footage.take().rig().count()).collect();
-                footage.fit_views(&all, frame)?
+                footage.single_views(&all, frame)?
             }
         })
     }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
-use backlit_tracking::fit::Evidence;
 use backlit_tracking::silhouette::Mask;
 use backlit_tracking::synchronise::{
     CameraOffset, Recording, Synchronisation, SynchroniseOptions, synchronise,
@@ -84,10 +83,8 @@ impl Experiment for ShiftedTake {
         let mut masks: Vec<Vec<Arc<Mask>>> = vec![Vec::new(); cameras.len()];
         for frame in 0..total {
             run.progress(frame, total)?;
-            for (camera, view) in footage.fit_views(&cameras, frame)?.into_iter().enumerate() {
-                if let Evidence::Mask(mask) = view.evidence {
-                    masks[camera].push(mask);
-                }
+            for (all, mask) in masks.iter_mut().zip(footage.single_masks(&cameras, frame)?) {
+                all.push(Arc::new(mask));
             }
         }
         let period_s = 1.0 / take.frame_rate();

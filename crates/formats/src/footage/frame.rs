@@ -12,8 +12,8 @@ use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
 
-use super::Footage;
 use super::replacement::{Calibration, PlateFiles};
+use super::{CheckedMask, Footage};
 
 /// Grey levels below this are the subject's.
 const HALF_GREY: u8 = 128;
@@ -169,10 +169,11 @@ impl Footage {
             let is_asked = measurement.get(number).is_none_or(|options| options.needs_support);
             let is_own = own.is_some_and(|masks| masks.contains_key(&number));
             if let Some(mask) = mask {
-                seen.push((number, Arc::make_mut(mask), is_asked && !is_own));
+                let mask = Arc::make_mut(mask);
+                seen.push(CheckedMask { camera: number, mask, needs_support: is_asked && !is_own });
                 hidden.push(unsupported_px);
             }
         }
-        hidden.into_iter().zip(self.hide_unsupported(&mut seen)).for_each(|(px, found)| *px = found);
+        hidden.into_iter().zip(self.hide_unsupported(seen)).for_each(|(px, found)| *px = found);
     }
 }

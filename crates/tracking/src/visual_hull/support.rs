@@ -382,7 +382,10 @@ impl SupportSearch<'_, '_> {
             let count = ((leave - middle).max(middle - enter) / step).ceil() as usize;
             let mut outwards = (0..=count).flat_map(|number| {
                 let away = step * number as f64;
-                [(middle - away).max(enter), (middle + away).min(leave)]
+                // Each end once; from there on only the other side is left.
+                let nearer = (number > 0 && middle - away > enter - step).then(|| (middle - away).max(enter));
+                let farther = (middle + away < leave + step).then(|| (middle + away).min(leave));
+                [nearer, farther].into_iter().flatten()
             });
             last = outwards.find(|distance| holds(&rays, *distance))?;
             Some(origin + last * ray)
