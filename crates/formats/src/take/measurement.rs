@@ -7,8 +7,9 @@ use toml::{Table, Value};
 use crate::plain_words;
 use crate::text::cut;
 
-/// Tests and regions that `false` switches off: TOML has no word for nothing.
-const SWITCHES: [&str; 3] = ["shadow", "dont_know", "region"];
+/// Tests and regions that `false` switches off: TOML has no word for nothing. All but the last are tables.
+const SWITCHES: [&str; 5] = ["shadow", "dont_know", "region", "chroma", HYSTERESIS];
+const HYSTERESIS: &str = "hysteresis_z";
 
 /// What is wrong with one key of a `[measurement]` table.
 pub(super) struct KeyProblem {
@@ -32,15 +33,16 @@ fn parse(mut table: Table) -> Result<SegmentOptions, String> {
         table.remove(*key);
     }
     // A parser would take the list's numbers for the table's, in an order that is not promised.
-    if let Some((_, value)) =
-        table.iter().find(|(key, value)| SWITCHES.contains(&key.as_str()) && !value.is_table())
+    if let Some((_, value)) = table
+        .iter()
+        .find(|(key, value)| SWITCHES.contains(&key.as_str()) && !value.is_table() && *key != HYSTERESIS)
     {
         let shown = value.to_string();
         return Err(format!("is {}; expected a table, as {{ … }}, or false", cut(&shown)));
     }
     let mut options =
         SegmentOptions::deserialize(table).map_err(|error| plain_words::plain(error.message()))?;
-    let [no_shadow, no_dont_know, no_region] = off;
+    let [no_shadow, no_dont_know, no_region, ..] = off;
     options.shadow = options.shadow.filter(|_| !no_shadow);
     options.dont_know = options.dont_know.filter(|_| !no_dont_know);
     options.region = options.region.filter(|_| !no_region);
@@ -64,6 +66,7 @@ pub(super) fn merged(take: &Table, camera: &Table) -> Table {
 
 #[cfg(test)]
 mod tests {
+    use backlit_tracking::segment::ChromaOptions;
     use backlit_tracking::silhouette::Region;
 
     use super::*;
@@ -74,10 +77,15 @@ mod tests {
 
     #[test]
     fn a_camera_changes_single_keys() {
-        let take = table("opening_px = 2\nshadow = false\ndont_know = { dark_level = 40.0, grow_px = 5 }");
-        let camera = table("region = { x = 1, y = 2, width = 30, height = 40 }\ndont_know = { grow_px = 1 }");
+        let take = table(
+            "opening_px = 2\nhysteresis_z = 2.5\nchroma = {}\nshadow = false\ndont_know = { dark_level = 40.0, grow_px = 5 }",
+        );
+        let camera = table(
+            "hysteresis_z = false\nregion = { x = 1, y = 2, width = 30, height = 40 }\ndont_know = { grow_px = 1 }",
+        );
         let options = options(&merged(&take, &camera)).ok().unwrap();
-        assert_eq!((options.opening_px, options.shadow), (2, None));
+        assert_eq!((options.opening_px, options.shadow, options.hysteresis_z), (2, None, None));
+        assert_eq!(options.chroma, Some(ChromaOptions::default()));
         assert_eq!(options.region, Some(Region { x: 1, y: 2, width: 30, height: 40 }));
         let dont_know = options.dont_know.unwrap();
         assert_eq!((dont_know.dark_level, dont_know.grow_px), (40.0, 1));
@@ -95,6 +103,9 @@ mod tests {
             ("shadow = [0.1, 0.9, 20, 30]", "shadow"),
             ("region = [1, 2, 3, 4]", "region"),
             ("dont_know = 3", "dont_know"),
+            ("chroma = 3", "chroma"),
+            ("chroma = { z_threshold = -1.0 }", "chroma"),
+            ("hysteresis_z = \"low\"", "hysteresis_z"),
         ] {
             assert_eq!(options(&table(text)).err().unwrap().key, key, "{text}");
         }

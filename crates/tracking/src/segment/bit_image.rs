@@ -73,7 +73,16 @@ impl BitImage {
 
     /// The runs of pixels of one value in a row, from left to right.
     pub(super) fn runs(&self, y: usize, value: bool) -> impl Iterator<Item = Range<usize>> {
-        let mut x = 0;
+        self.runs_from(y, 0, value)
+    }
+
+    /// The same from a column on.
+    pub(super) fn runs_from(
+        &self,
+        y: usize,
+        mut x: usize,
+        value: bool,
+    ) -> impl Iterator<Item = Range<usize>> {
         std::iter::from_fn(move || {
             let start = self.find(y, x, value)?;
             x = self.find(y, start, !value).unwrap_or(self.width);

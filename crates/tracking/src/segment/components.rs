@@ -24,6 +24,19 @@ pub(super) fn drop_small(image: &mut BitImage, min_px: usize, min_fraction: f32)
     components.paint(image, false, |root| components.sizes[root] < limit);
 }
 
+/// Clears every 8-connected component that holds none of the `seeds`, pixels of an image of the same size.
+pub(super) fn keep_touching(image: &mut BitImage, seeds: &BitImage) {
+    let components = Components::find(image, true, Connectivity::Eight);
+    let mut is_seeded = vec![false; components.runs.len()];
+    for (run, &root) in components.runs.iter().zip(&components.parents) {
+        is_seeded[root] |= seeds
+            .runs_from(run.y, run.columns.start, true)
+            .next()
+            .is_some_and(|seed| seed.start < run.columns.end);
+    }
+    components.paint(image, false, |root| !is_seeded[root]);
+}
+
 /// Sets every hole of at most `max_px` pixels: a 4-connected component of clear pixels that does not reach the image's
 /// border.
 pub(super) fn fill_holes(image: &mut BitImage, max_px: usize) {

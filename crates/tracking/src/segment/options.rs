@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::dont_know::DontKnowOptions;
+use super::luminance::ChromaOptions;
 use super::shadow::ShadowOptions;
 use super::subtraction::SegmentError;
 use crate::silhouette::Region;
@@ -24,8 +25,13 @@ pub struct SegmentOptions {
     pub z_threshold: f32,
     /// The smallest deviation that is believed, grey levels: noise of compression and of a plate made from few frames.
     pub noise_floor: f32,
+    /// Hysteresis: pixels off by this many deviations are foreground too if they touch, one after the other, such as exceed
+    /// `z_threshold`. None, or no less than `z_threshold`, is one threshold.
+    pub hysteresis_z: Option<f32>,
     /// Whether grey levels are compared (4.25), not the three channels.
     pub grey: bool,
+    /// Luminance and chroma compared apart, not the three channels; none compares these. Where `grey` is set chroma is not looked at.
+    pub chroma: Option<ChromaOptions>,
     /// Whether the frame's exposure may differ from the background's; then one gain per channel is found by a median.
     pub match_exposure: bool,
     /// Shadow test; none leaves shadows in the foreground. By default shadow weighs nothing.
@@ -56,7 +62,9 @@ impl Default for SegmentOptions {
         Self {
             z_threshold: BETA,
             noise_floor: 5.0,
+            hysteresis_z: None,
             grey: false,
+            chroma: None,
             match_exposure: true,
             shadow: Some(ShadowOptions::default()),
             opening_px: 1,
@@ -80,7 +88,9 @@ impl SegmentOptions {
         Self {
             z_threshold: BETA_GREY,
             noise_floor: if is_plate { self.noise_floor } else { 0.0 },
+            hysteresis_z: None,
             grey: true,
+            chroma: None,
             match_exposure: false,
             shadow: None,
             opening_px: 0,
@@ -109,12 +119,16 @@ impl SegmentOptions {
     pub fn check(&self) -> Result<(), SegmentError> {
         let shadow = self.shadow.unwrap_or_default();
         let dont_know = self.dont_know.unwrap_or_default();
+        let chroma = self.chroma.unwrap_or_default();
         type Allowed = (fn(f32) -> bool, &'static str);
         let number: Allowed = (|value| value.is_finite() && value >= 0.0, "a finite number, 0 or above");
         let distance: Allowed = (|px| px <= MAX_DISTANCE_PX, "pixels, no more than a picture has on a side");
         let options = [
             ("z_threshold", self.z_threshold, number),
             ("noise_floor", self.noise_floor, number),
+            ("hysteresis_z", self.hysteresis_z.unwrap_or_default(), number),
+            ("chroma.z_threshold", chroma.z_threshold, number),
+            ("chroma.noise_floor", chroma.noise_floor, number),
             ("min_group_fraction", self.min_group_fraction, number),
             ("shadow.darkest", shadow.darkest, number),
             ("shadow.brightest", shadow.brightest, number),

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::background::Background;
 use super::bit_image::BitImage;
 use super::gradient::{magnitude, neighbours};
+use super::luminance::luma;
 use super::threshold::Threshold;
 use crate::silhouette::Label;
 
@@ -134,11 +135,6 @@ impl Brightness<'_> {
     }
 }
 
-/// Brightness as the eye weighs it (BT.601).
-pub(super) fn luma([red, green, blue]: [f32; 3]) -> f32 {
-    0.299 * red + 0.587 * green + 0.114 * blue
-}
-
 #[cfg(test)]
 mod tests {
     use image::Rgb;
@@ -162,7 +158,7 @@ mod tests {
         }
         let background = Background::from_plate(&plate);
         let mut foreground = BitImage::from_bytes(&foreground, 12);
-        let threshold = Threshold { gains: [1.0; 3], z: BETA, noise_floor: 1.0, grey: false };
+        let threshold = Threshold { gains: [1.0; 3], z: BETA, noise_floor: 1.0, grey: false, chroma: None };
         let options = ShadowOptions { test, ..ShadowOptions::default() };
         let shadow = clear_shadows(&mut foreground, &frame, &background, &threshold, &options);
         let count = |image: &BitImage| image.to_bytes().iter().map(|&bit| usize::from(bit)).sum::<usize>();

@@ -9,8 +9,10 @@ use image::RgbImage;
 use super::background::Background;
 use super::bit_image::BitImage;
 use super::dont_know::dark_places;
+use super::luminance::Chroma;
 use super::options::SegmentOptions;
 use super::shadow::{ShadowTest, clear_shadows};
+use super::stages::{Stage, Step};
 use super::threshold::Threshold;
 use super::{components, exposure};
 use crate::numbers::Brief;
@@ -58,6 +60,16 @@ pub fn segment(
     background: &Background,
     options: &SegmentOptions,
 ) -> Result<Mask, SegmentError> {
+    run(frame, background, options, &mut |_| {})
+}
+
+/// The same; `watch` is told of every step.
+pub(super) fn run(
+    frame: &RgbImage,
+    background: &Background,
+    options: &SegmentOptions,
+    watch: &mut dyn FnMut(Step<'_>),
+) -> Result<Mask, SegmentError> {
     options.check()?;
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     if (width, height) != (background.width(), background.height()) {
@@ -70,39 +82,37 @@ pub fn segment(
     let mut mask = Mask::filled(width, height, Label::Background)?;
     let gains = if options.match_exposure { exposure::gains(frame, background) } else { [1.0; 3] };
     let SegmentOptions { z_threshold: z, noise_floor, grey, .. } = *options;
-    let threshold = Threshold { gains, z, noise_floor, grey };
+    let threshold =
+        Threshold { gains, z, noise_floor, grey, chroma: options.chroma.as_ref().map(Chroma::new) };
 
+    watch(Step::Compared(&|| threshold.excess(frame, background)));
     let mut subject = threshold.foreground(frame, background);
+    watch(Step::Subject(Stage::Threshold, &subject));
+    if let Some(low) = options.hysteresis_z.filter(|low| *low < z) {
+        let mut weak = threshold.with_z(low).foreground(frame, background);
+        components::keep_touching(&mut weak, &subject);
+        subject = weak;
+        watch(Step::Subject(Stage::Hysteresis, &subject));
+    }
     if let Some(region) = options.region {
         subject.retain(|x, y| region.contains(x, y));
     }
     if let Some(unknown) = background.unknown() {
         subject.subtract(unknown);
     }
+    if options.region.is_some() || background.unknown().is_some() {
+        watch(Step::Subject(Stage::Region, &subject));
+    }
     let shadow = options.shadow.as_ref().map(|options| {
-        (clear_shadows(&mut subject, frame, background, &threshold, options), options.label())
+        let shadow = clear_shadows(&mut subject, frame, background, &threshold, options);
+        watch(Step::Subject(Stage::Shadow, &subject));
+        (shadow, options.label())
     });
-    subject.open_and_close(options.opening_px, options.closing_px);
-    if options.min_component_px > 1 {
-        components::drop_small(&mut subject, options.min_component_px, 0.0);
-    }
-    if options.min_group_fraction > 0.0 {
-        let mut groups = subject.clone();
-        // A body may hide its own middle from the background: its parts belong together all the same.
-        if let Some(unknown) = background.unknown() {
-            groups.add(unknown);
-        }
-        groups.dilate(options.group_px);
-        components::drop_small(&mut groups, 0, options.min_group_fraction);
-        subject.intersect(&groups);
-    }
-    if options.fill_holes_px > 0 {
-        components::fill_holes(&mut subject, options.fill_holes_px);
-    }
+    clean(&mut subject, background, options, watch);
 
     paint(&mut mask, &subject, Label::Subject);
     let dark = options.dont_know.as_ref().map(|dont_know| {
-        let surely = Threshold { z: dont_know.sure_z, ..threshold };
+        let surely = threshold.with_z(dont_know.sure_z);
         let mut dark = dark_places(frame, background, gains, dont_know);
         dark.retain(|x, y| !(subject.get(x, y) && surely.is_off(frame, background, y * width + x)));
         paint(&mut mask, &dark, Label::Unknown);
@@ -132,6 +142,42 @@ pub fn segment(
     Ok(mask)
 }
 
+/// Takes specks out, fills gaps and holes, and drops what is too small.
+fn clean(
+    subject: &mut BitImage,
+    background: &Background,
+    options: &SegmentOptions,
+    watch: &mut dyn FnMut(Step<'_>),
+) {
+    subject.open_and_close(options.opening_px, options.closing_px);
+    watch(Step::Subject(Stage::Morphology, subject));
+    if options.min_component_px > 1 {
+        components::drop_small(subject, options.min_component_px, 0.0);
+    }
+    if options.min_group_fraction > 0.0 {
+        let mut groups = subject.clone();
+        // A body may hide its own middle from the background: its parts belong together all the same.
+        if let Some(unknown) = background.unknown() {
+            groups.add(unknown);
+        }
+        groups.dilate(options.group_px);
+        components::drop_small(&mut groups, 0, options.min_group_fraction);
+        subject.intersect(&groups);
+    }
+    watch(Step::Subject(Stage::Components, subject));
+    if options.fill_holes_px > 0 {
+        components::fill_holes(subject, options.fill_holes_px);
+        watch(Step::Subject(Stage::Holes, subject));
+    }
+}
+
+/// A mask of background, and this label where pixels are set.
+pub(super) fn labels_of(pixels: &BitImage, label: Label) -> Result<Mask, MaskError> {
+    let mut mask = Mask::filled(pixels.width, pixels.height, Label::Background)?;
+    paint(&mut mask, pixels, label);
+    Ok(mask)
+}
+
 /// Labels the pixels that are set.
 fn paint(mask: &mut Mask, pixels: &BitImage, label: Label) {
     let width = mask.width();
@@ -148,7 +194,7 @@ mod tests {
     use rand_pcg::rand_core::SeedableRng;
 
     use super::*;
-    use crate::segment::{BETA, BETA_GREY, DontKnowOptions, ShadowOptions};
+    use crate::segment::{BETA, BETA_GREY, ChromaOptions, DontKnowOptions, ShadowOptions};
     use crate::silhouette::Region;
 
     const WALL: Rgb<u8> = Rgb([120, 130, 110]);
@@ -259,6 +305,32 @@ mod tests {
         assert_eq!(literal.noise_floor, SegmentOptions::default().noise_floor);
         let mask = segment(&frame, &Background::from_plate(&plate), &literal).unwrap();
         assert_eq!(mask, Mask::from_ascii("...#....").unwrap());
+    }
+
+    /// Pixels off by 30 levels are faint, those of `#` are not.
+    #[test]
+    fn what_is_faint_is_subject_where_it_touches_what_is_not() {
+        let text = "##ff.... ...ff.f. ........ ff......";
+        let mut frame = scene(text);
+        for (pixel, what) in frame.pixels_mut().zip(text.bytes().filter(|byte| *byte != b' ')) {
+            if what == b'f' {
+                *pixel = Rgb([WALL.0[0] + 30, WALL.0[1], WALL.0[2]]);
+            }
+        }
+        let strict = SegmentOptions { z_threshold: 8.0, ..plain() };
+        assert_mask(&frame, &wall(), &strict, "##......\n........\n........\n........");
+        let followed = SegmentOptions { hysteresis_z: Some(5.0), ..strict };
+        assert_mask(&frame, &wall(), &followed, "####....\n...##...\n........\n........");
+    }
+
+    /// With luminance judged mildly and chroma sharply a shadow is background without any test of its own.
+    #[test]
+    fn luminance_and_chroma_are_judged_apart() {
+        let frame = scene("##..ss.. ##..ss.. ........ ........");
+        let apart = SegmentOptions { z_threshold: 9.0, chroma: Some(ChromaOptions::default()), ..plain() };
+        assert_mask(&frame, &wall(), &apart, "##......\n##......\n........\n........");
+        let together = SegmentOptions { chroma: None, z_threshold: 5.0, ..apart };
+        assert_mask(&frame, &wall(), &together, "##..##..\n##..##..\n........\n........");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::processor;
 
 use super::background::{Background, grey_of};
 use super::bit_image::BitImage;
-use super::shadow::luma;
+use super::luminance::{Chroma, luma};
 
 /// The test, apart from the background.
 #[derive(Clone, Copy, Debug)]
@@ -20,12 +20,14 @@ pub(super) struct Threshold {
     pub(super) noise_floor: f32,
     /// Whether grey levels decide, not the channels.
     pub(super) grey: bool,
+    /// Whether luminance and chroma decide, not the channels, and the limit of chroma.
+    pub(super) chroma: Option<Chroma>,
 }
 
 impl Threshold {
     /// For each pixel whether some channel is off.
     pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> BitImage {
-        if !self.grey {
+        if !self.grey && self.chroma.is_none() {
             return processor::run(ByDeviation { threshold: self, frame, background });
         }
         let width = background.width();
@@ -38,16 +40,54 @@ impl Threshold {
         foreground
     }
 
-    /// Whether some channel of one pixel is off, or its grey level where that decides.
+    /// The same test with another β.
+    pub(super) fn with_z(&self, z: f32) -> Self {
+        let chroma =
+            self.chroma.map(|chroma| Chroma { z: chroma.z * z / self.z.max(f32::MIN_POSITIVE), ..chroma });
+        Self { z, chroma, ..*self }
+    }
+
+    /// Whether some channel of one pixel is off, or its grey level where that decides, or its luminance or chroma.
     pub(super) fn is_off(&self, frame: &RgbImage, background: &Background, index: usize) -> bool {
+        let colour = frame.as_raw().as_chunks::<3>().0[index];
         if self.grey {
-            let level = grey_of(frame.as_raw().as_chunks::<3>().0[index]);
             let (known, gain) = (background.grey()[index], luma(self.gains));
-            return self.is_level_off(level, gain, known.mean, known.deviation);
+            return self.is_level_off(grey_of(colour), gain, known.mean, known.deviation);
         }
         let (mean, deviation) = (background.mean()[index], background.deviation()[index]);
-        let levels = &frame.as_raw()[3 * index..];
-        (0..3).any(|c| self.is_level_off(levels[c], self.gains[c], mean[c], deviation[c]))
+        if let Some(chroma) = &self.chroma {
+            let off = [0, 1, 2].map(|c| f32::from(colour[c]) - self.gains[c] * mean[c]);
+            let luminance = background.grey()[index].deviation.max(self.noise_floor);
+            return luma(off).abs() > self.z * luminance || chroma.is_off(off, deviation);
+        }
+        (0..3).any(|c| self.is_level_off(colour[c], self.gains[c], mean[c], deviation[c]))
+    }
+
+    /// By how many thresholds each pixel is off: foreground is what exceeds 1. Infinite where β is 0 and a pixel is off at all.
+    pub(super) fn excess(&self, frame: &RgbImage, background: &Background) -> Vec<f32> {
+        let (colours, means) = (frame.as_raw().as_chunks::<3>().0, background.mean());
+        let excess = |index: usize| {
+            let (mean, deviation) = (means[index], background.deviation()[index]);
+            let off = [0, 1, 2].map(|c| f32::from(colours[index][c]) - self.gains[c] * mean[c]);
+            let over = |off: f32, deviation: f32| off.abs() / (self.z * deviation.max(self.noise_floor));
+            if self.grey {
+                let known = background.grey()[index];
+                return over(
+                    f32::from(grey_of(colours[index])) - luma(self.gains) * known.mean,
+                    known.deviation,
+                );
+            }
+            match &self.chroma {
+                Some(chroma) => {
+                    over(luma(off), background.grey()[index].deviation).max(chroma.excess(off, deviation))
+                }
+                None => [0, 1, 2].map(|c| over(off[c], deviation[c])).into_iter().fold(0.0, f32::max),
+            }
+        };
+        (0..means.len())
+            .map(|index| excess(index))
+            .map(|found| if found.is_nan() { 0.0 } else { found })
+            .collect()
     }
 
     /// Whether the magnitude of one pixel's gradient is off in some channel: ||∇i| − g |∇B|µ| > β max(|∇B|σ, floor / √2). Half the
@@ -119,7 +159,7 @@ mod tests {
             let plate = Background::from_plate(&frames[0]);
             let all_levels = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8; 3]));
             for background in [plate, Background::from_frames(&frames).unwrap()] {
-                let threshold = Threshold { gains: [1.0; 3], z, noise_floor, grey: false };
+                let threshold = Threshold { gains: [1.0; 3], z, noise_floor, grey: false, chroma: None };
                 for channel in 0..3 {
                     let mut frame = RgbImage::from_pixel(256, 1, Rgb(second));
                     for (pixel, level) in frame.pixels_mut().zip(all_levels.pixels()) {
