@@ -100,7 +100,7 @@ impl Inspector {
     fn follow_replacements(&mut self) {
         let Some(take) = self.state.session.take.clone() else { return };
         let document = self.document();
-        let masks = document.masks.clone();
+        let (masks, brush) = (document.masks.clone(), document.brush.clone());
         let wanted = (document.calibration.clone(), document.plates.clone(), document.person.clone());
         if (&take.calibration, &take.plates, take.take().person())
             != (&wanted.0, &wanted.1, wanted.2.as_ref())
@@ -110,10 +110,10 @@ impl Inspector {
                 let (take, (calibration, plates, person)) = (take.clone(), replacements.clone());
                 once(move |_| Arc::new(take.with_replacements(calibration, plates, person)))
             });
-        } else if take.masks != masks {
-            let mut with_masks = (*take).clone();
-            with_masks.masks = masks;
-            self.state.session.take = Some(Arc::new(with_masks));
+        } else if take.masks != masks || take.brush != brush {
+            let mut painted = (*take).clone();
+            (painted.masks, painted.brush) = (masks, brush);
+            self.state.session.take = Some(Arc::new(painted));
         }
         let measurement = self.document().measurement.clone();
         if let Some(take) = &self.state.session.take {

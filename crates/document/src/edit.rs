@@ -5,11 +5,13 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_formats::footage::BrushStroke;
 use backlit_formats::footage::replacement::Calibration;
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Region, StrokeError};
 use thiserror::Error;
 
 use crate::told::Told;
@@ -84,6 +86,12 @@ pub enum Edit {
     SetPlates(BTreeMap<usize, PathBuf>),
     /// Silhouettes of a frame, by camera, in the place of those that are measured.
     SetMasks { frame: usize, masks: BTreeMap<usize, PathBuf> },
+    /// Strokes over silhouettes, after those that are there.
+    Paint(Vec<BrushStroke>),
+    /// Takes away what is painted in some frames of a camera, first and last included.
+    EraseBrush { camera: usize, frames: [usize; 2] },
+    /// Where a camera's subject may be; `None` for everywhere.
+    SetRegion { camera: usize, region: Option<Region> },
     /// One of several people: pixels of others are unknown. `None` for everybody in view.
     FollowPerson(Option<Arc<FollowedPerson>>),
     /// Whether the second joint of a limb is held while another joint is dragged.
@@ -121,6 +129,10 @@ pub enum EditError {
     Cost { frame: usize },
     #[error("the fit's options make no sense: {0}")]
     Fit(#[from] OptionsError),
+    #[error("the region of interest is empty; expected at least one pixel")]
+    Region,
+    #[error("the stroke cannot be painted: {0}")]
+    Stroke(#[from] StrokeError),
     #[error("frame {frame} has no key pose")]
     NoKey { frame: usize },
 }
@@ -153,6 +165,10 @@ impl Edit {
             Self::FollowPerson(Some(_)) => "Follow one person".to_owned(),
             Self::FollowPerson(None) => "Follow everybody in view".to_owned(),
             Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
+            Self::Paint(_) => "Paint silhouette".to_owned(),
+            Self::EraseBrush { .. } => "Remove brush strokes".to_owned(),
+            Self::SetRegion { region: Some(_), .. } => "Set region of interest".to_owned(),
+            Self::SetRegion { region: None, .. } => "Remove region of interest".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
         }
@@ -235,6 +251,23 @@ impl Document {
             Edit::SetMasks { frame, masks } => {
                 self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
+            }
+            Edit::Paint(strokes) => {
+                for one in &strokes {
+                    self.check_camera(one.camera)?;
+                    one.stroke.check()?;
+                }
+                Arc::make_mut(&mut self.brush).extend(strokes);
+            }
+            Edit::EraseBrush { camera, frames } => self.erase_brush(camera, frames),
+            Edit::SetRegion { camera, region } => {
+                self.check_camera(camera)?;
+                if region.is_some_and(|region| region.width == 0 || region.height == 0) {
+                    return Err(EditError::Region);
+                }
+                if let Some(options) = Arc::make_mut(&mut self.measurement).get_mut(camera) {
+                    options.region = region;
+                }
             }
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
@@ -326,11 +359,12 @@ impl Document {
 
     /// Files by camera are of cameras that there are.
     fn check_cameras(&self, files: &BTreeMap<usize, PathBuf>) -> Result<(), EditError> {
+        files.keys().try_for_each(|camera| self.check_camera(*camera))
+    }
+
+    fn check_camera(&self, camera: usize) -> Result<(), EditError> {
         let count = self.cameras.len();
-        match files.keys().find(|camera| **camera >= count) {
-            Some(&camera) => Err(EditError::NoCamera { camera, count }),
-            None => Ok(()),
-        }
+        if camera < count { Ok(()) } else { Err(EditError::NoCamera { camera, count }) }
     }
 
     fn check_limb(&self, limb: usize) -> Result<(), EditError> {

@@ -3,6 +3,7 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
+mod brush;
 pub mod edit;
 pub mod fit_words;
 pub mod history;
@@ -19,6 +20,7 @@ pub mod tracking_choices;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use backlit_formats::footage::BrushStroke;
 use backlit_formats::footage::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_formats::motion::Motion;
 use backlit_take::source::TakeSource;
@@ -120,6 +122,8 @@ pub struct Document {
     pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
+    /// What is painted over silhouettes by hand, the oldest first.
+    pub brush: Arc<Vec<BrushStroke>>,
     /// Who is followed of several people.
     pub person: Option<Arc<FollowedPerson>>,
 }
@@ -143,6 +147,7 @@ impl Document {
             calibration: None,
             plates: Arc::default(),
             masks: Arc::default(),
+            brush: Arc::default(),
             person: None,
         }
     }

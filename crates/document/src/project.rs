@@ -13,7 +13,8 @@ use backlit_formats::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, json
 use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::fit::OptionsError;
 use backlit_tracking::segment::SegmentError;
-use serde::Deserialize;
+use backlit_tracking::silhouette::StrokeError;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::Document;
@@ -81,6 +82,8 @@ pub enum ProjectProblem {
     Measurement { index: usize, error: SegmentError },
     #[error("`cameras`: the weight of {camera} is {weight}; expected a number, 0 or above")]
     Weight { camera: String, weight: f64 },
+    #[error("`{field}`: {error}")]
+    Stroke { field: String, error: StrokeError },
     #[error("`{field}` is missing; only a frame with an estimate may leave it out")]
     NoPose { field: String },
     #[error(transparent)]
@@ -97,6 +100,9 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
     let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
     let last_brace = "\n}";
     text.truncate(text.len() - last_brace.len());
+    if !file.brush.is_empty() {
+        text += &lines("brush", &file.brush).map_err(json)?;
+    }
     if let Some(person) = &file.person {
         text += &format!(",\n  \"person\": {}", serde_json::to_string(person).map_err(json)?);
     }
@@ -106,11 +112,16 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
         text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines.map_err(json)?.join(",\n    "));
     }
     if !file.runs.is_empty() {
-        let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
-        text += &format!(",\n  \"runs\": [\n    {}\n  ]", lines.map_err(json)?.join(",\n    "));
+        text += &lines("runs", &file.runs).map_err(json)?;
     }
     text += last_brace;
     Ok(atomic::write(path, text.as_bytes())?)
+}
+
+/// A list whose elements take a line each.
+fn lines(key: &str, elements: &[impl Serialize]) -> Result<String, serde_json::Error> {
+    let lines: Result<Vec<String>, _> = elements.iter().map(serde_json::to_string).collect();
+    Ok(format!(",\n  \"{key}\": [\n    {}\n  ]", lines?.join(",\n    ")))
 }
 
 /// Reads a project; it is equal to the one that was written.
@@ -164,6 +175,7 @@ mod tests {
     use backlit_tracking::body::{Parameters, Pose, builtin};
     use backlit_tracking::cues::{Cue, LimbHold};
     use backlit_tracking::segment::SegmentOptions;
+    use backlit_tracking::silhouette::{Label, Stroke};
     use backlit_tracking::track::{Mode, WhenToSearch};
     use glam::{DMat3, DVec3};
 
@@ -174,6 +186,7 @@ mod tests {
     use crate::told::Told;
     use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackedBody, TrackingChoices};
     use crate::{CameraUse, Estimate, Origin, likely_poses};
+    use backlit_formats::footage::BrushStroke;
     use backlit_formats::footage::replacement::Calibration;
     use backlit_take::source::TakeSource;
 
@@ -234,6 +247,15 @@ mod tests {
             Edit::SetCalibration(Some(calibration())),
             Edit::SetPlates(BTreeMap::from([(0, PathBuf::from("/plates/cam01.png"))])),
             Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
+            Edit::Paint(vec![BrushStroke {
+                camera: 0,
+                frames: [4, 9],
+                stroke: Stroke {
+                    label: Label::Unknown,
+                    radius_px: 2.5,
+                    points: vec![[1.0 / 3.0, -2.0], [7.0, 9.5]],
+                },
+            }]),
         ] {
             document.apply(edit).unwrap();
         }
@@ -351,6 +373,10 @@ mod tests {
             ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
             ("\"plates\": {", "\"plates\": {\"cam9\": \"a.png\",", "`plates` names the camera \"cam9\""),
             ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
+            ("\"camera\":\"cam01\"", "\"camera\":\"cam9\"", "`brush[0].camera` names the camera \"cam9\""),
+            ("\"frames\":[4,9]", "\"frames\":[4,3]", "`brush[0].frames[1]` is 3; expected the last frame"),
+            ("\"radius_px\":2.5", "\"radius_px\":-2.5", "`brush[0]`: `radius_px` is -2.5; expected"),
+            ("\"label\":\"unknown\"", "\"label\":\"maybe\"", "`brush[0].label`"),
             ("\"wrong\":0.0,", "\"wrong\":-1,", "`told.4.trust."),
             (
                 "\"held\":{",

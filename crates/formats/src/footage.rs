@@ -1,6 +1,7 @@
 //! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes. The user can replace
 //! the take's cameras, plates and silhouettes by others.
 
+mod brush;
 mod frame;
 mod prepared;
 pub mod replacement;
@@ -21,6 +22,7 @@ use image::imageops::grayscale;
 use rayon::prelude::*;
 use thiserror::Error;
 
+pub use brush::BrushStroke;
 pub use frame::{CameraFrame, DrawnPictures, FrameData, MadeWith, UNKNOWN_GREY};
 use prepared::PreparedTake;
 use replacement::{Calibration, MaskFiles, PlateFiles, ReplacementError, read_mask};
@@ -38,6 +40,8 @@ pub struct Footage {
     pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
+    /// What is painted over silhouettes by hand, the oldest first.
+    pub brush: Arc<Vec<BrushStroke>>,
     /// What the pictures are if they were drawn, not filmed.
     pub drawn: Option<DrawnPictures>,
     prepared: Arc<PreparedTake>,
@@ -74,6 +78,7 @@ impl Footage {
             calibration: None,
             plates: Arc::default(),
             masks: Arc::default(),
+            brush: Arc::default(),
             drawn: None,
             original: prepared.clone(),
             prepared,
@@ -147,7 +152,7 @@ impl Footage {
     }
 
     /// The silhouette of a frame whose [`picture`](Self::picture) this is: the user's, else [the take's](Self::given_mask),
-    /// else the picture is segmented by these options. Where the lens saw nothing it is unknown.
+    /// else the picture is segmented by these options; and what is painted over it. Where the lens saw nothing it is unknown.
     pub fn mask(
         &self,
         camera: usize,
@@ -155,14 +160,18 @@ impl Footage {
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
-        if let Some(path) = self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
-            return Ok(read_mask(path, &self.take().rig().cameras()[camera])?);
-        }
-        match self.given_mask(camera, frame)? {
-            Some(mask) => Ok(mask),
-            None => self.prepared.segmented(camera, frame, picture, options),
-        }
-        .map(|mask| self.of_person(camera, frame, mask))
+        let mut mask = match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
+            Some(path) => read_mask(path, &self.take().rig().cameras()[camera])?,
+            None => {
+                let mask = match self.given_mask(camera, frame)? {
+                    Some(mask) => mask,
+                    None => self.prepared.segmented(camera, frame, picture, options)?,
+                };
+                self.of_person(camera, frame, mask)
+            }
+        };
+        self.paint(camera, frame, &mut mask);
+        Ok(mask)
     }
 
     /// The silhouette without other people than the one who is followed.
@@ -183,15 +192,15 @@ impl Footage {
     /// where its settings [ask for support](SegmentOptions::needs_support). Cameras are shared out among threads; the result does not
     /// depend on how.
     pub fn fit_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
-        Ok(self.supported_views(cameras, self.single_masks(cameras, frame)?))
+        Ok(self.supported_views(cameras, frame, self.single_masks(cameras, frame)?))
     }
 
     /// The same of silhouettes that are there: a mask each of these cameras.
-    pub fn supported_views(&self, cameras: &[usize], mut masks: Vec<Mask>) -> Vec<FitView> {
+    pub fn supported_views(&self, cameras: &[usize], frame: usize, mut masks: Vec<Mask>) -> Vec<FitView> {
         let options = self.take().measurement();
         let checked =
             |(&camera, mask)| CheckedMask { camera, mask, needs_support: options[camera].needs_support };
-        self.hide_unsupported(cameras.iter().zip(&mut masks).map(checked).collect());
+        self.hide_unsupported(frame, cameras.iter().zip(&mut masks).map(checked).collect());
         self.views_of(cameras, masks)
     }
 
@@ -217,14 +226,17 @@ impl Footage {
                     self.prepared.segmented(camera, frame, &picture, options)?
                 }
             };
-            Ok(self.of_person(camera, frame, mask))
+            let mut mask = self.of_person(camera, frame, mask);
+            self.paint(camera, frame, &mut mask);
+            Ok(mask)
         };
         let masks: Vec<Result<Mask, FootageError>> = cameras.par_iter().map(one).collect();
         masks.into_iter().collect()
     }
 
-    /// Makes unknown what no other of these cameras supports, where that is asked for. How many pixels that were, in their order.
-    fn hide_unsupported(&self, seen: Vec<CheckedMask<'_>>) -> Vec<usize> {
+    /// Makes unknown what no other of these cameras supports, where that is asked for; what was painted stays. How many pixels that
+    /// were, in their order.
+    fn hide_unsupported(&self, frame: usize, seen: Vec<CheckedMask<'_>>) -> Vec<usize> {
         if !seen.iter().any(|one| one.needs_support) {
             return vec![0; seen.len()];
         }
@@ -238,6 +250,7 @@ impl Footage {
                 return 0;
             }
             part.hide(one.mask);
+            self.paint(one.camera, frame, one.mask);
             part.pixels
         };
         seen.into_iter().zip(parts).map(hide).collect()

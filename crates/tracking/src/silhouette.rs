@@ -20,9 +20,11 @@ pub(crate) mod measurement;
 mod near_distance;
 mod overlap;
 mod row_search;
+mod stroke;
 
 pub use contour::contours;
 pub use distance::SignedDistance;
 pub use mask::{Label, MAX_PIXELS, Mask, MaskError, PixelBox, PixelClass};
 pub use measurement::{Measurement, MeasurementError, Region};
 pub use overlap::{Overlap, OverlapError};
+pub use stroke::{Stroke, StrokeError};

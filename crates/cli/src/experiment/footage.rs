@@ -92,7 +92,7 @@ impl FrameReader for DisturbedReader {
             let options = &self.footage.take().measurement()[camera];
             masks[place] = self.footage.mask(camera, frame, &picture, options)?;
         }
-        Ok(self.footage.supported_views(&self.cameras, masks))
+        Ok(self.footage.supported_views(&self.cameras, frame, masks))
     }
 
     fn views(&self, frame: &Self::Data) -> Vec<FitView> {

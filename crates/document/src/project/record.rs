@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::calibration::{CalibrationOptions, backlit};
+use backlit_formats::footage::BrushStroke;
 use backlit_formats::footage::replacement::Calibration;
 use backlit_formats::json_text::unique_keys;
 use backlit_take::source::TakeSource;
@@ -12,6 +13,7 @@ use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Label, Stroke};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +58,9 @@ pub(crate) struct ProjectFile {
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    /// Written apart, a line a stroke.
+    #[serde(default, skip_serializing)]
+    pub(crate) brush: Vec<StrokeRecord>,
     /// Written apart, in one line.
     #[serde(default, skip_serializing)]
     pub(crate) person: Option<FollowedPerson>,
@@ -73,6 +78,16 @@ pub(crate) struct CalibrationRecord {
     pub(crate) file: PathBuf,
     /// As in a file `backlit-cameras 1`, so that nothing is lost with the file.
     pub(crate) cameras: serde_json::Value,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StrokeRecord {
+    camera: String,
+    frames: [usize; 2],
+    label: Label,
+    radius_px: f32,
+    points: Vec<[f32; 2]>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -118,6 +133,7 @@ impl ProjectFile {
                 .iter()
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
+            brush: document.brush.iter().filter_map(|one| StrokeRecord::of(document, one)).collect(),
             person: document.person.as_deref().cloned(),
             told: document.told.iter().map(told).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
@@ -156,6 +172,10 @@ impl ProjectFile {
         for (frame, record) in self.masks {
             masks.insert(frame, read_files(path, &cameras, record, &format!("masks.{frame}"))?);
         }
+        let brush = self.brush.into_iter().enumerate();
+        let brush: Result<Vec<BrushStroke>, _> =
+            brush.map(|(index, record)| record.read(&cameras, &format!("brush[{index}]"))).collect();
+        let brush = Arc::new(brush?);
         let calibration = self.calibration.map(|record| record.read(path)).transpose()?;
         let runs = read_runs(&model, self.runs)?;
         let document = Document {
@@ -173,6 +193,7 @@ impl ProjectFile {
             calibration,
             plates: Arc::new(plates),
             masks: Arc::new(masks),
+            brush,
             person: self.person.map(Arc::new),
         };
         Ok(Project { document, runs })
@@ -233,6 +254,30 @@ impl CalibrationRecord {
     }
 }
 
+impl StrokeRecord {
+    fn of(document: &Document, one: &BrushStroke) -> Option<Self> {
+        let (camera, Stroke { label, radius_px, points }) =
+            (document.cameras.get(one.camera)?.name.clone(), one.stroke.clone());
+        Some(Self { camera, frames: one.frames, label, radius_px, points })
+    }
+
+    fn read(self, cameras: &[CameraUse], field: &str) -> Result<BrushStroke, ProjectProblem> {
+        let Self { camera, frames, label, radius_px, points } = self;
+        if frames[0] > frames[1] {
+            let expected = "the last frame, which is not before the first";
+            return Err(ProjectProblem::Number {
+                field: format!("{field}.frames[1]"),
+                value: frames[1] as f64,
+                expected,
+            });
+        }
+        let camera = camera_index(cameras, &format!("{field}.camera"), camera)?;
+        let stroke = Stroke { label, radius_px, points };
+        stroke.check().map_err(|error| ProjectProblem::Stroke { field: field.to_owned(), error })?;
+        Ok(BrushStroke { camera, frames, stroke })
+    }
+}
+
 impl PoseRecord {
     pub(super) fn of(model: &Model, pose: &Pose) -> Self {
         let owners = model.rotation_owners().iter();
@@ -274,12 +319,13 @@ fn read_files(
     field: &str,
 ) -> Result<BTreeMap<usize, PathBuf>, ProjectProblem> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let file = |(name, path): (String, PathBuf)| {
-        let camera = cameras.iter().position(|camera| camera.name == name);
-        let unknown = || ProjectProblem::Camera { field: field.to_owned(), camera: name };
-        Ok((camera.ok_or_else(unknown)?, folder.join(path)))
-    };
+    let file = |(name, path)| Ok((camera_index(cameras, field, name)?, folder.join(path)));
     record.into_iter().map(file).collect()
+}
+
+fn camera_index(cameras: &[CameraUse], field: &str, name: String) -> Result<usize, ProjectProblem> {
+    let camera = cameras.iter().position(|camera| camera.name == name);
+    camera.ok_or_else(|| ProjectProblem::Camera { field: field.to_owned(), camera: name })
 }
 
 /// Files by the names of their cameras.

@@ -13,7 +13,7 @@ use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
 
 use super::replacement::{Calibration, PlateFiles};
-use super::{CheckedMask, Footage};
+use super::{BrushStroke, CheckedMask, Footage};
 
 /// Grey levels below this are the subject's.
 const HALF_GREY: u8 = 128;
@@ -37,6 +37,7 @@ pub struct MadeWith {
     plates: Arc<PlateFiles>,
     person: Option<Arc<FollowedPerson>>,
     masks: BTreeMap<usize, PathBuf>,
+    brush: Vec<BrushStroke>,
 }
 
 /// One camera's picture of one frame, on the ideal pinhole grid.
@@ -122,6 +123,7 @@ impl Footage {
             plates: self.plates.clone(),
             person: self.take().person().cloned(),
             masks: self.masks.get(&frame).cloned().unwrap_or_default(),
+            brush: self.brush.iter().filter(|one| one.is_of(one.camera, frame)).cloned().collect(),
         }
     }
 
@@ -133,7 +135,12 @@ impl Footage {
         let keypoints = cues.map_or_else(|_| Vec::new(), |cues| cues.keypoints);
         let mut result = CameraFrame { keypoints, ..CameraFrame::default() };
         match (self.picture(camera, frame), self.drawn) {
-            (Ok(image), Some(drawn)) => result.take_drawn(image, drawn),
+            (Ok(image), Some(drawn)) => {
+                result.take_drawn(image, drawn);
+                if let Some(mask) = result.mask.as_mut().filter(|_| result.grey_levels.is_none()) {
+                    self.paint(camera, frame, Arc::make_mut(mask));
+                }
+            }
             (Ok(image), None) => {
                 match self.mask(camera, frame, &image, options) {
                     Ok(mask) => result.mask = Some(Arc::new(mask)),
@@ -174,6 +181,6 @@ impl Footage {
                 hidden.push(unsupported_px);
             }
         }
-        hidden.into_iter().zip(self.hide_unsupported(seen)).for_each(|(px, found)| *px = found);
+        hidden.into_iter().zip(self.hide_unsupported(frame, seen)).for_each(|(px, found)| *px = found);
     }
 }

@@ -55,10 +55,10 @@ fn a_disturbed_picture_loses_what_is_not_the_body() {
             let mut masks = clean.clone();
             masks[camera] =
                 footage.mask(camera, frame, &picture, &footage.take().measurement()[camera]).unwrap();
-            let same = without.supported_views(&CAMERAS, masks.clone());
+            let same = without.supported_views(&CAMERAS, frame, masks.clone());
             assert_eq!(mask(&same[camera]), &masks[camera], "nothing is asked for");
             wrong += subject_and(&masks[camera], &clean[camera], Label::Background);
-            let views = footage.supported_views(&CAMERAS, masks);
+            let views = footage.supported_views(&CAMERAS, frame, masks);
             left += subject_and(mask(&views[camera]), &clean[camera], Label::Background);
             lost += subject_and(&clean[camera], mask(&views[camera]), Label::Unknown);
             body += clean[camera].count(Label::Subject);

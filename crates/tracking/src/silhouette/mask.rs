@@ -3,13 +3,15 @@
 use std::fmt;
 
 use image::{GrayImage, Luma};
+use serde::{Deserialize, Serialize};
 
 /// The most pixels that a mask may have (64 Mi): enough for any camera, and a guard against absurd sizes in files.
 pub const MAX_PIXELS: usize = 1 << 26;
 
 /// What a mask says about one pixel.
 #[repr(u8)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Label {
     /// The pixel does not show the subject.
     #[default]
@@ -222,6 +224,12 @@ impl Mask {
             self.shadows = vec![false; self.labels.len()];
         }
         self.shadows[index] = true;
+    }
+
+    /// Gives a pixel another label; it is no shadow any more.
+    pub(super) fn paint_pixel(&mut self, index: usize, label: Label) {
+        self.labels[index] = label;
+        self.shadows.get_mut(index).into_iter().for_each(|is_marked| *is_marked = false);
     }
 
     /// Whether a pixel is marked as shadow and is not subject; false outside the mask.
