@@ -38,7 +38,7 @@ use backlit_formats::take::BodySizes;
 
 use crate::context::activity::Activity;
 use crate::context::clock::Clock;
-use crate::context::marks::{DragMarks, MotionMarks, ObservabilityMarks};
+use crate::context::marks::{DragMarks, MotionMarks, ObservabilityMarks, SilhouetteMarks};
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
@@ -80,6 +80,8 @@ pub struct Context<'a> {
     pub(crate) observability: &'a ObservabilityMarks,
     /// What the tracked motion is called.
     pub(crate) motions: &'a MotionMarks,
+    /// What steers silhouettes.
+    pub(crate) silhouettes: &'a SilhouetteMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<&'a Ghosts>,
     /// The people to choose from, while one is to be chosen.
@@ -106,6 +108,7 @@ pub struct Context<'a> {
 pub(crate) struct Published {
     pub(crate) observability: ObservabilityMarks,
     pub(crate) motions: MotionMarks,
+    pub(crate) silhouettes: SilhouetteMarks,
     pub(crate) ghosts: Option<Arc<Ghosts>>,
     pub(crate) people: Arc<Vec<PersonTrack>>,
 }

@@ -19,6 +19,7 @@ pub(crate) mod offsets;
 pub(crate) mod pose;
 pub mod recovery;
 pub mod scene;
+pub(crate) mod silhouettes;
 pub(crate) mod timeline;
 pub(crate) mod tour;
 pub(crate) mod tracking;
@@ -69,6 +70,7 @@ features! {
     pub observability: observability::Observability,
     pub basin: basin::Basin,
     pub(crate) motions: motions::Motions,
+    pub(crate) silhouettes: silhouettes::SilhouetteSteering,
     pub(crate) beginnings: beginnings::Beginnings,
     pub laboratory: laboratory::Laboratory,
     pub scene: scene::Scene,

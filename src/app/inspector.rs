@@ -80,6 +80,7 @@ fn context<'a>(
         drag: features.pose.marks(state.now),
         observability: &state.published.observability,
         motions: &state.published.motions,
+        silhouettes: &state.published.silhouettes,
         ghosts: state.published.ghosts.as_deref(),
         people: &state.published.people,
         doing: state.status.as_deref(),

@@ -29,7 +29,7 @@ pub use groups::BasinView;
 pub(crate) use groups::{
     BasinCommand, BeginningCommand, BodyPart, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
     HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, PoseCommand, RecoveryCommand,
-    SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
+    SceneCommand, SilhouetteCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
 
@@ -53,6 +53,7 @@ groups! {
         Basin(BasinCommand) of BasinCommand::every(),
         Beginning(BeginningCommand) of BeginningCommand::every(),
         Observability(ObservabilityCommand) of ObservabilityCommand::every(),
+        Silhouettes(SilhouetteCommand) of SilhouetteCommand::every(),
         Tracking(TrackingCommand) of TrackingCommand::every(),
         Timeline(TimelineCommand) of TimelineCommand::every(),
         Demonstration(Demonstration) of Demonstration::ALL,

@@ -7,6 +7,8 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::observability::JointUncertainty;
 use backlit_tracking::posing::LimitedAngle;
+use backlit_tracking::segment::Segmentation;
+use backlit_tracking::silhouette::Label;
 use backlit_ui::drawing::{JointEllipse, JointId, Swaying, joint_ellipses};
 use backlit_ui::style::format;
 use glam::DVec3;
@@ -92,6 +94,50 @@ impl MotionMarks {
     pub(crate) fn at(&self, frame: usize) -> Option<&NamedStretch> {
         self.stretches.iter().find(|stretch| stretch.frames.contains(&frame))
     }
+}
+
+/// What the pointer draws in the camera views.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SilhouetteTool {
+    /// The region of interest, a rectangle.
+    Region,
+    /// Pixels of the silhouette, each with this label.
+    Brush(Label),
+}
+
+impl SilhouetteTool {
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 4] = [
+        Self::Region,
+        Self::Brush(Label::Subject),
+        Self::Brush(Label::Background),
+        Self::Brush(Label::Unknown),
+    ];
+}
+
+/// What steers silhouettes, as camera views show it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SilhouetteMarks {
+    /// What the pointer draws, if it draws; and the brush's radius in pixels.
+    pub(crate) tool: Option<(SilhouetteTool, f32)>,
+    /// How the silhouette of a camera's frame came about.
+    pub(crate) steps: Option<Arc<SilhouetteSteps>>,
+}
+
+impl SilhouetteMarks {
+    /// How the silhouette of this camera's frame came about, if it is known.
+    pub(crate) fn steps_of(&self, camera: usize, frame: usize) -> Option<&Segmentation> {
+        let steps = self.steps.as_deref().filter(|steps| (steps.camera, steps.frame) == (camera, frame))?;
+        steps.steps.as_ref().ok()
+    }
+}
+
+/// How the silhouette of a camera's frame came about, or why nobody knows.
+#[derive(Debug)]
+pub(crate) struct SilhouetteSteps {
+    pub(crate) camera: usize,
+    pub(crate) frame: usize,
+    pub(crate) steps: Result<Segmentation, String>,
 }
 
 /// A drag that goes on in a camera's view, as others see it.

@@ -32,6 +32,8 @@ pub enum Pane {
     Motions,
     /// Ways to begin, one beside another, step by step.
     Beginnings,
+    /// Silhouettes: how they come about, the worst of them, and what steers them.
+    Silhouettes,
 }
 
 /// Where a pane comes in that has no place yet.
@@ -46,12 +48,13 @@ pub(crate) enum PaneSide {
 impl Pane {
     /// The panes that are no cameras: title, where they come in, the layout that begins with them, and what they show.
     #[rustfmt::skip]
-    pub(crate) const KINDS: [(Self, &'static str, PaneSide, Option<Layout>, &'static str); 5] = [
+    pub(crate) const KINDS: [(Self, &'static str, PaneSide, Option<Layout>, &'static str); 6] = [
         (Self::Scene, "Scene", PaneSide::Right, Some(Layout::Debug), "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", PaneSide::Below, Some(Layout::Debug), "The runs of the fit, step by step"),
         (Self::Basin, "Basin", PaneSide::Right, None, "How far off a start may be and still find the right pose"),
         (Self::Motions, "Motions", PaneSide::Right, None, "What the tracked motion is called, and why: a curve among kinds of motion"),
         (Self::Beginnings, "Ways to begin", PaneSide::Right, None, "Particles, ramp, templates and search, step by step"),
+        (Self::Silhouettes, "Silhouettes", PaneSide::Right, None, "How a silhouette comes about, which are worst, and brushes to mend them"),
     ];
 
     /// All panes of a take with this number of cameras.

@@ -38,6 +38,10 @@ pub(crate) const TRACK: u8 = priority(Crew::Long, 2);
 pub(crate) const HULL: u8 = priority(Crew::Long, 3);
 /// Names of the tracked motion.
 pub(crate) const MOTIONS: u8 = priority(Crew::Long, 4);
+/// How the silhouette on the screen came about.
+pub(crate) const SILHOUETTE_STEPS: u8 = priority(Crew::Drawing, 1);
+/// The worst silhouettes, and settings that suit the take better.
+pub(crate) const SILHOUETTES: u8 = priority(Crew::Long, 7);
 /// The check of the laboratory's gradients.
 pub(crate) const LABORATORY_CHECK: u8 = priority(Crew::Long, 5);
 /// Fits of many starts of one frame.

@@ -125,6 +125,8 @@ pub(crate) enum FeatureRequest {
     RunLaboratory { over: Variants, camera: Option<usize> },
     /// Follow this one of the people who were found, counted from 0.
     FollowPerson(usize),
+    /// Something was drawn by hand over a camera's silhouette: the line's corners in pixels.
+    DrawSilhouette(usize, Vec<[f32; 2]>),
     /// What to do with work that an earlier start of the program left unsaved.
     Recover(Decision),
 }

@@ -8,7 +8,7 @@ use backlit_ui::drawing::{DragEvent, JointId, ModeComparison, ViewMode};
 use backlit_ui::widgets::{Framing, ViewTransform};
 pub use overlays::Ellipses;
 pub(crate) use pane::TilePlace;
-pub use tile::{BodyMarks, TileInput, TileResponse, camera_tile};
+pub use tile::{BodyMarks, SteeredSilhouette, TileInput, TileResponse, camera_tile};
 
 use crate::context::Context;
 use crate::context::marks::PictureAlone;
@@ -21,6 +21,7 @@ use crate::session::selection::Selection;
 mod comparison;
 mod full_pictures;
 mod gutter;
+mod hand;
 mod header;
 mod hover_card;
 mod legend;

@@ -214,6 +214,26 @@ fn silhouettes_are_written_with_their_cameras() {
     assert!(cameras.cameras().iter().all(|camera| camera.distortion().is_none()));
 }
 
+/// A patch beside the body in one picture, and settings that suit no picture.
+#[test]
+fn the_worst_silhouettes_are_listed_and_settings_are_tuned() {
+    let scene = take();
+    let path = scene.path("wave/front/03.png");
+    let mut spoilt = image::open(&path).unwrap().into_rgb8();
+    let (width, height) = spoilt.dimensions();
+    for (x, y) in (0..width / 4).flat_map(|x| (0..height / 2).map(move |y| (x, y))) {
+        spoilt.put_pixel(x, y, Rgb([250, 20, 20]));
+    }
+    spoilt.save(&path).unwrap();
+    let listed = scene.ok("silhouettes wave --worst 3");
+    let first = listed.lines().nth(1).unwrap();
+    assert!(first.starts_with("3 ") && first.contains("front") && first.contains('%'), "{listed}");
+    let tuned = scene.ok("silhouettes wave --tune --frames 0..2");
+    assert!(tuned.contains("cameras and body agree to 0."), "{tuned}");
+    scene.fails("silhouettes wave", 2, &["--out"]);
+    scene.fails("silhouettes wave --worst 0", 2, &["--worst"]);
+}
+
 #[test]
 fn what_was_tracked_before_a_bad_picture_is_kept() {
     let scene = take();

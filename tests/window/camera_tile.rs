@@ -3,7 +3,9 @@
 use crate::support;
 use backlit::context::view_settings::ViewSettings;
 use backlit::features::camera_views as camera_tile;
-use backlit::features::camera_views::{BodyMarks, Ellipses, TileEvent, TileInput, TileView};
+use backlit::features::camera_views::{
+    BodyMarks, Ellipses, SteeredSilhouette, TileEvent, TileInput, TileView,
+};
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
@@ -166,6 +168,7 @@ impl Scene {
             keypoints: &[],
             composed: &[],
             is_behind: false,
+            steered: SteeredSilhouette::default(),
             shows_hover_card: false,
         }
     }

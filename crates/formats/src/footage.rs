@@ -5,6 +5,7 @@ mod brush;
 mod frame;
 mod prepared;
 pub mod replacement;
+mod stages;
 
 use std::sync::Arc;
 
@@ -26,6 +27,7 @@ pub use brush::BrushStroke;
 pub use frame::{CameraFrame, DrawnPictures, FrameData, MadeWith, UNKNOWN_GREY};
 use prepared::PreparedTake;
 use replacement::{Calibration, MaskFiles, PlateFiles, ReplacementError, read_mask};
+pub use stages::TriedViews;
 
 use crate::{Take, TakeError};
 
@@ -163,23 +165,16 @@ impl Footage {
         let mut mask = match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
             Some(path) => read_mask(path, &self.take().rig().cameras()[camera])?,
             None => {
-                let mask = match self.given_mask(camera, frame)? {
+                let mut mask = match self.given_mask(camera, frame)? {
                     Some(mask) => mask,
                     None => self.prepared.segmented(camera, frame, picture, options)?,
                 };
-                self.of_person(camera, frame, mask)
+                self.hide_people(camera, frame, &mut mask);
+                mask
             }
         };
         self.paint(camera, frame, &mut mask);
         Ok(mask)
-    }
-
-    /// The silhouette without other people than the one who is followed.
-    fn of_person(&self, camera: usize, frame: usize, mut mask: Mask) -> Mask {
-        if let Some(person) = self.take().person() {
-            person.hide_others(&self.cameras[camera], frame, &mut mask);
-        }
-        mask
     }
 
     /// The silhouette of a frame that the take has from elsewhere, on the ideal grid; `None` for a camera without masks. It is
@@ -218,7 +213,7 @@ impl Footage {
     /// The silhouettes of the same.
     pub fn single_masks(&self, cameras: &[usize], frame: usize) -> Result<Vec<Mask>, FootageError> {
         let one = |&camera: &usize| {
-            let mask = match self.given_mask(camera, frame)? {
+            let mut mask = match self.given_mask(camera, frame)? {
                 Some(mask) => mask,
                 None => {
                     let picture = self.picture(camera, frame)?;
@@ -226,7 +221,7 @@ impl Footage {
                     self.prepared.segmented(camera, frame, &picture, options)?
                 }
             };
-            let mut mask = self.of_person(camera, frame, mask);
+            self.hide_people(camera, frame, &mut mask);
             self.paint(camera, frame, &mut mask);
             Ok(mask)
         };

@@ -20,6 +20,7 @@ use crate::FileError;
 pub use footage::{
     BackgroundSource, CameraFootage, Known, MAX_BACKGROUND_FRAMES, MAX_FRAMES, USUAL_BACKGROUND_FRAMES,
 };
+pub use measurement::measurement_lines;
 pub use offsets::{OffsetShift, shift_offsets};
 pub(crate) use paths::split_number;
 pub use paths::{FramePattern, Outside, PatternError};

@@ -7,4 +7,5 @@ pub mod initialisation;
 pub mod motions;
 pub mod people;
 pub mod person;
+pub mod silhouettes;
 pub mod track;

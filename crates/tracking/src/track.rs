@@ -19,7 +19,7 @@ mod trust;
 mod tune;
 
 pub use beam::{Beam, Mode, Rival};
-pub use estimate::{FrameEstimate, Track};
+pub use estimate::{FrameEstimate, Track, overlaps};
 pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, Lost, UsualCost};
 pub use memory::{FilterMemory, LastFrame, MemoryError, TrackerMemory, WaitingFrame};
 pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, MotionModel, Predicted, Seen};

@@ -13,6 +13,7 @@ pub mod limits;
 mod mode;
 mod outline;
 mod side_marks;
+mod stages;
 mod tinted;
 
 pub use backlit_words::joint::{JointId, joint_name};
@@ -34,3 +35,4 @@ pub use mode::{
 };
 pub use outline::body_outline;
 pub use side_marks::SideMarks;
+pub use stages::{decision, excess_picture, mask_picture, stage_words, subject_change};

@@ -6,6 +6,7 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::context::marks::SilhouetteTool;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
@@ -75,6 +76,16 @@ groups! {
         Mode(ViewMode) of ViewMode::ALL,
         Compare(ModeComparison) of [ModeComparison::Wipe, ModeComparison::Blink],
         CameraAlone(usize) of 0..8,
+    }
+
+    /// How silhouettes are made, and mended by hand.
+    SilhouetteCommand {
+        Draw(SilhouetteTool) of SilhouetteTool::ALL,
+        PutAway,
+        Erase,
+        RemoveRegion,
+        FindWorst,
+        Tune,
     }
 
     /// Where the scene is seen from.

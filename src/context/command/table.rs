@@ -3,21 +3,23 @@
 use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_tracking::silhouette::Label;
 use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
     Basin, Beginning, CameraCheck, CameraPlan, Convergence, Demonstration as Show, Export, File, Fit,
-    History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View,
-    Window,
+    History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes, Timeline, Tour,
+    Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
     BasinCommand, BasinView, BeginningCommand, BodyPart, Command, ConvergenceCommand, ExportCommand,
     FileCommand, FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand,
-    PoseCommand, RecoveryCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand,
-    WindowCommand,
+    PoseCommand, RecoveryCommand, SceneCommand, SilhouetteCommand, TimelineCommand, TrackingCommand,
+    Variants, ViewCommand, WindowCommand,
 };
+use crate::context::marks::SilhouetteTool;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
@@ -98,6 +100,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::View, Scene(SceneCommand::Reset), "Whole scene", "See all cameras in the scene", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Basin)), "Show or hide basin", "How far off a start may be: success over angle, and a map", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Motions)), "Show or hide motions", "What the tracked motion is called: walking, boxing and others, as a curve among kinds of motion", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Silhouettes)), "Show or hide silhouettes", "How a silhouette comes about step by step, which are worst, and brushes to mend them", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Beginnings)), "Show or hide ways to begin", "Particle filter, softened ramp, templates and search, step by step", &[]),
     row(Menu::View, Window(WindowCommand::ArrangeTiles), "Arrange tiles", "Place the tiles of this layout so that their pictures are largest", &[]),
     row(Menu::View, Window(WindowCommand::ResetLayout), "Reset layout", "Put tiles, sizes and sections back as they were at first", &[]),
@@ -178,6 +181,15 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit forward from the key pose before this frame and back from the one after it. The two tracks are joined where their joints are nearest; frames around the join are blended and fitted again", &[ctrl_shift(Key::K)]),
     row(Menu::Track, Offsets, "Camera offsets…", "For cameras that were not started together: compare two side by side and shift one, or find the shifts from the silhouettes", &[]),
     row(Menu::Track, CameraCheck, "Check cameras…", "Find which camera’s calibration or clock is wrong, and how, from what all cameras see of the person", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Region)), "Draw region of interest", "Draw a rectangle in a camera’s view: outside it is background in every frame", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::RemoveRegion), "Remove region of interest", "The subject may be anywhere in the active camera’s picture", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Brush(Label::Subject))), "Paint subject", "Paint pixels of a silhouette that are subject", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Brush(Label::Background))), "Paint background", "Paint pixels of a silhouette that are background", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Brush(Label::Unknown))), "Paint unknown", "Paint pixels of a silhouette that weigh nothing", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::PutAway), "Put brush away", "The pointer poses the body again", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Erase), "Remove brush strokes", "Remove what is painted in the active camera’s frame, or in its marked frames", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::FindWorst), "Find worst silhouettes", "Look through the take for silhouettes that other cameras, neighbours in time or the body contradict", &[]),
+    row(Menu::Track, Silhouettes(SilhouetteCommand::Tune), "Tune silhouettes", "Choose z-score, shadow test, hysteresis, chroma, opening and closing by how well cameras and the tracked body agree", &[]),
     row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker starts again from it. Dragging a joint sets one too. On a frame that has one, clear it", &[key(Key::K)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the previous key pose", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),

@@ -1,6 +1,6 @@
 //! The numbers of the pixel under the pointer, on a card beside it. Holding H keeps the card while the pointer moves.
 
-use backlit_ui::drawing::{JointId, Sample, ViewMode};
+use backlit_ui::drawing::{JointId, Sample, ViewMode, decision};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
@@ -42,7 +42,11 @@ impl HoverCard {
         let rows = self.grip_rows(input);
         let derivative = self.derivative_row(input);
         let at = shown.overlay.at(DVec2::new(pixel[0] as f64, pixel[1] as f64));
-        let more = rows.len() + usize::from(derivative.is_some());
+        let decided = input
+            .steered
+            .steps
+            .and_then(|steps| decision(steps, pixel[1] * input.picture.size[0] + pixel[0]));
+        let more = rows.len() + usize::from(derivative.is_some()) + usize::from(decided.is_some());
         let height = size::HOVER_CARD.y + more as f32 * ROW;
         let bounds = picture.intersect(ui.ctx().content_rect());
         let limb = self.limb_points(shown);
@@ -71,6 +75,9 @@ impl HoverCard {
                 let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
                 title_row(ui, &title, if self.is_frozen { "held" } else { "H holds" });
                 pixel_rows(ui, input, &sample);
+                if let Some(decided) = &decided {
+                    row(ui, "Decided by", decided, TextStyle::Small);
+                }
                 if let Some((label, value)) = &derivative {
                     row(ui, label, value, TextStyle::Monospace);
                 }

@@ -19,14 +19,14 @@ use backlit_ui::widgets::cut_off;
 use egui::{Color32, Rect, Role, Ui, UiBuilder, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
 
-use super::tile::{TileLayout, TileState};
+use super::tile::{SteeredSilhouette, TileLayout, TileState};
 use super::{
     BodyMarks, CameraViewPreferences, CameraViews, Ellipses, TileEvent, TileInput, TileView, camera_tile,
     picture_view,
 };
 use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
-use crate::context::{Context, Requests};
+use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 use crate::session::Session;
 use crate::session::prediction::ComposedPicture;
 
@@ -71,6 +71,10 @@ impl CameraViews {
             return false;
         }
         let response = camera_tile(ui, &input);
+        if let Some(line) = response.drawn {
+            requests.request(ShellRequest::Camera(place.camera));
+            requests.request(FeatureRequest::DrawSilhouette(place.camera, line));
+        }
         let before = self.shown.insert(place.camera, response.view);
         if !response.events.is_empty() {
             ui.ctx().request_repaint();
@@ -152,6 +156,11 @@ impl<'a> CameraPane<'a> {
                 false => &[],
             },
             is_behind: context.pictured().0 != context.selection.frame,
+            steered: SteeredSilhouette {
+                tool: context.silhouettes.tool,
+                region: document.measurement.get(index).and_then(|own| own.region),
+                steps: context.silhouettes.steps_of(index, context.pictured().0),
+            },
             shows_hover_card: true,
         }
     }
@@ -369,9 +378,9 @@ fn show_alone(ui: &mut Ui, mut input: TileInput<'_>, alone: PictureAlone, legend
         reserved: legend_height,
         has_legend: alone.legend,
     };
-    input.shows_hover_card = false;
+    (input.shows_hover_card, input.steered.tool) = (false, None);
     if !alone.marks {
-        (input.outlines, input.selected) = (&[], None);
+        (input.outlines, input.selected, input.steered.region) = (&[], None, None);
         input.settings.calibration_marks = false;
     }
     let id = ui.scope_id().with("picture alone");

@@ -18,7 +18,7 @@ use super::comparison::{self, ShownModes};
 use super::hover_card::HoverCard;
 use super::pointer::{Grips, PointerInput};
 use super::tile::{TileLayout, TileState};
-use super::{TileEvent, TileInput, legend, overlays};
+use super::{TileEvent, TileInput, hand, legend, overlays};
 use crate::context::marks::whole_percent;
 use crate::session::prediction::ViewedPicture;
 
@@ -40,11 +40,12 @@ pub(crate) fn show(
     let mut view = input.tile.framing.view(free, size_px, input.subject_px);
     let response = ui.interact(rect, id.with("picture"), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} picture", input.name())));
-    if let Some(changed) = navigate(ui, &response, &view, state.pointer.is_free()) {
+    let is_free = state.pointer.is_free() && input.steered.tool.is_none();
+    if let Some(changed) = navigate(ui, &response, &view, is_free) {
         state.events.push(TileEvent::SetFraming(Framing::of(&changed, size_px, input.subject_px)));
         view = changed;
     }
-    if response.double_clicked() && state.pointer.hovered.is_none() {
+    if response.double_clicked() && state.pointer.hovered.is_none() && input.steered.tool.is_none() {
         state.events.push(TileEvent::SetFraming(Framing::Subject));
     }
     let seen = comparison::seen(ui, id, rect, input, &mut state.events);
@@ -73,7 +74,11 @@ pub(crate) fn show(
         let colour = theme::colours(Theme::Dark).text3;
         painter.text(rect.center(), Align2::CENTER_CENTER, "No picture for this frame", font, colour);
     }
-    shown.follow_pointer(&response, state);
+    match input.steered.tool {
+        None => shown.follow_pointer(&response, state),
+        Some((tool, radius_px)) => hand::draw(&shown, &response, tool, radius_px, state),
+    }
+    hand::paint_region(&shown);
     shown.paint_marks(state, seen.mode());
     shown.paint_rivals(state);
     shown.paint_size_handles(state);

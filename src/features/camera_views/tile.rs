@@ -6,7 +6,8 @@ use backlit_tracking::belief::LimbTrust;
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{JointKeypoint, LimbHold};
-use backlit_tracking::silhouette::Overlap;
+use backlit_tracking::segment::Segmentation;
+use backlit_tracking::silhouette::{Overlap, Region};
 use backlit_ui::drawing::{
     GhostMarks, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, RivalMarks,
     SideMarks, SightRay, SwayMarks,
@@ -19,6 +20,7 @@ use glam::DVec2;
 
 use super::pointer::{Pointer, rotation_owner};
 use super::{Ellipses, TileEvent, TileView, gutter, header, legend, picture_view};
+use crate::context::marks::SilhouetteTool;
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
 use crate::session::prediction::ComposedPicture;
@@ -115,8 +117,21 @@ pub struct TileInput<'a> {
     pub keypoints: &'a [JointKeypoint],
     /// The pictures of another frame are being read: nothing can be taken hold of in these.
     pub is_behind: bool,
+    /// What steers its silhouette.
+    pub steered: SteeredSilhouette<'a>,
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
+}
+
+/// What steers a camera's silhouette.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SteeredSilhouette<'a> {
+    /// What the pointer draws instead of posing the body, and the brush's radius in pixels.
+    pub(crate) tool: Option<(SilhouetteTool, f32)>,
+    /// Where the subject may be, if that is limited.
+    pub(crate) region: Option<Region>,
+    /// How the silhouette came about, if that is known.
+    pub(crate) steps: Option<&'a Segmentation>,
 }
 
 impl<'a> TileInput<'a> {
@@ -149,6 +164,10 @@ pub(super) struct TileState {
     pub(super) pointer: Pointer,
     pub(super) hovered: Option<[usize; 2]>,
     pub(super) card: Option<[usize; 2]>,
+    /// The line that is being drawn, in pixels.
+    pub(super) line: Vec<[f32; 2]>,
+    /// A line that was drawn to its end in this frame of the window.
+    pub(super) drawn: Option<Vec<[f32; 2]>>,
 }
 
 /// Where the parts of a tile are.
@@ -183,6 +202,8 @@ impl TileLayout {
 pub struct TileResponse {
     /// What the user did.
     pub events: Vec<TileEvent>,
+    /// A line that was drawn by hand, in pixels.
+    pub(crate) drawn: Option<Vec<[f32; 2]>>,
     /// How the picture lies on the screen.
     pub(crate) view: ViewTransform,
 }
@@ -216,8 +237,9 @@ fn tile_contents(ui: &mut Ui, id: Id, layout: &TileLayout, input: &TileInput<'_>
         let tile = layout.header.union(layout.picture).union(layout.gutter.unwrap_or(layout.picture));
         ui.painter().rect_stroke(tile, 0.0, palette.active_tile(), StrokeKind::Inside);
     }
+    let drawn = state.drawn.take();
     ui.data_mut(|data| data.insert_temp(id, state));
-    TileResponse { events, view }
+    TileResponse { events, drawn, view }
 }
 
 #[cfg(test)]

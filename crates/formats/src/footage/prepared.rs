@@ -3,7 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
-use backlit_tracking::segment::{Background, BackgroundSums, SegmentOptions, segment};
+use backlit_tracking::segment::{
+    Background, BackgroundSums, SegmentError, SegmentOptions, Segmentation, Stage, segment, segment_by_stages,
+};
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
@@ -103,11 +105,33 @@ impl PreparedTake {
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
-        let Learnt { background, always_subject, unknown } = self.learnt(camera)?;
-        let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
-            camera: self.cameras[camera].name().to_owned(),
-            error,
-        })?;
+        let mut mask = segment(picture, &self.learnt(camera)?.background, options)
+            .map_err(|error| self.segment_error(camera, error))?;
+        self.complete(camera, frame, &mut mask)?;
+        Ok(mask)
+    }
+
+    /// The same, step by step.
+    pub(super) fn segmented_by_stages(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: &RgbImage,
+        options: &SegmentOptions,
+    ) -> Result<Segmentation, FootageError> {
+        let mut stages = segment_by_stages(picture, &self.learnt(camera)?.background, options)
+            .map_err(|error| self.segment_error(camera, error))?;
+        stages.then(Stage::Take, |mask| self.complete(camera, frame, mask))?;
+        Ok(stages)
+    }
+
+    fn segment_error(&self, camera: usize, error: SegmentError) -> FootageError {
+        FootageError::Segment { camera: self.cameras[camera].name().to_owned(), error }
+    }
+
+    /// Adds what is known beside the picture: pixels that are always subject, keypoints, what the lens does not see.
+    fn complete(&self, camera: usize, frame: usize, mask: &mut Mask) -> Result<(), FootageError> {
+        let Learnt { always_subject, unknown, .. } = self.learnt(camera)?;
         let labels = mask.labels_mut();
         for &pixel in always_subject {
             labels[pixel] = Label::Subject;
@@ -122,7 +146,7 @@ impl PreparedTake {
         for &pixel in &self.unseen[camera] {
             labels[pixel] = Label::Unknown;
         }
-        Ok(mask)
+        Ok(())
     }
 
     /// What keypoints tell of the silhouette, on the ideal grid; `None` without any.

@@ -64,9 +64,35 @@ pub(super) fn merged(take: &Table, camera: &Table) -> Table {
     out
 }
 
+/// The keys of `[measurement]` that lead from some options to others, a line each.
+#[must_use]
+pub fn measurement_lines(before: &SegmentOptions, after: &SegmentOptions) -> String {
+    let table = |options: &SegmentOptions| Table::try_from(options).unwrap_or_default();
+    let (before, after) = (table(before), table(after));
+    let mut lines = String::new();
+    for (key, value) in after.iter().filter(|(key, value)| before.get(*key) != Some(value)) {
+        lines += &format!("{key} = {}\n", shortest(value.clone()));
+    }
+    for key in before.keys().filter(|key| !after.contains_key(*key)) {
+        lines += &format!("{key} = false\n");
+    }
+    lines
+}
+
+/// The same with numbers as short as options hold them.
+fn shortest(value: Value) -> Value {
+    match value {
+        Value::Float(number) => Value::Float((number as f32).to_string().parse().unwrap_or(number)),
+        Value::Table(table) => {
+            Value::Table(table.into_iter().map(|(key, value)| (key, shortest(value))).collect())
+        }
+        other => other,
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::segment::ChromaOptions;
+    use backlit_tracking::segment::{ChromaOptions, ShadowOptions};
     use backlit_tracking::silhouette::Region;
 
     use super::*;
@@ -89,6 +115,24 @@ mod tests {
         assert_eq!(options.region, Some(Region { x: 1, y: 2, width: 30, height: 40 }));
         let dont_know = options.dont_know.unwrap();
         assert_eq!((dont_know.dark_level, dont_know.grow_px), (40.0, 1));
+    }
+
+    #[test]
+    fn lines_say_what_is_changed() {
+        let before = SegmentOptions { hysteresis_z: Some(2.5), ..SegmentOptions::default() };
+        let shadow = Some(ShadowOptions { darkest: 0.4, ..ShadowOptions::default() });
+        let after = SegmentOptions {
+            z_threshold: 5.5,
+            shadow,
+            hysteresis_z: None,
+            dont_know: None,
+            ..before.clone()
+        };
+        let lines = measurement_lines(&before, &after);
+        assert!(lines.contains("z_threshold = 5.5\n") && lines.contains("darkest = 0.4,"), "{lines}");
+        assert_eq!(lines.lines().count(), 4, "{lines}");
+        assert_eq!(options(&merged(&table("hysteresis_z = 2.5"), &table(&lines))).ok().unwrap(), after);
+        assert_eq!(measurement_lines(&before, &before), "");
     }
 
     #[test]

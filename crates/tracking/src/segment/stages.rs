@@ -63,9 +63,23 @@ impl Segmentation {
         self.stages.get(last.unwrap_or(0)).map(|decisive| decisive.stage)
     }
 
-    /// Adds a step.
-    pub fn push(&mut self, stage: Stage, mask: &Mask) {
-        self.stages.push(StageMask { stage, mask: mask.clone() });
+    /// The mask after the last step.
+    pub fn mask(&self) -> Option<&Mask> {
+        self.stages.last().map(|last| &last.mask)
+    }
+
+    /// Takes one more step, if it changes anything.
+    ///
+    /// # Errors
+    /// Those of the step.
+    pub fn then<E>(&mut self, stage: Stage, step: impl FnOnce(&mut Mask) -> Result<(), E>) -> Result<(), E> {
+        if let Some(mut mask) = self.mask().cloned() {
+            step(&mut mask)?;
+            if self.mask() != Some(&mask) {
+                self.stages.push(StageMask { stage, mask });
+            }
+        }
+        Ok(())
     }
 }
 

@@ -28,7 +28,7 @@ pub enum StrokeError {
     Point(usize, f32, f32),
 }
 
-/// No picture has so many pixels on a side, and no point outside it needs to be farther away.
+/// Pictures have fewer pixels on a side; no point outside one needs to be farther away.
 const MAX_PX: f32 = 65_536.0;
 const MAX_RADIUS_PX: f32 = 1024.0;
 

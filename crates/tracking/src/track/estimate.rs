@@ -115,8 +115,9 @@ impl FrameEstimate {
     }
 }
 
-/// Overlap of a pose with the mask of every camera that sees somebody.
-pub(super) fn overlaps(
+/// Overlap of a pose with the mask of every camera that sees somebody, in the order of the views.
+#[must_use]
+pub fn overlaps(
     model: &Model,
     pose: &Pose,
     renderer: RendererKind,
