@@ -32,6 +32,7 @@ mod posing;
 mod readable;
 mod recovery;
 mod scene;
+mod silhouettes;
 mod support;
 mod timeline;
 mod tour;

@@ -208,7 +208,12 @@ impl<'a> SettingsTrial<'a> {
     fn of_frame(&self, sample: &Sample, options: &[SegmentOptions]) -> Result<(f64, Pose), TuneError> {
         let tried = self.footage.tried_views(&self.cameras, sample.frame, &sample.pictures, options)?;
         let PosedBody { model, fit, .. } = self.body;
-        let mut refit = Fit::new(model.clone(), tried.views.clone(), sample.pose.clone(), (**fit).clone())?;
+        let refit = Fit::new(model.clone(), tried.views.clone(), sample.pose.clone(), (**fit).clone());
+        // By settings that leave no subject nothing agrees.
+        if matches!(refit, Err(FitError::NoData { .. })) {
+            return Ok((0.0, sample.pose.clone()));
+        }
+        let mut refit = refit?;
         refit.run(&CancelToken::new(), |_| {});
         let overlap = overlaps(model, refit.pose(), fit.renderer, &tried.views);
         let all = overlap.into_iter().flatten().fold(Overlap::default(), Overlap::merge);

@@ -14,8 +14,8 @@ use backlit_words::format::number;
 
 use super::PosedBody;
 
-/// How many frames before and after one tell how large a silhouette should be.
-const NEIGHBOURS: usize = 3;
+/// Frames no more than this before and after one tell how large a silhouette should be, seconds.
+const AROUND_S: f64 = 0.1;
 /// Areas of neighbours differ by this factor, as a logarithm, as a person moves.
 const USUAL_CHANGE: f64 = 0.1;
 
@@ -107,7 +107,8 @@ pub fn worst(
         }
         tell(done + 1);
     }
-    let all = measured.iter().enumerate().flat_map(of_camera);
+    let reach = (AROUND_S * footage.take().frame_rate()).ceil() as usize;
+    let all = measured.iter().enumerate().flat_map(|(camera, frames)| of_camera(camera, frames, reach));
     let mut found: Vec<SilhouetteQuality> = all.filter(|one| one.badness() >= LEAST_BADNESS).collect();
     found.sort_by(|a, b| {
         b.badness().total_cmp(&a.badness()).then((a.frame, a.camera).cmp(&(b.frame, b.camera)))
@@ -115,14 +116,19 @@ pub fn worst(
     found
 }
 
-fn of_camera((camera, frames): (usize, &BTreeMap<usize, MeasuredSilhouette>)) -> Vec<SilhouetteQuality> {
-    let areas: Vec<f64> = frames.values().map(|one| one.subject_px as f64).collect();
+/// What speaks against each silhouette of a camera; `reach` frames before and after one count as around it.
+fn of_camera(
+    camera: usize,
+    frames: &BTreeMap<usize, MeasuredSilhouette>,
+    reach: usize,
+) -> Vec<SilhouetteQuality> {
     let usual_iou = median(&mut frames.values().filter_map(|one| one.iou).collect::<Vec<_>>());
-    let quality = |(place, (&frame, one)): (usize, (&usize, &MeasuredSilhouette))| {
+    let quality = |(&frame, one): (&usize, &MeasuredSilhouette)| {
         let MeasuredSilhouette { subject_px, unsupported_px, iou } = *one;
-        let around = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(areas.len());
-        let mut others: Vec<f64> = around.filter(|other| *other != place).map(|other| areas[other]).collect();
-        let usual = median(&mut others).unwrap_or(areas[place]);
+        let around = frames.range(frame.saturating_sub(reach)..=frame + reach);
+        let others = around.filter(|(other, _)| **other != frame);
+        let mut areas: Vec<f64> = others.map(|(_, other)| other.subject_px as f64).collect();
+        let usual = median(&mut areas).unwrap_or(subject_px as f64);
         let whole = (subject_px + unsupported_px) as f64;
         SilhouetteQuality {
             camera,
@@ -134,5 +140,5 @@ fn of_camera((camera, frames): (usize, &BTreeMap<usize, MeasuredSilhouette>)) ->
             mismatch: usual_iou.zip(iou).map(|(usual, iou)| (usual - iou).max(0.0)),
         }
     };
-    frames.iter().enumerate().map(quality).collect()
+    frames.iter().map(quality).collect()
 }
