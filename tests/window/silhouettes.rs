@@ -31,7 +31,7 @@ fn draw(window: &mut Window) {
 fn the_pointer_paints_and_esc_gives_it_back_to_the_body() {
     let mut window = open(built_in());
     let before = window.document().clone();
-    choose(&mut window, Role::Button, "Subject");
+    command(&mut window, "Paint subject");
     draw(&mut window);
     let brush = window.document().brush.clone();
     assert_eq!((brush.len(), brush[0].camera, brush[0].stroke.label), (1, 0, Label::Subject));
@@ -43,7 +43,7 @@ fn the_pointer_paints_and_esc_gives_it_back_to_the_body() {
     undo(&mut window);
     assert_eq!(*window.document(), before);
 
-    choose(&mut window, Role::Button, "Region");
+    command(&mut window, "Draw region of interest");
     draw(&mut window);
     let region = window.document().measurement[0].region;
     assert!(matches!(region, Some(Region { width, height, .. }) if width > 5 && height > 5), "{region:?}");
@@ -80,7 +80,7 @@ fn every_word_of_the_pane_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
         let mut window = open(built_in().sized(size.x, size.y));
-        choose(&mut window, Role::Button, "Subject");
+        command(&mut window, "Paint subject");
         look_over(&window, &format!("silhouettes at {size:?}"), &mut wrong);
     }
     assert_readable(&wrong);
@@ -91,7 +91,7 @@ fn the_pane_in_both_themes() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let mut window = open(built_in().sized(1366.0, 900.0).theme(theme));
-        choose(&mut window, Role::Button, "Subject");
+        command(&mut window, "Paint subject");
         draw(&mut window);
         window.state_mut().inspector.state.notices.close_all();
         freeze(&mut window);

@@ -31,16 +31,20 @@ pub(super) fn draw(
     state.hovered = inside.and_then(|at| overlay.view.pixel_at(at, shown.input.picture.size));
     let is_down = response.is_pointer_button_down_on()
         && ui.input(|input| input.pointer.button_down(PointerButton::Primary));
-    if is_down && let Some(at) = response.interact_pointer_pos() {
-        if state.line.is_empty() {
-            state.events.push(TileEvent::Activate);
-        }
+    if is_down && state.line.is_empty() {
+        state.events.push(TileEvent::Activate);
+    }
+    // Where the button is let go the line ends.
+    if (is_down || !state.line.is_empty())
+        && let Some(at) = response.interact_pointer_pos()
+    {
         let [x, y] = overlay.view.px_from_screen(at).as_vec2().to_array();
         let is_new = |last: &[f32; 2]| (last[0] - x).hypot(last[1] - y) >= CORNER_PX;
         if state.line.last().is_none_or(is_new) {
             state.line.push([x, y]);
         }
-    } else if !state.line.is_empty() {
+    }
+    if !is_down && !state.line.is_empty() {
         state.drawn = Some(std::mem::take(&mut state.line));
     }
     let points: Vec<_> =
@@ -96,10 +100,7 @@ pub(super) fn paint_region(shown: &ShownPicture<'_>) {
     );
     let whole = overlay.view.picture_rect(shown.input.picture.size);
     let inside = inside.intersect(whole);
-    let [top, rest] = {
-        let (top, rest) = whole.split_top_bottom_at_y(inside.top());
-        [top, rest]
-    };
+    let (top, rest) = whole.split_top_bottom_at_y(inside.top());
     let (middle, bottom) = rest.split_top_bottom_at_y(inside.bottom());
     let (left, right) = middle.split_left_right_at_x(inside.left());
     let (_, right) = right.split_left_right_at_x(inside.right());

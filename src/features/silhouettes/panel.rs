@@ -6,7 +6,7 @@ use backlit_runs::silhouettes::SilhouetteQuality;
 use backlit_tracking::silhouette::Label;
 use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
-use backlit_ui::widgets::{SliderRow, camera_badge, hint, segmented, text_button, work_progress};
+use backlit_ui::widgets::{SliderRow, camera_badge, choice, hint, named_row, text_button, work_progress};
 use egui::{RichText, ScrollArea, Ui};
 
 use super::{BrushScope, SilhouetteSteering, steps};
@@ -16,8 +16,29 @@ use crate::context::marks::SilhouetteTool;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, Requests, SessionRequest, ShellRequest, pane_title};
 
-/// So many of the worst silhouettes are listed.
+/// How many of the worst silhouettes are listed.
 const LISTED: usize = 20;
+/// Width of a choice's name, and of the choice.
+const NAME: f32 = 60.0;
+const CHOICE: f32 = 120.0;
+
+/// What the pointer does in a camera's view.
+#[rustfmt::skip]
+const TOOLS: [(Option<SilhouetteTool>, &str, &str); 5] = [
+    (None, "Poses the body", "Joints and limbs are dragged, as ever"),
+    (Some(SilhouetteTool::Region), "Region of interest", "Draws a rectangle: outside it is background, in every frame"),
+    (Some(SilhouetteTool::Brush(Label::Subject)), "Paints subject", "Pixels of the silhouette that are subject"),
+    (Some(SilhouetteTool::Brush(Label::Background)), "Paints background", "Pixels of the silhouette that are background"),
+    (Some(SilhouetteTool::Brush(Label::Unknown)), "Paints unknown", "Pixels of the silhouette that weigh nothing"),
+];
+
+/// In which frames a stroke is painted.
+#[rustfmt::skip]
+const SCOPES: [(BrushScope, &str, &str); 3] = [
+    (BrushScope::Frame, "This frame", "Only in the frame on the screen"),
+    (BrushScope::Range, "Same place", "In all marked frames, or in the whole take if none are marked"),
+    (BrushScope::Body, "With the body", "In marked frames, or all, that have a pose: moved with the limb that the stroke lies on"),
+];
 
 impl SilhouetteSteering {
     pub(super) fn show(
@@ -42,23 +63,22 @@ impl SilhouetteSteering {
     /// What the pointer draws in the camera views, and where.
     fn tools(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         heading(ui, "By hand");
-        let brush = |label| Some(SilhouetteTool::Brush(label));
-        let tools = [
-            (None, "Pose"),
-            (Some(SilhouetteTool::Region), "Region"),
-            (brush(Label::Subject), "Subject"),
-            (brush(Label::Background), "Background"),
-            (brush(Label::Unknown), "Unknown"),
-        ];
-        let mut chosen = self.tool;
-        segmented(ui, &mut chosen, &tools).on_hover_text(
-            "What the pointer does in a camera’s view: pose the body, draw the region of interest, or paint pixels of the silhouette",
-        );
-        if chosen != self.tool {
-            let command = chosen.map_or(SilhouetteCommand::PutAway, SilhouetteCommand::Draw);
-            requests.run(Command::Silhouettes(command));
-        }
+        named_row(ui, "Pointer", NAME, |ui| {
+            let now = TOOLS.iter().find(|tool| tool.0 == self.tool).map_or("", |tool| tool.1);
+            let rows = TOOLS.map(|(tool, name, what)| (tool, name, what.to_owned()));
+            if let Some(tool) = choice(ui, "Pointer", CHOICE, now, &rows) {
+                let command = tool.map_or(SilhouetteCommand::PutAway, SilhouetteCommand::Draw);
+                requests.run(Command::Silhouettes(command));
+            }
+        });
         if let Some(SilhouetteTool::Brush(_)) = self.tool {
+            named_row(ui, "Where", NAME, |ui| {
+                let now = SCOPES.iter().find(|scope| scope.0 == self.scope).map_or("", |scope| scope.1);
+                let rows = SCOPES.map(|(scope, name, what)| (scope, name, what.to_owned()));
+                if let Some(scope) = choice(ui, "Where", CHOICE, now, &rows) {
+                    self.scope = scope;
+                }
+            });
             let radius = SliderRow::new(
                 "Radius",
                 " px",
@@ -67,15 +87,6 @@ impl SilhouetteSteering {
                 "The brush’s radius, in pixels of the picture",
             );
             radius.show(ui, &mut self.radius_px);
-            let scopes = [
-                (BrushScope::Frame, "This frame"),
-                (BrushScope::Range, "Same place"),
-                (BrushScope::Body, "With the body"),
-            ];
-            segmented(ui, &mut self.scope, &scopes).on_hover_text(
-                "This frame: only here.\nSame place: in all marked frames, or in the whole take if none are marked.\nWith the body: in \
-                 those of them that have a pose, moved with the limb that the stroke lies on",
-            );
         }
         let says = match self.tool {
             None => "Nothing is drawn: the pointer poses the body.",
@@ -86,7 +97,7 @@ impl SilhouetteSteering {
                 "Paint in a camera’s view. What is painted counts over all that is measured."
             }
         };
-        hint(ui, says);
+        hint_wrapped(ui, says);
         let camera = context.selection.camera;
         let has_region = context.document().measurement.get(camera).is_some_and(|own| own.region.is_some());
         if has_region || !context.document().brush.is_empty() {
@@ -110,7 +121,7 @@ impl SilhouetteSteering {
         let shown = self.shown.clone().filter(|shown| (shown.camera, shown.frame) == (camera, frame));
         match shown.as_deref().map(|shown| &shown.steps) {
             None => hint(ui, "…"),
-            Some(Err(why)) => hint(ui, format!("{why}.")),
+            Some(Err(why)) => hint_wrapped(ui, format!("{why}.")),
             Some(Ok(found)) => {
                 let key = shown.as_ref().map_or(0, |shown| Arc::as_ptr(shown) as u64);
                 steps::show(ui, found, key, &mut self.enlarged);
@@ -122,10 +133,13 @@ impl SilhouetteSteering {
         heading(ui, "Worst silhouettes");
         self.work_button(ui, context, requests, SilhouetteCommand::FindWorst);
         let Some(found) = &self.worst else {
-            return hint(ui, "Those that other cameras, the frames around them or the body contradict.");
+            return hint_wrapped(
+                ui,
+                "Those that other cameras, the frames around them or the body contradict.",
+            );
         };
         if found.is_empty() {
-            return hint(ui, "Nothing speaks against any silhouette.");
+            return hint_wrapped(ui, "Nothing speaks against any silhouette.");
         }
         for one in found.iter().take(LISTED) {
             listed(ui, one, requests);
@@ -136,7 +150,7 @@ impl SilhouetteSteering {
         heading(ui, "Settings");
         self.work_button(ui, context, requests, SilhouetteCommand::Tune);
         let text = "Tries z-score, shadow test, hysteresis, chroma, opening and closing by how well cameras and the tracked body agree.";
-        hint(ui, self.tuned.clone().unwrap_or_else(|| text.to_owned()));
+        hint_wrapped(ui, self.tuned.clone().unwrap_or_else(|| text.to_owned()));
         ui.add_space(space::WIDGET);
     }
 
@@ -162,6 +176,12 @@ impl SilhouetteSteering {
     }
 }
 
+/// A hint in as many lines as it needs.
+fn hint_wrapped(ui: &mut Ui, text: impl Into<String>) {
+    let text = RichText::new(text).small().color(theme::palette(ui).text3);
+    ui.add(egui::Label::new(text).wrap());
+}
+
 fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(space::WIDGET);
     ui.label(RichText::new(text).color(theme::palette(ui).text2));
@@ -176,6 +196,6 @@ fn listed(ui: &mut Ui, one: &SilhouetteQuality, requests: &mut Requests) {
             requests.request(ShellRequest::Camera(one.camera));
             requests.request(SessionRequest::Frame(one.frame));
         }
-        hint(ui, one.reason());
+        hint_wrapped(ui, one.reason());
     });
 }

@@ -64,7 +64,7 @@ fn cell_words(steps: &Segmentation, place: usize) -> (&'static str, &'static str
         Some(before) => {
             let [more, less] = subject_change(&steps.stages[before].mask, &steps.stages[at].mask);
             match (more, less) {
-                (0, 0) => "no subject changed".to_owned(),
+                (0, 0) => "unchanged".to_owned(),
                 (_, 0) => format!("+{} px", counted(more)),
                 (0, _) => format!("−{} px", counted(less)),
                 _ => format!("+{} −{} px", counted(more), counted(less)),

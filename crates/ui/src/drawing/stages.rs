@@ -14,7 +14,7 @@ pub const fn stage_words(stage: Stage) -> (&'static str, &'static str) {
         Stage::Hysteresis => ("Hysteresis", "And those that differ by less and touch such pixels"),
         Stage::Region => ("Region", "Pixels outside the region of interest, or where the background is not known, go"),
         Stage::Shadow => ("Shadow", "Pixels that are only darker or brighter than the background go"),
-        Stage::Morphology => ("Opening, closing", "Opening removes specks, closing fills gaps"),
+        Stage::Morphology => ("Open, close", "Opening removes specks, closing fills gaps"),
         Stage::Components => ("Components", "Parts that are too small, by themselves or beside the largest, go"),
         Stage::Holes => ("Holes", "Small holes are filled"),
         Stage::Unknown => ("Unknown", "Shadow, and what is as dark as the background, is unknown"),
