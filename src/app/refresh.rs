@@ -100,7 +100,7 @@ impl Inspector {
     fn follow_replacements(&mut self) {
         let Some(take) = self.state.session.take.clone() else { return };
         let document = self.document();
-        let masks = document.masks.clone();
+        let (masks, changes) = (document.masks.clone(), document.changes.clone());
         let wanted = (document.calibration.clone(), document.plates.clone(), document.person.clone());
         if (&take.calibration, &take.plates, take.take().person())
             != (&wanted.0, &wanted.1, wanted.2.as_ref())
@@ -110,8 +110,8 @@ impl Inspector {
                 let (take, (calibration, plates, person)) = (take.clone(), replacements.clone());
                 once(move |_| Arc::new(take.with_replacements(calibration, plates, person)))
             });
-        } else if take.masks != masks {
-            let mut with_masks = (*take).clone();
+        } else if (&take.masks, &take.changes) != (&masks, &changes) {
+            let mut with_masks = take.with_changes(changes);
             with_masks.masks = masks;
             self.state.session.take = Some(Arc::new(with_masks));
         }

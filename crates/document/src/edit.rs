@@ -10,6 +10,7 @@ use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use thiserror::Error;
 
 use crate::told::Told;
@@ -86,6 +87,8 @@ pub enum Edit {
     SetMasks { frame: usize, masks: BTreeMap<usize, PathBuf> },
     /// One of several people: pixels of others are unknown. `None` for everybody in view.
     FollowPerson(Option<Arc<FollowedPerson>>),
+    /// Backgrounds that change while the take is filmed.
+    SetChanges(Arc<Vec<BackgroundChange>>),
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
         limb: usize,
@@ -153,6 +156,7 @@ impl Edit {
             Self::FollowPerson(Some(_)) => "Follow one person".to_owned(),
             Self::FollowPerson(None) => "Follow everybody in view".to_owned(),
             Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
+            Self::SetChanges(_) => "Learn changed backgrounds".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
         }
@@ -232,6 +236,13 @@ impl Document {
                 self.plates = Arc::new(plates);
             }
             Edit::FollowPerson(person) => self.person = person,
+            Edit::SetChanges(changes) => {
+                let count = self.cameras.len();
+                if let Some(camera) = changes.iter().map(|change| change.camera).find(|at| *at >= count) {
+                    return Err(EditError::NoCamera { camera, count });
+                }
+                self.changes = changes;
+            }
             Edit::SetMasks { frame, masks } => {
                 self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);

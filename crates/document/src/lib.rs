@@ -26,6 +26,7 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use serde::{Deserialize, Serialize};
 
 use crate::told::Told;
@@ -122,6 +123,8 @@ pub struct Document {
     pub masks: Arc<MaskFiles>,
     /// Who is followed of several people.
     pub person: Option<Arc<FollowedPerson>>,
+    /// Backgrounds that change while the take is filmed.
+    pub changes: Arc<Vec<BackgroundChange>>,
 }
 
 impl Document {
@@ -144,6 +147,7 @@ impl Document {
             plates: Arc::default(),
             masks: Arc::default(),
             person: None,
+            changes: Arc::default(),
         }
     }
 

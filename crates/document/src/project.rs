@@ -105,9 +105,12 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
         let lines: Result<Vec<String>, _> = file.told.iter().map(line).collect();
         text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines.map_err(json)?.join(",\n    "));
     }
-    if !file.runs.is_empty() {
-        let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
-        text += &format!(",\n  \"runs\": [\n    {}\n  ]", lines.map_err(json)?.join(",\n    "));
+    let changes: Result<Vec<String>, _> = file.background_changes.iter().map(serde_json::to_string).collect();
+    let runs: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
+    for (field, lines) in [("background_changes", changes.map_err(json)?), ("runs", runs.map_err(json)?)] {
+        if !lines.is_empty() {
+            text += &format!(",\n  \"{field}\": [\n    {}\n  ]", lines.join(",\n    "));
+        }
     }
     text += last_brace;
     Ok(atomic::write(path, text.as_bytes())?)

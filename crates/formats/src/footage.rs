@@ -1,6 +1,7 @@
 //! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes. The user can replace
 //! the take's cameras, plates and silhouettes by others.
 
+pub mod changes;
 mod frame;
 mod prepared;
 pub mod replacement;
@@ -13,6 +14,7 @@ use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::FitView;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::search::start;
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::segment::{BackgroundError, SegmentError, SegmentOptions};
 use backlit_tracking::silhouette::Mask;
 use backlit_tracking::visual_hull::{HullView, UnsupportedPart, unsupported_parts};
@@ -38,6 +40,8 @@ pub struct Footage {
     pub plates: Arc<PlateFiles>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
+    /// Backgrounds that change while the take is filmed.
+    pub changes: Arc<Vec<BackgroundChange>>,
     /// What the pictures are if they were drawn, not filmed.
     pub drawn: Option<DrawnPictures>,
     prepared: Arc<PreparedTake>,
@@ -74,6 +78,7 @@ impl Footage {
             calibration: None,
             plates: Arc::default(),
             masks: Arc::default(),
+            changes: Arc::default(),
             drawn: None,
             original: prepared.clone(),
             prepared,
@@ -99,6 +104,11 @@ impl Footage {
             }
         };
         Self { calibration, plates, cameras: prepared.cameras.clone(), prepared, ..self.clone() }
+    }
+
+    /// The same with backgrounds that change.
+    pub fn with_changes(&self, changes: Arc<Vec<BackgroundChange>>) -> Self {
+        Self { changes, ..self.clone() }
     }
 
     /// The take, with the calibration and the plates that replace its own.
@@ -160,7 +170,7 @@ impl Footage {
         }
         match self.given_mask(camera, frame)? {
             Some(mask) => Ok(mask),
-            None => self.prepared.segmented(camera, frame, picture, options),
+            None => self.prepared.segmented((camera, frame), picture, options, &self.changes),
         }
         .map(|mask| self.of_person(camera, frame, mask))
     }
@@ -214,7 +224,7 @@ impl Footage {
                 None => {
                     let picture = self.picture(camera, frame)?;
                     let options = &self.take().measurement()[camera];
-                    self.prepared.segmented(camera, frame, &picture, options)?
+                    self.prepared.segmented((camera, frame), &picture, options, &self.changes)?
                 }
             };
             Ok(self.of_person(camera, frame, mask))

@@ -12,6 +12,7 @@ use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +60,9 @@ pub(crate) struct ProjectFile {
     /// Written apart, in one line.
     #[serde(default, skip_serializing)]
     pub(crate) person: Option<FollowedPerson>,
+    /// Written apart, a line a change.
+    #[serde(default, skip_serializing)]
+    pub(crate) background_changes: Vec<BackgroundChange>,
     /// Written apart, a line a frame.
     #[serde(default, skip_serializing, deserialize_with = "unique_keys")]
     pub(crate) told: BTreeMap<usize, ToldRecord>,
@@ -119,6 +123,7 @@ impl ProjectFile {
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
             person: document.person.as_deref().cloned(),
+            background_changes: (*document.changes).clone(),
             told: document.told.iter().map(told).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
         }
@@ -156,6 +161,10 @@ impl ProjectFile {
         for (frame, record) in self.masks {
             masks.insert(frame, read_files(path, &cameras, record, &format!("masks.{frame}"))?);
         }
+        if let Some(wrong) = self.background_changes.iter().find(|change| change.camera >= cameras.len()) {
+            let (field, camera) = ("background_changes".to_owned(), wrong.camera.to_string());
+            return Err(ProjectProblem::Camera { field, camera });
+        }
         let calibration = self.calibration.map(|record| record.read(path)).transpose()?;
         let runs = read_runs(&model, self.runs)?;
         let document = Document {
@@ -174,6 +183,7 @@ impl ProjectFile {
             plates: Arc::new(plates),
             masks: Arc::new(masks),
             person: self.person.map(Arc::new),
+            changes: Arc::new(self.background_changes),
         };
         Ok(Project { document, runs })
     }

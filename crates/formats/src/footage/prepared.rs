@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::segment::{Background, BackgroundSums, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
@@ -90,6 +91,11 @@ impl PreparedTake {
         Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject, unknown }))
     }
 
+    /// What a camera sees without the subject, as the take has it.
+    pub(super) fn background(&self, camera: usize) -> Result<&Background, FootageError> {
+        Ok(&self.learnt(camera)?.background)
+    }
+
     pub(super) fn given_mask(&self, camera: usize, frame: usize) -> Result<Option<Mask>, FootageError> {
         let Some(shares) = self.take.mask_shares(camera, frame)? else { return Ok(None) };
         // Where the lens saw nothing the picture is black: nothing is known there.
@@ -98,16 +104,18 @@ impl PreparedTake {
 
     pub(super) fn segmented(
         &self,
-        camera: usize,
-        frame: usize,
+        (camera, frame): (usize, usize),
         picture: &RgbImage,
         options: &SegmentOptions,
+        changes: &[BackgroundChange],
     ) -> Result<Mask, FootageError> {
         let Learnt { background, always_subject, unknown } = self.learnt(camera)?;
-        let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
-            camera: self.cameras[camera].name().to_owned(),
-            error,
-        })?;
+        let own = || changes.iter().filter(|change| change.camera == camera);
+        let changed = background.with_changes(own(), frame);
+        let mut mask =
+            segment(picture, changed.as_ref().unwrap_or(background), options).map_err(|error| {
+                FootageError::Segment { camera: self.cameras[camera].name().to_owned(), error }
+            })?;
         let labels = mask.labels_mut();
         for &pixel in always_subject {
             labels[pixel] = Label::Subject;
@@ -117,6 +125,12 @@ impl PreparedTake {
         {
             for &pixel in unknown {
                 labels[pixel] = coarse[pixel];
+            }
+        }
+        let now = own().filter(|change| change.is_in(frame) && change.fits(labels.len()));
+        for pixel in now.flat_map(|change| change.pixels.unsure()).collect::<Vec<_>>() {
+            if labels[pixel] == Label::Background {
+                labels[pixel] = Label::Unknown;
             }
         }
         for &pixel in &self.unseen[camera] {
