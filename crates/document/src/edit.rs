@@ -236,13 +236,7 @@ impl Document {
                 self.plates = Arc::new(plates);
             }
             Edit::FollowPerson(person) => self.person = person,
-            Edit::SetChanges(changes) => {
-                let count = self.cameras.len();
-                if let Some(camera) = changes.iter().map(|change| change.camera).find(|at| *at >= count) {
-                    return Err(EditError::NoCamera { camera, count });
-                }
-                self.changes = changes;
-            }
+            Edit::SetChanges(changes) => self.set_changes(changes)?,
             Edit::SetMasks { frame, masks } => {
                 self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
@@ -332,6 +326,15 @@ impl Document {
             return Err(EditError::Cameras { found, count });
         }
         self.calibration = calibration;
+        Ok(())
+    }
+
+    fn set_changes(&mut self, changes: Arc<Vec<BackgroundChange>>) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        if let Some(camera) = changes.iter().map(|change| change.camera).find(|camera| *camera >= count) {
+            return Err(EditError::NoCamera { camera, count });
+        }
+        self.changes = changes;
         Ok(())
     }
 

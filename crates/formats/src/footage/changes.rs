@@ -106,7 +106,7 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
         for &camera in self.cameras {
             if measurement[camera].needs_support && footage.given_mask(camera, samples[0])?.is_none() {
                 let ideal = &footage.cameras[camera];
-                let still = StillPixels::new([ideal.width() as usize, ideal.height() as usize]);
+                let still = StillPixels::new([ideal.width(), ideal.height()]);
                 seen.push(CameraSurvey { camera, still, light: Vec::new() });
             }
         }

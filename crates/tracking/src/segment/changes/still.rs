@@ -69,8 +69,8 @@ pub(super) struct StillPixel {
     /// In how many samples since the held run began the other cameras saw the body here, and the pixel showed the run or something else.
     pub(super) hides: u8,
     pub(super) is_hidden: u8,
-    /// In how many samples in all they saw the body here.
-    pub(super) body: u8,
+    /// In which samples they saw the body here, a bit each.
+    pub(super) body: u64,
 }
 
 /// What was seen of one camera so far.
@@ -83,7 +83,7 @@ pub struct StillPixels {
 
 impl StillPixels {
     /// No more samples than this count.
-    pub const MOST_SAMPLES: usize = 250;
+    pub const MOST_SAMPLES: usize = 64;
 
     /// Nothing yet, of pictures so wide and high.
     #[must_use]
@@ -108,7 +108,7 @@ impl StillPixels {
             }
             let is_supported = *supported == Label::Subject;
             let StillPixel { held, newest, hides, is_hidden, body } = pixel;
-            *body += u8::from(is_supported);
+            *body |= u64::from(is_supported) << sample;
             let is_held = held.is_like(colour);
             if is_supported && held.seen > 0 {
                 *(if is_held { hides } else { is_hidden }) += 1;

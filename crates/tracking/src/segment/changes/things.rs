@@ -107,7 +107,7 @@ impl StillPixels {
         let mut ends: Vec<u8> = pixels.iter().map(|&pixel| self.pixels[pixel].held.last).collect();
         ends.sort_unstable();
         let last = usize::from(ends[((1.0 - STILL_THERE) * (ends.len() - 1) as f64) as usize]);
-        let is_beside_body = self.is_beside_body(pixels, last + 1 - first.min(last));
+        let is_beside_body = self.is_beside_body(pixels, first as u32, last as u32);
         let level = |&pixel: &usize| {
             let StillPixel { held, hides, is_hidden, .. } = &self.pixels[pixel];
             (pixel, held.level(), !is_beside_body && (*hides == 0 || hides < is_hidden))
@@ -121,14 +121,15 @@ impl StillPixels {
         }
     }
 
-    /// Whether the body is beside these pixels in half of so many samples, along a part of their border: a leg that a table hides from
-    /// all other cameras stands still too.
-    fn is_beside_body(&self, pixels: &[usize], samples: usize) -> bool {
+    /// Whether the body is beside these pixels in half of the samples from one to another, along a part of their border: a leg that a
+    /// table hides from all other cameras stands still too.
+    fn is_beside_body(&self, pixels: &[usize], first: u32, last: u32) -> bool {
         let [width, height] = self.size;
         let mut is_inside = vec![false; self.pixels.len()];
         pixels.iter().for_each(|&pixel| is_inside[pixel] = true);
         let reach = (width.max(height) / 120).max(1);
-        let (mut border, mut beside) = (0, 0);
+        let now = u64::MAX << first & u64::MAX >> (u64::BITS - 1 - last);
+        let (mut border, mut beside) = (0_u32, 0);
         for &pixel in pixels {
             let (x, y) = (pixel % width, pixel / width);
             let at = [
@@ -141,10 +142,10 @@ impl StillPixels {
                 at.into_iter().filter_map(|(x, y)| Some(y? * width + x?)).filter(|&at| !is_inside[at])
             {
                 border += 1;
-                beside += usize::from(2 * usize::from(self.pixels[outside].body) >= samples);
+                beside += u32::from(2 * (self.pixels[outside].body & now).count_ones() >= last + 1 - first);
             }
         }
-        beside as f64 > BESIDE_BODY * f64::from(border)
+        f64::from(beside) > BESIDE_BODY * f64::from(border)
     }
 
     /// Whether these pixels show what the background has elsewhere, all as far away and in one direction.
@@ -189,7 +190,7 @@ mod tests {
     }
 
     fn chequered(x: u32, y: u32) -> Rgb<u8> {
-        if (x / 3 + y / 3) % 2 == 0 { Rgb([214, 60, 60]) } else { Rgb([230, 220, 20]) }
+        if (x / 3 + y / 3).is_multiple_of(2) { Rgb([214, 60, 60]) } else { Rgb([230, 220, 20]) }
     }
 
     fn is_patch(x: usize, y: usize) -> bool {
