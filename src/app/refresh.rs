@@ -101,6 +101,7 @@ impl Inspector {
         let Some(take) = self.state.session.take.clone() else { return };
         let document = self.document();
         let (masks, brush) = (document.masks.clone(), document.brush.clone());
+        let changes = document.changes.clone();
         let wanted = (document.calibration.clone(), document.plates.clone(), document.person.clone());
         if (&take.calibration, &take.plates, take.take().person())
             != (&wanted.0, &wanted.1, wanted.2.as_ref())
@@ -110,10 +111,10 @@ impl Inspector {
                 let (take, (calibration, plates, person)) = (take.clone(), replacements.clone());
                 once(move |_| Arc::new(take.with_replacements(calibration, plates, person)))
             });
-        } else if take.masks != masks || take.brush != brush {
-            let mut painted = (*take).clone();
-            (painted.masks, painted.brush) = (masks, brush);
-            self.state.session.take = Some(Arc::new(painted));
+        } else if (&take.masks, &take.brush, &take.changes) != (&masks, &brush, &changes) {
+            let mut steered = take.with_changes(changes);
+            (steered.masks, steered.brush) = (masks, brush);
+            self.state.session.take = Some(Arc::new(steered));
         }
         let measurement = self.document().measurement.clone();
         if let Some(take) = &self.state.session.take {

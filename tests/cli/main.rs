@@ -4,7 +4,10 @@
 
 mod camera_plan;
 mod cameras;
+mod changed_backgrounds;
 mod check;
+#[path = "../window/support/disturbed_take.rs"]
+mod disturbed_take;
 mod experiment;
 mod export;
 mod fit;

@@ -9,6 +9,7 @@ mod basin;
 mod camera_check;
 mod camera_plan;
 mod camera_tile;
+mod changed_backgrounds;
 mod cues;
 mod curves;
 mod demonstrations;

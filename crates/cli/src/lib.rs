@@ -31,6 +31,7 @@ mod prior;
 mod progress;
 mod recognise;
 mod refine_cameras;
+mod relearn;
 mod render;
 mod silhouettes;
 mod sphere_tree;

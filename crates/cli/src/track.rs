@@ -26,6 +26,7 @@ use crate::follow_options::FollowArguments;
 use crate::interrupt::{self, Interrupted};
 use crate::numbers::within;
 use crate::person::PersonArguments;
+use crate::relearn::{RelearnArguments, changes_text};
 use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
 use crate::track_files::{Earlier, Writer};
 use crate::track_people::Whom;
@@ -96,6 +97,8 @@ pub struct TrackArguments {
     #[command(flatten)]
     person: PersonArguments,
     #[command(flatten)]
+    pub(crate) relearn: RelearnArguments,
+    #[command(flatten)]
     pub(crate) start: StartArguments,
     #[command(flatten)]
     reference: ReferenceArguments,
@@ -116,6 +119,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let frames = arguments.part.frames(footage.take())?;
     let cameras = arguments.part.cameras(footage.take())?;
     let footage = arguments.person.follow(footage, &cameras, &frames, &cancel)?;
+    let footage = arguments.relearn.learn(footage, (&cameras, &frames), &cancel)?;
     let start = match earlier {
         Some(_) => None,
         None => arguments.start.known_pose(footage.take(), frames[0])?,
@@ -143,6 +147,7 @@ pub(crate) fn track(
     let plan = plan(arguments, &reader, start, frames, known, cancel)?;
     let renderer = plan.fit.renderer;
     let mut report = TrackReport::new(take, &reader.cameras);
+    report.background_changes = changes_text(&reader.footage);
     let mut run = TrackRun::new(reader.clone(), plan).remembering();
     if let Some(earlier) = earlier {
         run = earlier.go_on(take, run, &mut report)?;
@@ -238,7 +243,7 @@ impl<'a> TrackInputs<'a> {
             let take = Take::open_with_model(&arguments.take, (*found.model).clone())?;
             let person = reader.footage.take().person().cloned();
             let take = arguments.follow.solver.segmentation().of(take.with_person(person));
-            reader.footage = Arc::new(Footage::new(take));
+            reader.footage = Arc::new(Footage::new(take).with_changes(reader.footage.changes.clone()));
         }
         reader.cues.clone_from(&arguments.cues);
         let (start, begun) = (found.start, begun_before.or(Some(begun)));

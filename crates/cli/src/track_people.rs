@@ -56,6 +56,7 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
     if found.len() < count {
         return Err(person::nobody(&format!("--people {count}"), &found));
     }
+    let footage = arguments.relearn.learn(footage, (&cameras, &frames), cancel)?;
     let start = arguments.start.known_pose(footage.take(), frames[0])?;
     let of_start = start.as_ref().and_then(|start| nearest(&found, frames[0], start));
     let mut all = Vec::new();

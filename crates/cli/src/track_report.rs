@@ -41,6 +41,8 @@ pub(crate) struct TrackReport {
     jitter_mm: Option<f64>,
     /// What was found before tracking began.
     pub(crate) begun: Option<Begun>,
+    /// The backgrounds that were learnt again, in words.
+    pub(crate) background_changes: Vec<String>,
     /// It was stopped before its last frame.
     pub(crate) is_partial: bool,
 }
@@ -67,6 +69,9 @@ pub(crate) struct TrackSummary {
     /// What was found before tracking began: a start, sizes.
     #[serde(skip_serializing_if = "Option::is_none")]
     begun: Option<Begun>,
+    /// The backgrounds that were learnt again, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    background_changes: Vec<String>,
     /// It was stopped before its last frame.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     partial: bool,
@@ -146,6 +151,7 @@ impl TrackReport {
             placement: take.reference().and_then(Reference::placement).cloned(),
             jitter_mm: None,
             begun: None,
+            background_changes: Vec::new(),
             is_partial: false,
         }
     }
@@ -218,6 +224,7 @@ impl TrackReport {
                 p95: times.map_or(0.0, |times| times.p95),
             },
             begun: self.begun.clone(),
+            background_changes: self.background_changes.clone(),
             partial: self.is_partial,
         }
     }

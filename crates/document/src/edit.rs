@@ -11,6 +11,7 @@ use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::silhouette::{Region, StrokeError};
 use thiserror::Error;
 
@@ -94,6 +95,8 @@ pub enum Edit {
     SetRegion { camera: usize, region: Option<Region> },
     /// One of several people: pixels of others are unknown. `None` for everybody in view.
     FollowPerson(Option<Arc<FollowedPerson>>),
+    /// Backgrounds that change while the take is filmed.
+    SetChanges(Arc<Vec<BackgroundChange>>),
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
         limb: usize,
@@ -169,6 +172,7 @@ impl Edit {
             Self::EraseBrush { .. } => "Remove brush strokes".to_owned(),
             Self::SetRegion { region: Some(_), .. } => "Set region of interest".to_owned(),
             Self::SetRegion { region: None, .. } => "Remove region of interest".to_owned(),
+            Self::SetChanges(_) => "Learn changed backgrounds".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
         }
@@ -248,6 +252,7 @@ impl Document {
                 self.plates = Arc::new(plates);
             }
             Edit::FollowPerson(person) => self.person = person,
+            Edit::SetChanges(changes) => self.set_changes(changes)?,
             Edit::SetMasks { frame, masks } => {
                 self.check_cameras(&masks)?;
                 Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
@@ -354,6 +359,15 @@ impl Document {
             return Err(EditError::Cameras { found, count });
         }
         self.calibration = calibration;
+        Ok(())
+    }
+
+    fn set_changes(&mut self, changes: Arc<Vec<BackgroundChange>>) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        if let Some(camera) = changes.iter().map(|change| change.camera).find(|camera| *camera >= count) {
+            return Err(EditError::NoCamera { camera, count });
+        }
+        self.changes = changes;
         Ok(())
     }
 

@@ -28,6 +28,7 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use serde::{Deserialize, Serialize};
 
 use crate::told::Told;
@@ -126,6 +127,8 @@ pub struct Document {
     pub brush: Arc<Vec<BrushStroke>>,
     /// Who is followed of several people.
     pub person: Option<Arc<FollowedPerson>>,
+    /// Backgrounds that change while the take is filmed.
+    pub changes: Arc<Vec<BackgroundChange>>,
 }
 
 impl Document {
@@ -149,6 +152,7 @@ impl Document {
             masks: Arc::default(),
             brush: Arc::default(),
             person: None,
+            changes: Arc::default(),
         }
     }
 

@@ -111,6 +111,9 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
         let lines: Result<Vec<String>, _> = file.told.iter().map(line).collect();
         text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines.map_err(json)?.join(",\n    "));
     }
+    if !file.background_changes.is_empty() {
+        text += &lines("background_changes", &file.background_changes).map_err(json)?;
+    }
     if !file.runs.is_empty() {
         text += &lines("runs", &file.runs).map_err(json)?;
     }

@@ -54,10 +54,9 @@ pub fn match_take(
         document.plates = Arc::new(moved(&document.plates));
         document.masks =
             Arc::new(document.masks.iter().map(|(frame, masks)| (*frame, moved(masks))).collect());
-        let brush = Arc::make_mut(&mut document.brush);
-        for one in brush {
-            one.camera = places.iter().position(|place| *place == one.camera).unwrap_or(one.camera);
-        }
+        let now = |before: usize| places.iter().position(|place| *place == before).unwrap_or(before);
+        Arc::make_mut(&mut document.brush).iter_mut().for_each(|one| one.camera = now(one.camera));
+        Arc::make_mut(&mut document.changes).iter_mut().for_each(|one| one.camera = now(one.camera));
         document.cameras = Arc::new(places.iter().map(|&place| document.cameras[place].clone()).collect());
     }
     let last = document.keys.keys().chain(document.estimates.keys()).max();

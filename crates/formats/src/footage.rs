@@ -2,6 +2,7 @@
 //! the take's cameras, plates and silhouettes by others.
 
 mod brush;
+pub mod changes;
 mod frame;
 mod prepared;
 pub mod replacement;
@@ -15,6 +16,7 @@ use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::FitView;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::search::start;
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::segment::{BackgroundError, SegmentError, SegmentOptions};
 use backlit_tracking::silhouette::Mask;
 use backlit_tracking::visual_hull::{HullView, UnsupportedPart, unsupported_parts};
@@ -44,6 +46,8 @@ pub struct Footage {
     pub masks: Arc<MaskFiles>,
     /// What is painted over silhouettes by hand, the oldest first.
     pub brush: Arc<Vec<BrushStroke>>,
+    /// Backgrounds that change while the take is filmed.
+    pub changes: Arc<Vec<BackgroundChange>>,
     /// What the pictures are if they were drawn, not filmed.
     pub drawn: Option<DrawnPictures>,
     prepared: Arc<PreparedTake>,
@@ -81,6 +85,7 @@ impl Footage {
             plates: Arc::default(),
             masks: Arc::default(),
             brush: Arc::default(),
+            changes: Arc::default(),
             drawn: None,
             original: prepared.clone(),
             prepared,
@@ -106,6 +111,11 @@ impl Footage {
             }
         };
         Self { calibration, plates, cameras: prepared.cameras.clone(), prepared, ..self.clone() }
+    }
+
+    /// The same with backgrounds that change.
+    pub fn with_changes(&self, changes: Arc<Vec<BackgroundChange>>) -> Self {
+        Self { changes, ..self.clone() }
     }
 
     /// The take, with the calibration and the plates that replace its own.
@@ -167,7 +177,7 @@ impl Footage {
             None => {
                 let mut mask = match self.given_mask(camera, frame)? {
                     Some(mask) => mask,
-                    None => self.prepared.segmented(camera, frame, picture, options)?,
+                    None => self.prepared.segmented((camera, frame), picture, options, &self.changes)?,
                 };
                 self.hide_people(camera, frame, &mut mask);
                 mask
@@ -218,7 +228,7 @@ impl Footage {
                 None => {
                     let picture = self.picture(camera, frame)?;
                     let options = &self.take().measurement()[camera];
-                    self.prepared.segmented(camera, frame, &picture, options)?
+                    self.prepared.segmented((camera, frame), &picture, options, &self.changes)?
                 }
             };
             self.hide_people(camera, frame, &mut mask);

@@ -166,6 +166,11 @@ impl<R: FrameReader> TrackRun<R> {
         }
     }
 
+    /// Takes another reader; of a run that has not begun.
+    pub fn read_by(&mut self, reader: Arc<R>) {
+        self.reader = reader;
+    }
+
     /// Remembers after every frame what is needed to go on after it.
     pub fn remembering(self) -> Self {
         Self { remembers: true, ..self }

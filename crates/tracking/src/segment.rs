@@ -9,6 +9,7 @@
 
 mod background;
 mod bit_image;
+pub mod changes;
 mod components;
 mod dont_know;
 mod exposure;

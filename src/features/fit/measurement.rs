@@ -1,7 +1,7 @@
 //! The Measurement section: how silhouettes are made from footage.
 
 use backlit_document::edit::Edit;
-use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
+use backlit_tracking::segment::{ChromaOptions, DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
 use backlit_ui::style::format;
 use backlit_ui::widgets::{SliderRow, checkbox, hint, named_row, number_field, section, segmented};
 use egui::Ui;
@@ -10,6 +10,8 @@ use crate::context::command_button::gesture;
 use crate::context::preferences::FRAMES_MB_CHOICES;
 use crate::context::{Context, Requests, ShellRequest};
 
+/// The low threshold of the hysteresis, of the high one.
+const HYSTERESIS: f32 = 0.6;
 /// Width of the name and of the field of the memory's row.
 const MEMORY_NAME: f32 = 78.0;
 const MEMORY_FIELD: f32 = 84.0;
@@ -37,6 +39,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &SegmentOptions) {
         options.opening_px as f64,
         options.closing_px as f64,
         options.min_component_px as f64,
+        options.fill_holes_px as f64,
     ];
     let differs = "How many standard deviations a pixel of foreground differs, at least";
     let noise = "The least noise assumed of a pixel, in grey levels";
@@ -46,6 +49,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &SegmentOptions) {
         SliderRow::new("Opening", " px", 0, 0.0..=6.0, "Removes specks up to this radius"),
         SliderRow::new("Closing", " px", 0, 0.0..=8.0, "Closes gaps up to this radius"),
         SliderRow::new("Smallest", " px", 0, 0.0..=2000.0, "Components with fewer pixels are dropped"),
+        SliderRow::new("Holes", " px", 0, 0.0..=2000.0, "Holes of no more pixels are filled"),
     ];
     let mut drag = None;
     let mut changed = false;
@@ -58,17 +62,38 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &SegmentOptions) {
     }
     if changed {
         let [z, floor, pixels @ ..] = values;
-        let [opening_px, closing_px, min_component_px] = pixels.map(|value| value.round().max(0.0) as usize);
-        let (z_threshold, noise_floor) = (z as f32, floor as f32);
-        let rest = options.clone();
-        let options =
-            SegmentOptions { z_threshold, noise_floor, opening_px, closing_px, min_component_px, ..rest };
+        let [opening_px, closing_px, min_component_px, fill_holes_px] =
+            pixels.map(|value| value.round().max(0.0) as usize);
+        // The low threshold stays below the high one by the same factor.
+        let hysteresis_z = options.hysteresis_z.map(|low| low * z as f32 / options.z_threshold.max(0.1));
+        let options = SegmentOptions {
+            z_threshold: z as f32,
+            noise_floor: floor as f32,
+            hysteresis_z,
+            opening_px,
+            closing_px,
+            min_component_px,
+            fill_holes_px,
+            ..options.clone()
+        };
         requests.edits.push((Edit::SetMeasurement(Box::new(options)), drag));
     }
 }
 
 fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
     shadows(ui, options);
+    let mut follows = options.hysteresis_z.is_some();
+    let tip = "Hysteresis: pixels that differ by less than the z-score, but by more than 0.6 of it, are subject where they touch such \
+               pixels";
+    if checkbox(ui, &mut follows, "Follow faint parts").on_hover_text(tip).changed() {
+        options.hysteresis_z = follows.then_some(HYSTERESIS * options.z_threshold);
+    }
+    let mut apart = options.chroma.is_some();
+    let tip = "The z-score judges luminance; chroma is judged apart, with its own. A shadow changes luminance alone: with a high \
+               z-score it is then background";
+    if checkbox(ui, &mut apart, "Chroma apart from luminance").on_hover_text(tip).changed() {
+        options.chroma = apart.then(ChromaOptions::default);
+    }
     let mut dont_know = options.dont_know.is_some();
     let tip = "Where background and frame are both dark, a pixel says nothing and weighs nothing";
     if checkbox(ui, &mut dont_know, "Don’t know where both are dark").on_hover_text(tip).changed() {

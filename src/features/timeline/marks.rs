@@ -1,6 +1,9 @@
 //! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, key poses, lost and worst
 //! frames, the frame on the screen.
 
+use std::collections::BTreeMap;
+
+use backlit_runs::changes::change_text;
 use backlit_ui::style::theme::tick;
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::paint_text;
@@ -189,6 +192,34 @@ pub(crate) fn key_poses(
         ui.painter().add(Shape::convex_polygon(corners, palette.text, Stroke::new(1.5, edge)));
     }
     hovered
+}
+
+/// A flag where a camera's background changes; it says which and what.
+pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
+    let (palette, plot) = (theme::palette(ui), scale.plot);
+    let Some(footage) = &context.session.take else { return };
+    let mut told: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for change in context.document().changes.iter().filter(|change| scale.frames().contains(&change.from)) {
+        told.entry(change.from).or_default().push(change_text(change, footage.take()));
+    }
+    for (frame, texts) in told {
+        let at = pos2(scale.x(frame as f64), plot.top() + MARK);
+        if !plot.x_range().expand(0.5).contains(at.x) {
+            continue;
+        }
+        let target = Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
+        let response = ui.interact(target, Id::unique(("background change", frame)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, texts.join("; ")));
+        if response.clicked() {
+            requests.request(SessionRequest::Frame(frame));
+        }
+        let edge = if response.has_focus() { palette.accent_text } else { palette.panel };
+        let flag = [vec2(0.0, -MARK), vec2(2.0 * MARK, -0.4 * MARK), vec2(0.0, 0.2 * MARK)];
+        let flag = flag.map(|corner| at + corner).to_vec();
+        ui.painter().vline(at.x, plot.top()..=line(plot), Stroke::new(1.5, palette.warn));
+        ui.painter().add(Shape::convex_polygon(flag, palette.warn, Stroke::new(1.0, edge)));
+        response.on_hover_text(texts.join("\n"));
+    }
 }
 
 pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, scale: &TimeScale) {

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use backlit_document::edit::Tracked;
+use backlit_document::edit::{Edit, Tracked};
 use backlit_document::told::Told;
 use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackingChoices};
 use backlit_document::{Estimate, Origin, likely_poses};
+use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_formats::{Footage, FootageError};
 use backlit_jobs::{Job, Outbox, Turn};
+use backlit_runs::changes::change_text;
 use backlit_runs::track::{
     FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
@@ -29,7 +31,7 @@ const LOOKED_AT: usize = 3;
 /// Rival poses that are less likely are not kept.
 const LEAST_LIKELY: f64 = 0.02;
 /// Up to this many frames are not looked at first: each is seen at once as it is fitted.
-const FEW: usize = 8;
+pub(super) const FEW: usize = 8;
 
 /// Reads frames as the document has it: its cameras, their weights, its measurement.
 #[derive(Debug)]
@@ -83,11 +85,18 @@ pub(super) struct TrackJob {
     run: TrackRun<WindowReader>,
     /// All frames, until the silhouettes of some were looked at.
     unseen: Option<Vec<usize>>,
+    /// The cameras among which backgrounds that change are looked for first.
+    surveyed: Vec<usize>,
     /// What was read of the newest frame.
     taken: Option<Arc<FitInputs>>,
 }
 
 impl TrackJob {
+    /// Learns backgrounds again first, where three or more of these cameras show that they change.
+    pub(super) fn surveying(self, cameras: Vec<usize>) -> Self {
+        Self { surveyed: cameras, ..self }
+    }
+
     pub(super) fn new(reader: WindowReader, choices: &TrackingChoices, order: TrackOrder) -> Self {
         let frames = order.legs.iter().flat_map(|leg| leg.frames.iter().copied());
         let unseen = Some(frames.collect());
@@ -116,7 +125,8 @@ impl TrackJob {
             legs: order.legs.into(),
         };
         let reader = Arc::new(reader);
-        Self { run: TrackRun::new(reader.clone(), plan), reader, unseen, taken: None }
+        let run = TrackRun::new(reader.clone(), plan);
+        Self { run, reader, unseen, surveyed: Vec::new(), taken: None }
     }
 
     /// Why these frames cannot be tracked, in a sentence.
@@ -151,6 +161,10 @@ impl Job<Applied> for TrackJob {
         {
             out.send(refused(why));
             return Turn::Done;
+        }
+        if let Some(job) = changed_footage(&self.reader, &std::mem::take(&mut self.surveyed), out) {
+            self.reader = Arc::new(job);
+            self.run.read_by(self.reader.clone());
         }
         let (mut step, taken, model) = (Turn::Again, &mut self.taken, &self.reader.fit.model);
         self.run.step(out.cancel(), &mut |message| match message {
@@ -190,6 +204,28 @@ impl Job<Applied> for TrackJob {
         });
         step
     }
+}
+
+/// The same with backgrounds that change, which become the document's; `None` where none does. Pictures that cannot be read are told
+/// of when it is their turn.
+fn changed_footage(reader: &WindowReader, cameras: &[usize], out: &Outbox<Applied>) -> Option<WindowReader> {
+    let (footage, frames) = (&*reader.footage, (0..reader.footage.frame_count()).collect::<Vec<usize>>());
+    let picture = |camera, frame| footage.picture(camera, frame);
+    let survey =
+        ChangeSurvey { footage, cameras, frames: &frames, measurement: &reader.measurement, picture };
+    let found = survey.changes(out.cancel(), |_| {}).ok()??;
+    if found.is_empty() {
+        return None;
+    }
+    let told: Vec<String> = found.iter().map(|change| change_text(change, footage.take())).collect();
+    let changes = Arc::new(found);
+    let footage = Arc::new(footage.with_changes(changes.clone()));
+    out.send(applied(move |tracking, _, requests| {
+        requests.edits.push((Edit::SetChanges(changes), tracking.gesture));
+        requests.inform(format!("{}.", told.join("; ")), None);
+    }));
+    let WindowReader { measurement, fit, cues, .. } = reader;
+    Some(WindowReader { footage, measurement: measurement.clone(), fit: fit.clone(), cues: *cues })
 }
 
 /// Poses that were found, in their order, each measured as the views measure the pose on the screen.

@@ -16,7 +16,7 @@ use backlit_ui::style::format;
 
 use super::background_job::BackgroundJob;
 use super::body::{self, BodyJob};
-use super::job::{TrackJob, TrackOrder, WindowReader, measured};
+use super::job::{FEW, TrackJob, TrackOrder, WindowReader, measured};
 use super::{Applied, OtherPose, OtherPoses, Tracking, TrackingWork, applied, refused};
 use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
@@ -124,7 +124,11 @@ impl Tracking {
         let [first, last] = [asked.iter().min(), asked.iter().max()].map(|frame| frame.copied().unwrap_or(0));
         let (range, began) = (FrameRange::between(first, last), Instant::now());
         let progress = TrackingProgress { done: 0, total: asked.len(), backwards, between, range, began };
-        let job = TrackJob::new(reader, &context.document().tracking, order);
+        let document = context.document();
+        // What was learnt is not looked for again, and a short track is not worth it.
+        let is_surveyed = document.changes.is_empty() && !order.turns_round && asked.len() > FEW;
+        let cameras = document.used_cameras().filter(|_| is_surveyed).collect();
+        let job = TrackJob::new(reader, &document.tracking, order).surveying(cameras);
         self.begin(TrackingWork::Track(progress), context, job);
         self.gesture = Some(next_gesture(context.egui));
         (self.follows, self.newest, self.shown) = (true, None, None);

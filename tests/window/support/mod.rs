@@ -1,5 +1,6 @@
 //! Windows in tests: `egui_kittest` over the CPU painter, so snapshots need no GPU.
 
+pub(crate) mod disturbed_take;
 pub(crate) mod snapshots;
 pub(crate) mod storage;
 pub(crate) mod take;

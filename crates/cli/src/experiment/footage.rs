@@ -5,13 +5,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, bail, ensure};
+use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_formats::{Footage, FootageError};
 use backlit_lab::experiment::disturbed_pictures::PictureDisturbance;
+use backlit_runs::changes::change_text;
 use backlit_runs::track::{FrameReader, TrackEnding, TrackMessage, TrackRun};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
 use backlit_tracking::fit::FitView;
 use clap::Args;
+use image::RgbImage;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -48,6 +51,9 @@ pub(crate) struct Arguments {
     /// The first frame that is disturbed [0 to 999999]
     #[arg(long, value_name = "K", default_value_t = 20, allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     disturbed_from: usize,
+    /// Backgrounds that change are not learnt again
+    #[arg(long)]
+    no_relearn: bool,
     #[command(flatten)]
     part: PartArguments,
     #[command(flatten)]
@@ -78,17 +84,42 @@ struct DisturbedReader {
     disturbance: Option<(PictureDisturbance, usize, usize)>,
 }
 
+impl DisturbedReader {
+    fn picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
+        let mut picture = self.footage.picture(camera, frame)?;
+        if let Some((what, disturbed, from)) = self.disturbance
+            && disturbed == camera
+            && let Some(since) = frame.checked_sub(from)
+        {
+            what.apply(&mut picture, since);
+        }
+        Ok(picture)
+    }
+
+    /// Learns backgrounds again that change in these frames, and says which.
+    fn relearn(&mut self, frames: &[usize]) -> anyhow::Result<()> {
+        let (footage, cameras, picture) =
+            (&*self.footage, &self.cameras[..], |camera, frame| self.picture(camera, frame));
+        let measurement = footage.take().measurement();
+        let survey = ChangeSurvey { footage, cameras, frames, measurement, picture };
+        let found = survey.changes(&CancelToken::new(), |_| {})?.unwrap_or_default();
+        let take = self.footage.take();
+        found.iter().for_each(|change| output::complain(&change_text(change, take)));
+        self.footage = Arc::new(self.footage.with_changes(Arc::new(found)));
+        Ok(())
+    }
+}
+
 impl FrameReader for DisturbedReader {
     type Data = Vec<FitView>;
 
     fn read(&self, frame: usize) -> Result<Self::Data, FootageError> {
         let mut masks = self.footage.single_masks(&self.cameras, frame)?;
-        if let Some((what, camera, from)) = self.disturbance
-            && let Some(since) = frame.checked_sub(from)
+        if let Some((_, camera, from)) = self.disturbance
+            && frame >= from
             && let Some(place) = self.cameras.iter().position(|used| *used == camera)
         {
-            let mut picture = self.footage.picture(camera, frame)?;
-            what.apply(&mut picture, since);
+            let picture = self.picture(camera, frame)?;
             let options = &self.footage.take().measurement()[camera];
             masks[place] = self.footage.mask(camera, frame, &picture, options)?;
         }
@@ -139,7 +170,11 @@ impl Arguments {
             disturbed + 1
         );
         let disturbance = self.disturb.map(|what| (what, disturbed, from));
-        let reader = Arc::new(DisturbedReader { footage: footage.clone(), cameras, disturbance });
+        let mut reader = DisturbedReader { footage: footage.clone(), cameras, disturbance };
+        if !self.no_relearn {
+            reader.relearn(&frames)?;
+        }
+        let reader = Arc::new(reader);
         let (cancel, mut starts) = (CancelToken::new(), Vec::new());
         for seed in (self.start.seed..).take(self.starts as usize) {
             let fit = self.follow.solver.options()?;

@@ -13,6 +13,7 @@ use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::silhouette::{Label, Stroke};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,9 @@ pub(crate) struct ProjectFile {
     /// Written apart, in one line.
     #[serde(default, skip_serializing)]
     pub(crate) person: Option<FollowedPerson>,
+    /// Written apart, a line a change.
+    #[serde(default, skip_serializing)]
+    pub(crate) background_changes: Vec<BackgroundChange>,
     /// Written apart, a line a frame.
     #[serde(default, skip_serializing, deserialize_with = "unique_keys")]
     pub(crate) told: BTreeMap<usize, ToldRecord>,
@@ -135,6 +139,7 @@ impl ProjectFile {
                 .collect(),
             brush: document.brush.iter().filter_map(|one| StrokeRecord::of(document, one)).collect(),
             person: document.person.as_deref().cloned(),
+            background_changes: (*document.changes).clone(),
             told: document.told.iter().map(told).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
         }
@@ -176,6 +181,10 @@ impl ProjectFile {
         let brush: Result<Vec<BrushStroke>, _> =
             brush.map(|(index, record)| record.read(&cameras, &format!("brush[{index}]"))).collect();
         let brush = Arc::new(brush?);
+        if let Some(wrong) = self.background_changes.iter().find(|change| change.camera >= cameras.len()) {
+            let (field, camera) = ("background_changes".to_owned(), wrong.camera.to_string());
+            return Err(ProjectProblem::Camera { field, camera });
+        }
         let calibration = self.calibration.map(|record| record.read(path)).transpose()?;
         let runs = read_runs(&model, self.runs)?;
         let document = Document {
@@ -195,6 +204,7 @@ impl ProjectFile {
             masks: Arc::new(masks),
             brush,
             person: self.person.map(Arc::new),
+            changes: Arc::new(self.background_changes),
         };
         Ok(Project { document, runs })
     }

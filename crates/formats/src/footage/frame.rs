@@ -8,6 +8,7 @@ use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::fit::{DataView, Evidence};
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
@@ -36,6 +37,7 @@ pub struct MadeWith {
     calibration: Option<Arc<Calibration>>,
     plates: Arc<PlateFiles>,
     person: Option<Arc<FollowedPerson>>,
+    changes: Arc<Vec<BackgroundChange>>,
     masks: BTreeMap<usize, PathBuf>,
     brush: Vec<BrushStroke>,
 }
@@ -122,6 +124,7 @@ impl Footage {
             calibration: self.calibration.clone(),
             plates: self.plates.clone(),
             person: self.take().person().cloned(),
+            changes: self.changes.clone(),
             masks: self.masks.get(&frame).cloned().unwrap_or_default(),
             brush: self.brush.iter().filter(|one| one.is_of(one.camera, frame)).cloned().collect(),
         }

@@ -1,8 +1,10 @@
 //! A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::segment::{
     Background, BackgroundSums, SegmentError, SegmentOptions, Segmentation, Stage, segment, segment_by_stages,
 };
@@ -92,6 +94,11 @@ impl PreparedTake {
         Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject, unknown }))
     }
 
+    /// What a camera sees without the subject, as the take has it.
+    pub(super) fn background(&self, camera: usize) -> Result<&Background, FootageError> {
+        Ok(&self.learnt(camera)?.background)
+    }
+
     pub(super) fn given_mask(&self, camera: usize, frame: usize) -> Result<Option<Mask>, FootageError> {
         let Some(shares) = self.take.mask_shares(camera, frame)? else { return Ok(None) };
         // Where the lens saw nothing the picture is black: nothing is known there.
@@ -100,37 +107,56 @@ impl PreparedTake {
 
     pub(super) fn segmented(
         &self,
-        camera: usize,
-        frame: usize,
+        (camera, frame): (usize, usize),
         picture: &RgbImage,
         options: &SegmentOptions,
+        changes: &[BackgroundChange],
     ) -> Result<Mask, FootageError> {
-        let mut mask = segment(picture, &self.learnt(camera)?.background, options)
-            .map_err(|error| self.segment_error(camera, error))?;
-        self.complete(camera, frame, &mut mask)?;
+        let background = self.background_of((camera, frame), changes)?;
+        let mut mask =
+            segment(picture, &background, options).map_err(|error| self.segment_error(camera, error))?;
+        self.complete((camera, frame), changes, &mut mask)?;
         Ok(mask)
     }
 
     /// The same, step by step.
     pub(super) fn segmented_by_stages(
         &self,
-        camera: usize,
-        frame: usize,
+        (camera, frame): (usize, usize),
         picture: &RgbImage,
         options: &SegmentOptions,
+        changes: &[BackgroundChange],
     ) -> Result<Segmentation, FootageError> {
-        let mut stages = segment_by_stages(picture, &self.learnt(camera)?.background, options)
+        let background = self.background_of((camera, frame), changes)?;
+        let mut stages = segment_by_stages(picture, &background, options)
             .map_err(|error| self.segment_error(camera, error))?;
-        stages.then(Stage::Take, |mask| self.complete(camera, frame, mask))?;
+        stages.then(Stage::Take, |mask| self.complete((camera, frame), changes, mask))?;
         Ok(stages)
+    }
+
+    /// The background of a frame, with what has changed in it.
+    fn background_of(
+        &self,
+        (camera, frame): (usize, usize),
+        changes: &[BackgroundChange],
+    ) -> Result<Cow<'_, Background>, FootageError> {
+        let own = changes.iter().filter(|change| change.camera == camera);
+        let background = &self.learnt(camera)?.background;
+        Ok(background.with_changes(own, frame).map_or(Cow::Borrowed(background), Cow::Owned))
     }
 
     fn segment_error(&self, camera: usize, error: SegmentError) -> FootageError {
         FootageError::Segment { camera: self.cameras[camera].name().to_owned(), error }
     }
 
-    /// Adds what is known beside the picture: pixels that are always subject, keypoints, what the lens does not see.
-    fn complete(&self, camera: usize, frame: usize, mask: &mut Mask) -> Result<(), FootageError> {
+    /// Adds what is known beside the picture: pixels that are always subject, keypoints, where a change may
+    /// hide the subject, what the lens does not see.
+    fn complete(
+        &self,
+        (camera, frame): (usize, usize),
+        changes: &[BackgroundChange],
+        mask: &mut Mask,
+    ) -> Result<(), FootageError> {
         let Learnt { always_subject, unknown, .. } = self.learnt(camera)?;
         let labels = mask.labels_mut();
         for &pixel in always_subject {
@@ -141,6 +167,15 @@ impl PreparedTake {
         {
             for &pixel in unknown {
                 labels[pixel] = coarse[pixel];
+            }
+        }
+        let is_now = |change: &&BackgroundChange| {
+            change.camera == camera && change.is_in(frame) && change.fits(labels.len())
+        };
+        let now = changes.iter().filter(is_now);
+        for pixel in now.flat_map(|change| change.pixels.unsure()).collect::<Vec<_>>() {
+            if labels[pixel] == Label::Background {
+                labels[pixel] = Label::Unknown;
             }
         }
         for &pixel in &self.unseen[camera] {

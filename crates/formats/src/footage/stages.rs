@@ -37,7 +37,8 @@ impl Footage {
         if is_own || self.drawn.is_some() || self.given_mask(camera, frame)?.is_some() {
             return Ok(None);
         }
-        let mut stages = self.prepared.segmented_by_stages(camera, frame, picture, options)?;
+        let mut stages =
+            self.prepared.segmented_by_stages((camera, frame), picture, options, &self.changes)?;
         let sure = |result: Result<(), Infallible>| result.unwrap_or_else(|never| match never {});
         sure(stages.then(Stage::People, |mask| {
             self.hide_people(camera, frame, mask);

@@ -5,6 +5,7 @@
 mod builtin_take;
 mod calibration_faults;
 mod camera_refinement;
+mod changed_backgrounds;
 mod clocks;
 mod credibility;
 mod errata;

@@ -59,16 +59,16 @@ pub(super) fn grey_of([red, green, blue]: [u8; 3]) -> u8 {
 /// [`SegmentOptions::noise_floor`](super::SegmentOptions::noise_floor) says how far to trust either.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Background {
-    width: usize,
-    height: usize,
-    mean: Vec<[f32; 3]>,
-    deviation: Vec<[f32; 3]>,
-    gradient_mean: Vec<[f32; 3]>,
-    gradient_deviation: Vec<[f32; 3]>,
-    grey: Vec<GreyLevel>,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) mean: Vec<[f32; 3]>,
+    pub(super) deviation: Vec<[f32; 3]>,
+    pub(super) gradient_mean: Vec<[f32; 3]>,
+    pub(super) gradient_deviation: Vec<[f32; 3]>,
+    pub(super) grey: Vec<GreyLevel>,
     is_plate: bool,
     /// The pixels of which nobody knows what the camera sees there without the subject, if there are any.
-    unknown: Option<BitImage>,
+    pub(super) unknown: Option<BitImage>,
 }
 
 impl Background {
