@@ -241,39 +241,15 @@ impl Document {
                 self.fit = Arc::new(*options);
             }
             Edit::SetTracking(choices) => self.tracking = choices,
-            Edit::SetMeasurement(options) => {
-                for camera in Arc::make_mut(&mut self.measurement) {
-                    *camera = SegmentOptions { region: camera.region, ..(*options).clone() };
-                }
-            }
             Edit::SetCalibration(calibration) => self.set_calibration(calibration)?,
-            Edit::SetPlates(plates) => {
-                self.check_cameras(&plates)?;
-                self.plates = Arc::new(plates);
-            }
-            Edit::FollowPerson(person) => self.person = person,
-            Edit::SetChanges(changes) => self.set_changes(changes)?,
-            Edit::SetMasks { frame, masks } => {
-                self.check_cameras(&masks)?;
-                Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
-            }
-            Edit::Paint(strokes) => {
-                for one in &strokes {
-                    self.check_camera(one.camera)?;
-                    one.stroke.check()?;
-                }
-                Arc::make_mut(&mut self.brush).extend(strokes);
-            }
-            Edit::EraseBrush { camera, frames } => self.erase_brush(camera, frames),
-            Edit::SetRegion { camera, region } => {
-                self.check_camera(camera)?;
-                if region.is_some_and(|region| region.width == 0 || region.height == 0) {
-                    return Err(EditError::Region);
-                }
-                if let Some(options) = Arc::make_mut(&mut self.measurement).get_mut(camera) {
-                    options.region = region;
-                }
-            }
+            edit @ (Edit::SetMeasurement(_)
+            | Edit::SetPlates(_)
+            | Edit::FollowPerson(_)
+            | Edit::SetMasks { .. }
+            | Edit::Paint(_)
+            | Edit::EraseBrush { .. }
+            | Edit::SetRegion { .. }
+            | Edit::SetChanges(_)) => self.steer_silhouettes(edit)?,
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
                 let pins = Arc::make_mut(&mut self.pins);
@@ -360,25 +336,6 @@ impl Document {
         }
         self.calibration = calibration;
         Ok(())
-    }
-
-    fn set_changes(&mut self, changes: Arc<Vec<BackgroundChange>>) -> Result<(), EditError> {
-        let count = self.cameras.len();
-        if let Some(camera) = changes.iter().map(|change| change.camera).find(|camera| *camera >= count) {
-            return Err(EditError::NoCamera { camera, count });
-        }
-        self.changes = changes;
-        Ok(())
-    }
-
-    /// Files by camera are of cameras that there are.
-    fn check_cameras(&self, files: &BTreeMap<usize, PathBuf>) -> Result<(), EditError> {
-        files.keys().try_for_each(|camera| self.check_camera(*camera))
-    }
-
-    fn check_camera(&self, camera: usize) -> Result<(), EditError> {
-        let count = self.cameras.len();
-        if camera < count { Ok(()) } else { Err(EditError::NoCamera { camera, count }) }
     }
 
     fn check_limb(&self, limb: usize) -> Result<(), EditError> {

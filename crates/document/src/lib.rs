@@ -3,7 +3,6 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
-mod brush;
 pub mod edit;
 pub mod fit_words;
 pub mod history;
@@ -13,6 +12,7 @@ pub mod project;
 pub mod run;
 pub mod run_names;
 pub mod runs;
+mod silhouettes;
 pub mod take_match;
 pub mod told;
 pub mod tracking_choices;

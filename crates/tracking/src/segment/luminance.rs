@@ -6,8 +6,9 @@
 //! Y = 0.299 r + 0.587 g + 0.114 b     Cb = −0.169 r − 0.331 g + 0.5 b     Cr = 0.5 r − 0.419 g − 0.081 b
 //! ```
 //!
-//! Chroma is off if |C| > β_C max(σ_C, floor). Its deviation is that of three independent channels, σ_C² = Σ k² σ²; luminance has
-//! the deviation that was measured of the grey picture.
+//! Each is off where it exceeds its threshold times its deviation, which is no smaller than its floor. The deviation of chroma is that
+//! of three independent channels, the root of Σ k² σ² with the factors k above; luminance has the deviation that was measured of the
+//! grey picture.
 
 use serde::{Deserialize, Serialize};
 

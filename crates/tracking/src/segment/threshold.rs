@@ -84,10 +84,7 @@ impl Threshold {
                 None => [0, 1, 2].map(|c| over(off[c], deviation[c])).into_iter().fold(0.0, f32::max),
             }
         };
-        (0..means.len())
-            .map(|index| excess(index))
-            .map(|found| if found.is_nan() { 0.0 } else { found })
-            .collect()
+        (0..means.len()).map(excess).map(|found| if found.is_nan() { 0.0 } else { found }).collect()
     }
 
     /// Whether the magnitude of one pixel's gradient is off in some channel: ||∇i| − g |∇B|µ| > β max(|∇B|σ, floor / √2). Half the

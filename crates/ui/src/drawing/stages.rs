@@ -25,13 +25,13 @@ pub const fn stage_words(stage: Stage) -> (&'static str, &'static str) {
     }
 }
 
-/// What decided a pixel, by its index: "subject: by hand", "background: 0.4 of the threshold".
+/// What decided a pixel, by its index: "by hand", "0.4× the threshold".
 pub fn decision(steps: &Segmentation, index: usize) -> Option<String> {
     let mask = steps.mask()?;
     let [x, y] = [index % mask.width(), index / mask.width()];
     let class = mask.class(x, y)?;
     let excess = steps.excess.get(index).copied().unwrap_or(0.0);
-    let off = || format!("{} of the threshold", format::number(f64::from(excess.min(99.0)), 1));
+    let off = || format!("{}× the threshold", format::number(f64::from(excess.min(99.0)), 1));
     Some(match (steps.decided_by(index)?, class) {
         (_, PixelClass::Shadow) => "a shadow".to_owned(),
         (Stage::Threshold, _) => off(),

@@ -1,14 +1,78 @@
-//! What is painted over silhouettes by hand.
+//! Edits of how silhouettes are made, and of what is painted over them by hand.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_formats::footage::BrushStroke;
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::segment::changes::BackgroundChange;
 
 use crate::Document;
+use crate::edit::{Edit, EditError};
 
 impl Document {
+    /// Makes an edit of how silhouettes are made; any other changes nothing.
+    pub(crate) fn steer_silhouettes(&mut self, edit: Edit) -> Result<(), EditError> {
+        match edit {
+            Edit::SetMeasurement(options) => {
+                for camera in Arc::make_mut(&mut self.measurement) {
+                    *camera = SegmentOptions { region: camera.region, ..(*options).clone() };
+                }
+            }
+            Edit::SetPlates(plates) => {
+                self.check_cameras(&plates)?;
+                self.plates = Arc::new(plates);
+            }
+            Edit::FollowPerson(person) => self.person = person,
+            Edit::SetChanges(changes) => self.set_changes(changes)?,
+            Edit::SetMasks { frame, masks } => {
+                self.check_cameras(&masks)?;
+                Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
+            }
+            Edit::Paint(strokes) => {
+                for one in &strokes {
+                    self.check_camera(one.camera)?;
+                    one.stroke.check()?;
+                }
+                Arc::make_mut(&mut self.brush).extend(strokes);
+            }
+            Edit::EraseBrush { camera, frames } => self.erase_brush(camera, frames),
+            Edit::SetRegion { camera, region } => {
+                self.check_camera(camera)?;
+                if region.is_some_and(|region| region.width == 0 || region.height == 0) {
+                    return Err(EditError::Region);
+                }
+                if let Some(options) = Arc::make_mut(&mut self.measurement).get_mut(camera) {
+                    options.region = region;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn set_changes(&mut self, changes: Arc<Vec<BackgroundChange>>) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        if let Some(camera) = changes.iter().map(|change| change.camera).find(|camera| *camera >= count) {
+            return Err(EditError::NoCamera { camera, count });
+        }
+        self.changes = changes;
+        Ok(())
+    }
+
+    /// Files by camera are of cameras that there are.
+    fn check_cameras(&self, files: &BTreeMap<usize, PathBuf>) -> Result<(), EditError> {
+        files.keys().try_for_each(|camera| self.check_camera(*camera))
+    }
+
+    fn check_camera(&self, camera: usize) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        if camera < count { Ok(()) } else { Err(EditError::NoCamera { camera, count }) }
+    }
+
     /// Takes away what is painted in some frames of a camera. Strokes that reach beyond the frames stay in the others.
-    pub(crate) fn erase_brush(&mut self, camera: usize, [first, last]: [usize; 2]) {
+    fn erase_brush(&mut self, camera: usize, [first, last]: [usize; 2]) {
         let meets =
             |one: &BrushStroke| one.camera == camera && one.frames[0] <= last && one.frames[1] >= first;
         if !self.brush.iter().any(meets) {
@@ -31,12 +95,10 @@ impl Document {
 #[cfg(test)]
 mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::segment::SegmentOptions;
     use backlit_tracking::silhouette::{Label, Region, Stroke};
 
     use super::*;
-    use crate::edit::{Edit, EditError};
-    use crate::{CameraUse, Document};
+    use crate::CameraUse;
 
     fn document() -> Document {
         let mut document = Document::new(builtin::single_limb());
