@@ -34,7 +34,7 @@ impl SilhouetteSteering {
                 News::Output(WorkMessage::At(doing, done)) => self.progress = Some((doing, done)),
                 News::Output(WorkMessage::Worst(found)) => self.worst = Some(found),
                 News::Output(WorkMessage::Tuned { before, found }) => {
-                    self.use_tuned(&before, found, requests)
+                    self.use_tuned(&before, found, requests);
                 }
                 News::Ended => self.progress = None,
                 News::Failed(failure) => requests.failed("Looking through the silhouettes", &failure),

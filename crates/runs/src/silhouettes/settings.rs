@@ -28,8 +28,8 @@ pub(super) fn candidates(now: &SegmentOptions) -> Vec<Vec<SegmentOptions>> {
         Z_SCORES
             .map(|z| {
                 with(&|options| {
-                    (options.z_threshold, options.hysteresis_z) =
-                        (z, now.hysteresis_z.map(|_| HYSTERESIS * z))
+                    options.z_threshold = z;
+                    options.hysteresis_z = now.hysteresis_z.map(|_| HYSTERESIS * z);
                 })
             })
             .into(),
