@@ -56,7 +56,7 @@ fn the_pointer_paints_and_esc_gives_it_back_to_the_body() {
 #[test]
 fn steps_are_told_and_the_worst_are_gone_to() {
     let mut window = open(built_in());
-    click(&mut window, "Find worst silhouettes");
+    command(&mut window, "Find worst silhouettes");
     assert!(
         window.query_by_label_contains("Nothing speaks against").is_some()
             || window.query_all_by_label_contains("Frame ").next().is_some()

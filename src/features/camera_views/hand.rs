@@ -70,11 +70,10 @@ pub(super) fn draw(
                 Label::Unknown => JOINT,
             }
             .gamma_multiply(OPACITY);
-            for two in points.windows(2) {
-                overlay.painter.line_segment([two[0], two[1]], Stroke::new(2.0 * radius, colour));
-            }
-            if let [only] = points[..] {
-                overlay.painter.circle_filled(only, radius, colour);
+            match points[..] {
+                [] => {}
+                [only] => drop(overlay.painter.circle_filled(only, radius, colour)),
+                _ => drop(overlay.painter.line(points, Stroke::new(2.0 * radius, colour))),
             }
             if let Some(at) = response.hover_pos() {
                 cased(1.25, WHITE).into_iter().for_each(|stroke| {

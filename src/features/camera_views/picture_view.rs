@@ -368,7 +368,9 @@ impl ShownPicture<'_> {
         let is_frozen = self.ui.input(|input| input.key_down(Key::H));
         let pointer = &state.pointer;
         if !is_frozen {
-            state.card = state.hovered.filter(|_| pointer.action().is_none() && !pointer.has_dropped());
+            state.card = state
+                .hovered
+                .filter(|_| pointer.action().is_none() && !pointer.has_dropped() && state.line.is_empty());
         }
         if let Some(pixel) = state.card.filter(|_| self.input.shows_hover_card) {
             let at = self.overlay.at(DVec2::new(pixel[0] as f64, pixel[1] as f64));

@@ -11,7 +11,7 @@ use egui::{
 };
 
 /// A small picture is about so wide.
-const WIDTH: f32 = 104.0;
+const WIDTH: f32 = 80.0;
 /// Height of a line under a picture.
 const LINE: f32 = 15.0;
 
