@@ -194,7 +194,7 @@ pub(crate) fn key_poses(
     hovered
 }
 
-/// A flag where a camera's background changes; it says which and what.
+/// A wedge below the ruler where a camera's background changes; it says which and what.
 pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
     let (palette, plot) = (theme::palette(ui), scale.plot);
     let Some(footage) = &context.session.take else { return };
@@ -203,21 +203,20 @@ pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, s
         told.entry(change.from).or_default().push(change_text(change, footage.take()));
     }
     for (frame, texts) in told {
-        let at = pos2(scale.x(frame as f64), plot.top() + MARK);
-        if !plot.x_range().expand(0.5).contains(at.x) {
+        let tip = pos2(scale.x(frame as f64), line(plot) + 1.0);
+        if !plot.x_range().expand(0.5).contains(tip.x) {
             continue;
         }
-        let target = Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
+        let target = Rect::from_min_size(tip - vec2(TARGET, 0.0), vec2(2.0 * TARGET, 2.0 * MARK));
         let response = ui.interact(target, Id::unique(("background change", frame)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, texts.join("; ")));
         if response.clicked() {
             requests.request(SessionRequest::Frame(frame));
         }
+        let half = if response.hovered() || response.has_focus() { HALF_HOVERED } else { HALF };
+        let corners = vec![tip, tip + vec2(half, 1.6 * half), tip + vec2(-half, 1.6 * half)];
         let edge = if response.has_focus() { palette.accent_text } else { palette.panel };
-        let flag = [vec2(0.0, -MARK), vec2(2.0 * MARK, -0.4 * MARK), vec2(0.0, 0.2 * MARK)];
-        let flag = flag.map(|corner| at + corner).to_vec();
-        ui.painter().vline(at.x, plot.top()..=line(plot), Stroke::new(1.5, palette.warn));
-        ui.painter().add(Shape::convex_polygon(flag, palette.warn, Stroke::new(1.0, edge)));
+        ui.painter().add(Shape::convex_polygon(corners, palette.warn, Stroke::new(1.0, edge)));
         response.on_hover_text(texts.join("\n"));
     }
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::{CheckedMask, Footage, FootageError};
 
-/// No more frames of a take are looked at, nor more than one in so many: a look costs about as much as reading for a track does.
+/// The most frames of a take that are looked at, and the least distance of two: a look costs about as much as reading for a track does.
 const MOST_SAMPLES: usize = 36;
 const LEAST_STEP: usize = 4;
 /// With fewer cameras nobody can say which of them is wrong.

@@ -55,7 +55,7 @@ impl BackgroundChange {
         self.from <= frame && self.until.is_none_or(|until| frame <= until)
     }
 
-    /// Whether it can be of a picture with so many pixels.
+    /// Whether it can be of a picture with this number of pixels.
     #[must_use]
     pub fn fits(&self, pixels: usize) -> bool {
         let LearntPixels { runs, levels, unsure } = &self.pixels;

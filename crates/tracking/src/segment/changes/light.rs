@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::super::background::Background;
 use super::{BackgroundChange, ChangeKind, LearntPixels};
 
-/// About so many places are looked at along the longer side of a picture.
+/// How many places are looked at along the longer side of a picture, about.
 const PLACES: usize = 80;
 /// Levels outside of these say little about a factor, or may be clipped.
 const USABLE: [f32; 2] = [24.0, 245.0];

@@ -10,9 +10,9 @@ use crate::silhouette::{Label, Mask};
 
 /// Levels of a channel so far apart are of one colour, grey levels.
 const SAME: u8 = 14;
-/// A run counts from so many samples on.
+/// The number of samples from which on a run counts.
 const FEWEST_SEEN: u8 = 5;
-/// One sample in so many may have missed it.
+/// The share of samples that may have missed it, as one in this number.
 const MISSED_IN: u8 = 4;
 
 /// The samples in which a pixel showed one colour.
