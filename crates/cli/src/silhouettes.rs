@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_formats::take::measurement_lines;
 use backlit_formats::{Footage, calibration, images};
-use backlit_runs::silhouettes::{PosedBody, TunedSettings, changes, tune, worst};
+use backlit_runs::silhouettes::{PosedBody, TunedSettings, changes, tune, with_changes, worst};
 use backlit_runs::track::{TakeReader, TrackPlan, TrackRun};
 use backlit_tracking::camera::Rig;
 use backlit_tracking::cancel::CancelToken;
@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
         let found = tuned(&footage, &posed, &cancel)?;
         let before = footage.take().measurement().first().cloned().unwrap_or_default();
         output::print(&tuned_text(&before, &found))?;
-        let chosen = |own: &SegmentOptions, _| SegmentOptions { region: own.region, ..found.options.clone() };
+        let chosen = |own: &SegmentOptions, _| with_changes(own, &before, &found.options);
         footage = Arc::new(Footage::new(footage.take().clone().with_measurement(chosen)));
         body = Some(posed);
     }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::FitOptions;
 
-pub use settings::changes;
+pub use settings::{changes, with_changes};
 pub use tune::{Agreement, TuneError, TunedSettings, tune};
 pub use worst::{SilhouetteQuality, worst};
 

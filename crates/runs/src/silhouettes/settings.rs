@@ -44,6 +44,23 @@ pub(super) fn candidates(now: &SegmentOptions) -> Vec<Vec<SegmentOptions>> {
     knobs.into_iter().map(|knob| knob.into_iter().filter(|options| options != now).collect()).collect()
 }
 
+/// A camera's own settings with every setting changed that differs between two others.
+#[must_use]
+pub fn with_changes(own: &SegmentOptions, before: &SegmentOptions, after: &SegmentOptions) -> SegmentOptions {
+    fn pick<T: PartialEq + Copy>(own: T, before: T, after: T) -> T {
+        if before == after { own } else { after }
+    }
+    SegmentOptions {
+        z_threshold: pick(own.z_threshold, before.z_threshold, after.z_threshold),
+        shadow: pick(own.shadow, before.shadow, after.shadow),
+        hysteresis_z: pick(own.hysteresis_z, before.hysteresis_z, after.hysteresis_z),
+        chroma: pick(own.chroma, before.chroma, after.chroma),
+        opening_px: pick(own.opening_px, before.opening_px, after.opening_px),
+        closing_px: pick(own.closing_px, before.closing_px, after.closing_px),
+        ..own.clone()
+    }
+}
+
 /// What two settings differ in, in words: "z-score 4.1 → 5.5".
 #[must_use]
 pub fn changes(before: &SegmentOptions, after: &SegmentOptions) -> Vec<String> {
@@ -83,6 +100,15 @@ mod tests {
             ["z-score 4.1 → 5.5", "shadow test brightness from 60 % → off", "closing 2 px → 3 px"]
         );
         assert!(changes(&before, &before).is_empty());
+    }
+
+    #[test]
+    fn a_camera_keeps_what_is_not_changed() {
+        let before = SegmentOptions::default();
+        let after = SegmentOptions { z_threshold: 5.5, ..before.clone() };
+        let own = SegmentOptions { z_threshold: 9.0, closing_px: 5, noise_floor: 2.0, ..before.clone() };
+        assert_eq!(with_changes(&own, &before, &after), SegmentOptions { z_threshold: 5.5, ..own.clone() });
+        assert_eq!(with_changes(&own, &before, &before), own);
     }
 
     #[test]

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::PosedBody;
-use super::settings::candidates;
+use super::settings::{candidates, with_changes};
 
 /// The most frames that are looked at.
 const MOST_FRAMES: usize = 12;
@@ -79,7 +79,7 @@ impl Agreement {
 /// What was chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TunedSettings {
-    /// The settings; the same for all cameras, but for their regions.
+    /// The first camera's settings. Others have their own, [changed](super::with_changes) likewise.
     pub options: SegmentOptions,
     /// How well all agree by the settings before.
     pub before: Agreement,
@@ -114,7 +114,17 @@ pub fn tune(
     let (mut after, mut tried) = (before.clone(), 1);
     let all = 2 + ROUNDS * candidates(&options).iter().map(Vec::len).sum::<usize>();
     // Settings that are all wrong are not mended one by one: the usual ones are tried first.
-    let usual = SegmentOptions { needs_support: options.needs_support, ..SegmentOptions::default() };
+    let SegmentOptions { z_threshold, shadow, hysteresis_z, chroma, opening_px, closing_px, .. } =
+        SegmentOptions::default();
+    let usual = SegmentOptions {
+        z_threshold,
+        shadow,
+        hysteresis_z,
+        chroma,
+        opening_px,
+        closing_px,
+        ..options.clone()
+    };
     let (found, poses) = trial.agreement(&usual)?;
     if found.is_above(&after) {
         (options, after) = (usual, found);
@@ -194,9 +204,10 @@ impl<'a> SettingsTrial<'a> {
 
     /// How well all agree by some settings, and the poses that the body then has.
     fn agreement(&self, candidate: &SegmentOptions) -> Result<(Agreement, Vec<Pose>), TuneError> {
-        let of_camera = |&camera: &usize| SegmentOptions {
-            region: self.measurement.get(camera).and_then(|own| own.region),
-            ..candidate.clone()
+        let first = self.measurement.first().unwrap_or(candidate);
+        let of_camera = |&camera: &usize| match self.measurement.get(camera) {
+            Some(own) => with_changes(own, first, candidate),
+            None => candidate.clone(),
         };
         let options: Vec<SegmentOptions> = self.cameras.iter().map(of_camera).collect();
         let one = |sample: &Sample| self.of_frame(sample, &options);
