@@ -84,8 +84,8 @@ impl Feature for SilhouetteSteering {
         if context.shows(Pane::Silhouettes) {
             self.ask_for_steps(context);
         }
-        let is_put_away = self.tool.is_some() && !context.is_covered;
-        if is_put_away && context.egui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+        let holds_brush = self.tool.is_some() && !context.is_covered;
+        if holds_brush && context.egui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
             self.tool = None;
         }
     }

@@ -29,7 +29,7 @@ pub(super) fn show(ui: &mut Ui, steps: &Segmentation, key: u64, enlarged: &mut O
         paint(ui, rect, place, steps, key, size);
         let name = format!("{} step, large", cell_words(steps, place).0);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name.as_str()));
-        tell(ui, &response, rect, steps, size);
+        tell(&response, rect, steps, size);
         if response.clicked() {
             *enlarged = None;
         }
@@ -103,14 +103,13 @@ fn small(
 }
 
 /// Says what decided the pixel under the pointer.
-fn tell(ui: &Ui, response: &egui::Response, rect: Rect, steps: &Segmentation, size: [usize; 2]) {
+fn tell(response: &egui::Response, rect: Rect, steps: &Segmentation, size: [usize; 2]) {
     let Some(at) = response.hover_pos() else { return };
     let share = (at - rect.min) / rect.size();
     let pixel = [0, 1].map(|axis| ((share[axis] * size[axis] as f32) as usize).min(size[axis] - 1));
     if let Some(decided) = decision(steps, pixel[1] * size[0] + pixel[0]) {
         let text = format!("Pixel {}, {}: {decided}", pixel[0], pixel[1]);
         response.clone().on_hover_text_at_pointer(text);
-        ui.ctx().request_repaint();
     }
 }
 
