@@ -41,9 +41,9 @@ impl RelearnArguments {
         spinner.finish_and_clear();
         ensure!(!cancel.is_cancelled(), Interrupted);
         let found = found.context("looking for backgrounds that change (--no-relearn does not)")?;
-        let found = Arc::new(found.unwrap_or_default());
-        changes_text(&footage.with_changes(found.clone())).iter().for_each(|line| output::complain(line));
-        Ok(if found.is_empty() { footage } else { Arc::new(footage.with_changes(found)) })
+        let footage = footage.with_changes(Arc::new(found.unwrap_or_default()));
+        changes_text(&footage).iter().for_each(|line| output::complain(line));
+        Ok(Arc::new(footage))
     }
 }
 

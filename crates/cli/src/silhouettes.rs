@@ -6,10 +6,9 @@ use std::sync::Arc;
 use backlit_formats::take::measurement_lines;
 use backlit_formats::{Footage, calibration, images};
 use backlit_runs::silhouettes::{PosedBody, TunedSettings, changes, tune, with_changes, worst};
-use backlit_runs::track::{TakeReader, TrackPlan, TrackRun};
 use backlit_tracking::camera::Rig;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, FitOptions};
+use backlit_tracking::fit::Evidence;
 use backlit_tracking::segment::SegmentOptions;
 use clap::Args;
 use image::DynamicImage;
@@ -21,9 +20,8 @@ use super::output::{self, number};
 use super::person::PersonArguments;
 use super::progress;
 use super::table::Table;
-use super::take_options::{self, PartArguments, Segmentation, StartArguments};
-use super::track::follow;
-use super::track_report::TrackReport;
+use super::take_options::{self, PartArguments, Segmentation};
+use super::track::robust_track;
 use crate::interrupt::{self, Interrupted};
 
 const AFTER_HELP: &str = "\
@@ -122,16 +120,10 @@ fn tracked(
     frames: &[usize],
     cancel: &CancelToken,
 ) -> anyhow::Result<PosedBody> {
-    let (take, frames) = (footage.take(), &frames[..frames.len().min(TRACKED_TO_TUNE)]);
-    let fit = FitOptions::default();
-    let start = StartArguments::none().pose(footage, cameras, frames[0], &fit)?;
-    let plan = TrackPlan::of_frames(take, start, frames.iter().copied().collect());
-    let reader = TakeReader::of_silhouettes(footage.clone(), cameras.to_vec());
-    let mut report = TrackReport::new(take, cameras);
-    let mut run = TrackRun::new(Arc::new(reader), plan);
-    follow(take, &mut run, frames.len(), &mut report, cancel, |_, _| {})?;
+    let frames = frames.iter().copied().take(TRACKED_TO_TUNE).collect();
+    let report = robust_track(footage, cameras.to_vec(), frames, cancel)?;
     let poses = report.track.frames.into_iter().map(|(frame, estimate)| (frame, estimate.pose)).collect();
-    Ok(PosedBody { model: Arc::clone(take.model()), fit: Arc::new(fit), poses })
+    Ok(PosedBody { model: Arc::clone(footage.take().model()), fit: Arc::default(), poses })
 }
 
 fn tuned(footage: &Footage, body: &PosedBody, cancel: &CancelToken) -> anyhow::Result<TunedSettings> {

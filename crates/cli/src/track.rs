@@ -1,5 +1,6 @@
 //! `backlit track`: frame after frame through a take.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -410,13 +411,26 @@ pub fn print_robust_track(path: Option<&Path>) -> anyhow::Result<()> {
     let take = footage.take();
     output::print(&format!("Tracking \"{}\" with the robust preset.\n\n", take.name()))?;
     let (frames, cameras) = (0..take.frame_count(), (0..take.rig().count()).collect());
+    let report = robust_track(&footage, cameras, frames.collect(), &CancelToken::new())?;
+    output::print(&report.text())
+}
+
+/// These frames of these cameras, tracked with the robust preset from where the take begins.
+pub(crate) fn robust_track(
+    footage: &Arc<Footage>,
+    cameras: Vec<usize>,
+    frames: VecDeque<usize>,
+    cancel: &CancelToken,
+) -> anyhow::Result<TrackReport> {
+    let (take, count) = (footage.take(), frames.len());
     let reader = TakeReader::of_silhouettes(footage.clone(), cameras);
-    let start = StartArguments::none().pose(&footage, &reader.cameras, 0, &FitOptions::default())?;
-    let plan = TrackPlan::of_frames(take, start, frames.collect());
+    let first = frames.front().copied().unwrap_or(0);
+    let start = StartArguments::none().pose(footage, &reader.cameras, first, &FitOptions::default())?;
+    let plan = TrackPlan::of_frames(take, start, frames);
     let mut report = TrackReport::new(take, &reader.cameras);
     let mut run = TrackRun::new(Arc::new(reader), plan);
-    follow(take, &mut run, take.frame_count(), &mut report, &CancelToken::new(), |_, _| {})?;
-    output::print(&report.text())
+    follow(take, &mut run, count, &mut report, cancel, |_, _| {})?;
+    Ok(report)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod prepared;
 pub mod replacement;
 mod stages;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
@@ -174,16 +175,25 @@ impl Footage {
     ) -> Result<Mask, FootageError> {
         let mut mask = match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
             Some(path) => read_mask(path, &self.take().rig().cameras()[camera])?,
-            None => {
-                let mut mask = match self.given_mask(camera, frame)? {
-                    Some(mask) => mask,
-                    None => self.prepared.segmented((camera, frame), picture, options, &self.changes)?,
-                };
-                self.hide_people(camera, frame, &mut mask);
-                mask
-            }
+            None => self.measured(camera, frame, || Ok(Cow::Borrowed(picture)), options)?,
         };
         self.paint(camera, frame, &mut mask);
+        Ok(mask)
+    }
+
+    /// The silhouette that the take has from elsewhere, else the one that is made of the picture; without other people.
+    fn measured<'a>(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: impl FnOnce() -> Result<Cow<'a, RgbImage>, FootageError>,
+        options: &SegmentOptions,
+    ) -> Result<Mask, FootageError> {
+        let mut mask = match self.given_mask(camera, frame)? {
+            Some(mask) => mask,
+            None => self.prepared.segmented((camera, frame), &*picture()?, options, &self.changes)?,
+        };
+        self.hide_people(camera, frame, &mut mask);
         Ok(mask)
     }
 
@@ -203,9 +213,7 @@ impl Footage {
     /// The same of silhouettes that are there: a mask each of these cameras.
     pub fn supported_views(&self, cameras: &[usize], frame: usize, mut masks: Vec<Mask>) -> Vec<FitView> {
         let options = self.take().measurement();
-        let checked =
-            |(&camera, mask)| CheckedMask { camera, mask, needs_support: options[camera].needs_support };
-        self.hide_unsupported(frame, cameras.iter().zip(&mut masks).map(checked).collect());
+        self.check_masks(cameras, frame, &mut masks, |place| options[cameras[place]].needs_support);
         self.views_of(cameras, masks)
     }
 
@@ -223,20 +231,30 @@ impl Footage {
     /// The silhouettes of the same.
     pub fn single_masks(&self, cameras: &[usize], frame: usize) -> Result<Vec<Mask>, FootageError> {
         let one = |&camera: &usize| {
-            let mut mask = match self.given_mask(camera, frame)? {
-                Some(mask) => mask,
-                None => {
-                    let picture = self.picture(camera, frame)?;
-                    let options = &self.take().measurement()[camera];
-                    self.prepared.segmented((camera, frame), &picture, options, &self.changes)?
-                }
-            };
-            self.hide_people(camera, frame, &mut mask);
+            let picture = || Ok(Cow::Owned(self.picture(camera, frame)?));
+            let mut mask = self.measured(camera, frame, picture, &self.take().measurement()[camera])?;
             self.paint(camera, frame, &mut mask);
             Ok(mask)
         };
         let masks: Vec<Result<Mask, FootageError>> = cameras.par_iter().map(one).collect();
         masks.into_iter().collect()
+    }
+
+    /// [Hides](Self::hide_unsupported) what no other camera supports in a mask each of these cameras; `needs_support` says by the place
+    /// of a camera among them whether that is asked for.
+    fn check_masks(
+        &self,
+        cameras: &[usize],
+        frame: usize,
+        masks: &mut [Mask],
+        needs_support: impl Fn(usize) -> bool,
+    ) -> Vec<usize> {
+        let seen = cameras.iter().zip(masks).enumerate().map(|(place, (&camera, mask))| CheckedMask {
+            camera,
+            mask,
+            needs_support: needs_support(place),
+        });
+        self.hide_unsupported(frame, seen.collect())
     }
 
     /// Makes unknown what no other of these cameras supports, where that is asked for; what was painted stays. How many pixels that

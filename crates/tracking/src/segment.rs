@@ -27,7 +27,7 @@ pub use background::{Background, BackgroundError, BackgroundSums};
 pub use dont_know::DontKnowOptions;
 pub use learning::{LearningFrame, LearningOptions, LearntPlate, learn_plate};
 pub use luminance::ChromaOptions;
-pub use options::{BETA, BETA_GREY, SegmentOptions};
+pub use options::{BETA, BETA_GREY, HYSTERESIS, SegmentOptions};
 pub use shadow::{ShadowOptions, ShadowTest};
 pub use stages::{Segmentation, Stage, StageMask, segment_by_stages};
 pub use subtraction::{SegmentError, segment};

@@ -1,7 +1,9 @@
 //! The Measurement section: how silhouettes are made from footage.
 
 use backlit_document::edit::Edit;
-use backlit_tracking::segment::{ChromaOptions, DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
+use backlit_tracking::segment::{
+    ChromaOptions, DontKnowOptions, HYSTERESIS, SegmentOptions, ShadowOptions, ShadowTest,
+};
 use backlit_ui::style::format;
 use backlit_ui::widgets::{SliderRow, checkbox, hint, named_row, number_field, section, segmented};
 use egui::Ui;
@@ -10,8 +12,6 @@ use crate::context::command_button::gesture;
 use crate::context::preferences::FRAMES_MB_CHOICES;
 use crate::context::{Context, Requests, ShellRequest};
 
-/// The low threshold of the hysteresis, of the high one.
-const HYSTERESIS: f32 = 0.6;
 /// Width of the name and of the field of the memory's row.
 const MEMORY_NAME: f32 = 78.0;
 const MEMORY_FIELD: f32 = 84.0;

@@ -28,9 +28,4 @@ impl Footage {
     pub(super) fn paint(&self, camera: usize, frame: usize, mask: &mut Mask) {
         self.brush.iter().filter(|one| one.is_of(camera, frame)).for_each(|one| one.stroke.paint(mask));
     }
-
-    /// Whether anything is painted in a frame of a camera.
-    pub fn is_painted(&self, camera: usize, frame: usize) -> bool {
-        self.brush.iter().any(|one| one.is_of(camera, frame))
-    }
 }

@@ -11,7 +11,7 @@ use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 use rayon::prelude::*;
 
-use super::{CheckedMask, Footage, FootageError};
+use super::{Footage, FootageError};
 
 /// The most frames of a take that are looked at, and the least distance of two: a look costs about as much as reading for a track does.
 const MOST_SAMPLES: usize = 36;
@@ -127,8 +127,7 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
             let read: Vec<Result<_, FootageError>> = self.cameras.par_iter().map(read).collect();
             let read: Vec<(Option<RgbImage>, Mask)> = read.into_iter().collect::<Result<_, _>>()?;
             let mut supported: Vec<Mask> = read.iter().map(|(_, mask)| mask.clone()).collect();
-            let checked = |(&camera, mask)| CheckedMask { camera, mask, needs_support: true };
-            footage.hide_unsupported(frame, self.cameras.iter().zip(&mut supported).map(checked).collect());
+            footage.check_masks(self.cameras, frame, &mut supported, |_| true);
             let add = |one: &mut CameraSurvey| -> Result<(), FootageError> {
                 let Some(place) = self.cameras.iter().position(|camera| *camera == one.camera) else {
                     return Ok(());

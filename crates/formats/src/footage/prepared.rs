@@ -130,7 +130,10 @@ impl PreparedTake {
         let background = self.background_of((camera, frame), changes)?;
         let mut stages = segment_by_stages(picture, &background, options)
             .map_err(|error| self.segment_error(camera, error))?;
-        stages.then(Stage::Take, |mask| self.complete((camera, frame), changes, mask))?;
+        if let Some(mut mask) = stages.mask().cloned() {
+            self.complete((camera, frame), changes, &mut mask)?;
+            stages.push(Stage::Take, &mask);
+        }
         Ok(stages)
     }
 

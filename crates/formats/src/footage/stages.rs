@@ -1,14 +1,12 @@
 //! How silhouettes come about, and what they would be with other options.
 
-use std::convert::Infallible;
-
 use backlit_tracking::fit::FitView;
 use backlit_tracking::segment::{SegmentOptions, Segmentation, Stage};
 use backlit_tracking::silhouette::Mask;
 use image::RgbImage;
 use rayon::prelude::*;
 
-use super::{CheckedMask, Footage, FootageError};
+use super::{Footage, FootageError};
 
 /// What the cameras of a frame see by some options.
 #[derive(Debug)]
@@ -39,19 +37,13 @@ impl Footage {
         }
         let mut stages =
             self.prepared.segmented_by_stages((camera, frame), picture, options, &self.changes)?;
-        let sure = |result: Result<(), Infallible>| result.unwrap_or_else(|never| match never {});
-        sure(stages.then(Stage::People, |mask| {
-            self.hide_people(camera, frame, mask);
-            Ok(())
-        }));
-        sure(stages.then(Stage::Brush, |mask| {
-            self.paint(camera, frame, mask);
-            Ok(())
-        }));
-        sure(stages.then(Stage::OtherCameras, |mask| {
-            last.into_iter().for_each(|last| mask.clone_from(last));
-            Ok(())
-        }));
+        if let Some(mut mask) = stages.mask().cloned() {
+            self.hide_people(camera, frame, &mut mask);
+            stages.push(Stage::People, &mask);
+            self.paint(camera, frame, &mut mask);
+            stages.push(Stage::Brush, &mask);
+        }
+        last.into_iter().for_each(|last| stages.push(Stage::OtherCameras, last));
         Ok(Some(stages))
     }
 
@@ -72,10 +64,8 @@ impl Footage {
         };
         let masks: Result<Vec<Mask>, FootageError> = tried.par_iter().map(one).collect();
         let mut masks = masks?;
-        let checked = cameras.iter().zip(&mut masks).zip(options).map(|((&camera, mask), options)| {
-            CheckedMask { camera, mask, needs_support: options.needs_support }
-        });
-        let unsupported_px = self.hide_unsupported(frame, checked.collect());
+        let unsupported_px =
+            self.check_masks(cameras, frame, &mut masks, |place| options[place].needs_support);
         Ok(TriedViews { views: self.views_of(cameras, masks), unsupported_px })
     }
 

@@ -1,11 +1,9 @@
 //! The settings that tuning tries, and what is said of a change.
 
-use backlit_tracking::segment::{ChromaOptions, SegmentOptions, ShadowOptions, ShadowTest};
+use backlit_tracking::segment::{ChromaOptions, HYSTERESIS, SegmentOptions, ShadowOptions, ShadowTest};
 use backlit_words::format::number;
 
 const Z_SCORES: [f32; 6] = [2.5, 3.3, 4.149_4, 5.5, 7.5, 10.0];
-/// The low threshold of the hysteresis, of the high one.
-const HYSTERESIS: f32 = 0.6;
 /// The darkest shadow that is tried beside the usual one, of the background's brightness.
 const DARK_SHADOW: f32 = 0.4;
 

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::background::{Background, GreyLevel, grey_of};
 use super::gradient;
+use super::luminance::luma;
 
 pub use light::{LightField, LightKey, light_change};
 pub use still::StillPixels;
@@ -188,7 +189,7 @@ impl Background {
                     self.gradient_mean[pixel][channel] *= gain;
                 }
                 let grey = &mut self.grey[pixel].mean;
-                *grey = (*grey * (0.299 * gains[0] + 0.587 * gains[1] + 0.114 * gains[2])).min(255.0);
+                *grey = (*grey * luma(gains)).min(255.0);
             }
         }
     }

@@ -14,6 +14,8 @@ use crate::silhouette::Region;
 pub const BETA: f32 = 4.149_4;
 /// The report's β (4.25): the z-score that normal noise of one grey level exceeds once in 10⁴ pixels.
 pub const BETA_GREY: f32 = 3.890_6;
+/// The low threshold of the hysteresis that suits most footage, of the high one.
+pub const HYSTERESIS: f32 = 0.6;
 /// Longer than the side of any picture: growing a mask by more means nothing.
 const MAX_DISTANCE_PX: f32 = 16_384.0;
 

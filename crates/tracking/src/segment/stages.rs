@@ -68,18 +68,11 @@ impl Segmentation {
         self.stages.last().map(|last| &last.mask)
     }
 
-    /// Takes one more step, if it changes anything.
-    ///
-    /// # Errors
-    /// Those of the step.
-    pub fn then<E>(&mut self, stage: Stage, step: impl FnOnce(&mut Mask) -> Result<(), E>) -> Result<(), E> {
-        if let Some(mut mask) = self.mask().cloned() {
-            step(&mut mask)?;
-            if self.mask() != Some(&mask) {
-                self.stages.push(StageMask { stage, mask });
-            }
+    /// Adds a step that left this mask, if it changed anything.
+    pub fn push(&mut self, stage: Stage, mask: &Mask) {
+        if self.mask() != Some(mask) {
+            self.stages.push(StageMask { stage, mask: mask.clone() });
         }
-        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::background::Background;
 use super::{BackgroundChange, ChangeKind, LearntPixels};
+use crate::statistics::upper_median;
 
 /// How many places are looked at along the longer side of a picture, about.
 const PLACES: usize = 80;
@@ -22,9 +23,9 @@ const TUKEY: f64 = 4.685;
 const LEAST_DEVIATION: f64 = 0.02;
 /// Log gains are kept as multiples of this.
 const UNIT: f64 = 1e-4;
-/// Light has changed where log gains differ by so much across the picture.
+/// Light has changed where log gains differ by this much across the picture.
 const LEAST_SPREAD: f64 = 0.12;
-/// So many samples with changed light are a change.
+/// The number of samples with changed light that are a change.
 const FEWEST_SAMPLES: usize = 5;
 
 /// The log gains of one frame, in ten-thousandths.
@@ -53,11 +54,6 @@ fn basis([x, y]: [usize; 2], [width, height]: [usize; 2]) -> [f64; 6] {
 
 fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 impl LightField {
@@ -148,11 +144,11 @@ impl LightField {
 fn fit_channel(places: &[([f64; 6], [f64; 3])], channel: usize) -> [f64; 6] {
     let mut ratios: Vec<f64> = places.iter().map(|(_, ratio)| ratio[channel]).collect();
     let mut coefficients = [0.0; 6];
-    coefficients[0] = median(&mut ratios);
+    coefficients[0] = upper_median(&mut ratios).unwrap_or(0.0);
     for _ in 0..ITERATIONS {
         let off = |(basis, ratio): &([f64; 6], [f64; 3])| ratio[channel] - dot(&coefficients, basis);
         let mut sizes: Vec<f64> = places.iter().map(|place| off(place).abs()).collect();
-        let reach = TUKEY * (1.4826 * median(&mut sizes)).max(LEAST_DEVIATION);
+        let reach = TUKEY * (1.4826 * upper_median(&mut sizes).unwrap_or(0.0)).max(LEAST_DEVIATION);
         // A little weight on no slope keeps it solvable where few places are left.
         let mut normal = SMatrix::<f64, 6, 6>::identity();
         normal[(0, 0)] = 1e-9;
