@@ -7,6 +7,7 @@ pub(crate) mod beginnings;
 pub(crate) mod camera_check;
 pub(crate) mod camera_plan;
 pub mod camera_views;
+pub(crate) mod compare;
 pub mod convergence;
 pub(crate) mod demonstrations;
 pub mod export;
@@ -71,6 +72,7 @@ features! {
     pub basin: basin::Basin,
     pub(crate) motions: motions::Motions,
     pub(crate) silhouettes: silhouettes::SilhouetteSteering,
+    pub(crate) compare: compare::Compare,
     pub(crate) beginnings: beginnings::Beginnings,
     pub laboratory: laboratory::Laboratory,
     pub scene: scene::Scene,

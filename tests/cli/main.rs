@@ -6,6 +6,7 @@ mod camera_plan;
 mod cameras;
 mod changed_backgrounds;
 mod check;
+mod compare;
 #[path = "../window/support/disturbed_take.rs"]
 mod disturbed_take;
 mod experiment;
@@ -29,6 +30,7 @@ mod render;
 mod scene;
 mod screenshot;
 mod sphere_tree;
+mod synth;
 mod take_remarks;
 mod track;
 mod words;

@@ -13,6 +13,7 @@ mod background;
 mod camera_plan;
 mod cameras;
 mod check;
+mod compare;
 mod evidence;
 mod experiment;
 mod export;
@@ -36,6 +37,7 @@ mod render;
 mod silhouettes;
 mod sphere_tree;
 mod sync;
+mod synth;
 mod table;
 mod take_options;
 mod track;
@@ -62,12 +64,16 @@ pub enum Command {
     Track(Box<track::TrackArguments>),
     /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
+    /// Compare a track with recordings of other tools, with truth, or with other tracks: joints and angles
+    Compare(compare::CompareArguments),
     /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+    /// Film a motion of a file: the clothed figure before simulated cameras, as a take with its truth
+    Synth(Box<synth::SynthArguments>),
     /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
     Sync(sync::SyncArguments),
     /// Check the cameras of a take against one another: which one is wrong, and how
@@ -96,9 +102,11 @@ impl Command {
             Self::FitBody(arguments) => fit_body::run(&arguments),
             Self::Track(arguments) => track::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
+            Self::Compare(arguments) => compare::run(&arguments),
             Self::Background(arguments) => background::run(&arguments),
             Self::Observability(arguments) => observability::run(&arguments),
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),
+            Self::Synth(arguments) => synth::run(&arguments),
             Self::Sync(arguments) => sync::run(&arguments),
             Self::Check(arguments) => check::run(&arguments),
             Self::RefineCameras(arguments) => refine_cameras::run(&arguments),
