@@ -33,6 +33,7 @@ mod recognise;
 mod refine_cameras;
 mod relearn;
 mod render;
+mod report;
 mod silhouettes;
 mod sphere_tree;
 mod sync;
@@ -62,6 +63,8 @@ pub enum Command {
     Track(Box<track::TrackArguments>),
     /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
+    /// Write a track or the poses of a project as one HTML page to send: views, scene, curves, errors, steps of a fit
+    Report(report::ReportArguments),
     /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
@@ -96,6 +99,7 @@ impl Command {
             Self::FitBody(arguments) => fit_body::run(&arguments),
             Self::Track(arguments) => track::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
+            Self::Report(arguments) => report::run(&arguments),
             Self::Background(arguments) => background::run(&arguments),
             Self::Observability(arguments) => observability::run(&arguments),
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),

@@ -8,5 +8,7 @@ pub mod initialisation;
 pub mod motions;
 pub mod people;
 pub mod person;
+pub mod report;
 pub mod silhouettes;
 pub mod track;
+pub mod track_summary;
