@@ -27,6 +27,7 @@ mod real_footage;
 mod recognise;
 mod refine_cameras;
 mod render;
+mod report;
 mod scene;
 mod screenshot;
 mod sphere_tree;

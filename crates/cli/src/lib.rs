@@ -34,6 +34,7 @@ mod recognise;
 mod refine_cameras;
 mod relearn;
 mod render;
+mod report;
 mod silhouettes;
 mod sphere_tree;
 mod sync;
@@ -66,6 +67,8 @@ pub enum Command {
     Export(export::ExportArguments),
     /// Compare a track with recordings of other tools, with truth, or with other tracks: joints and angles
     Compare(compare::CompareArguments),
+    /// Write a track or the poses of a project as one HTML page to send: views, scene, curves, errors, steps of a fit
+    Report(report::ReportArguments),
     /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
@@ -103,6 +106,7 @@ impl Command {
             Self::Track(arguments) => track::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
             Self::Compare(arguments) => compare::run(&arguments),
+            Self::Report(arguments) => report::run(&arguments),
             Self::Background(arguments) => background::run(&arguments),
             Self::Observability(arguments) => observability::run(&arguments),
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),

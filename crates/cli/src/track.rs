@@ -12,6 +12,7 @@ use backlit_runs::person::PersonSearch;
 use backlit_runs::track::{
     FrameReader, Smoothing, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun,
 };
+use backlit_runs::track_summary::TrackMaking;
 use backlit_take::builtin;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
@@ -149,6 +150,11 @@ pub(crate) fn track(
     let renderer = plan.fit.renderer;
     let mut report = TrackReport::new(take, &reader.cameras);
     report.background_changes = changes_text(&reader.footage);
+    report.made = Some(TrackMaking {
+        take: output::in_full(&arguments.take),
+        command: output::command_line(),
+        settings: plan.settings(),
+    });
     let mut run = TrackRun::new(reader.clone(), plan).remembering();
     if let Some(earlier) = earlier {
         run = earlier.go_on(take, run, &mut report)?;

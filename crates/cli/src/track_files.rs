@@ -23,9 +23,9 @@ use crate::track_report::TrackReport;
 /// What `--resume` goes on from.
 const RESUME: &str = "resume.json";
 /// What `--json` prints.
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
-const MAX_SUMMARY: u64 = 1 << 20;
+pub(crate) const MAX_SUMMARY: u64 = 1 << 20;
 
 /// Results so far are written this often: nothing is lost if the program is stopped.
 const WRITE_EVERY: Duration = Duration::from_secs(5);

@@ -20,6 +20,7 @@ pub mod tracking_choices;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_formats::footage::BrushStroke;
 use backlit_formats::footage::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_formats::motion::Motion;
@@ -181,6 +182,16 @@ impl Document {
         let told = poses.iter().filter_map(|(&frame, pose)| Some((frame, self.told_of(frame, pose)?)));
         let trust = told.map(|(frame, told)| (frame, told.trust.clone())).collect();
         Motion::of_poses(name, (*self.model).clone(), frame_rate, poses).with_trust(trust)
+    }
+
+    /// A take's footage with the calibration, plates, person and silhouettes that this document puts in the place of the take's.
+    pub fn footage(&self, take: &Footage) -> Footage {
+        let mut replaced =
+            take.with_replacements(self.calibration.clone(), self.plates.clone(), self.person.clone());
+        replaced.masks = self.masks.clone();
+        replaced.brush = self.brush.clone();
+        replaced.changes = self.changes.clone();
+        replaced
     }
 
     /// Whether a frame has a pose of its own.

@@ -11,5 +11,7 @@ pub mod motions;
 pub mod people;
 pub mod person;
 pub mod results;
+pub mod report;
 pub mod silhouettes;
 pub mod track;
+pub mod track_summary;

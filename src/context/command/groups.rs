@@ -21,7 +21,7 @@ groups! {
     RecoveryCommand { Show, UndoDiscard }
 
     /// Pictures for other people.
-    ExportCommand { View, Window, Steps, Frames, Motion, Stop, ShowExported }
+    ExportCommand { View, Window, Steps, Frames, Motion, Report, Stop, ShowExported }
 
     /// Posing by hand.
     PoseCommand {

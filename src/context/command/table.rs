@@ -59,6 +59,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::File, Export(ExportCommand::Steps), "Export steps…", "All steps of the run on the screen, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, those set by hand too, as BVH, glTF, C3D, TRC, MOT, NumPy or CSV", &[]),
+    row(Menu::File, Export(ExportCommand::Report), "Report…", "All poses as one HTML page to send: views, scene, curves, errors, steps of a fit", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
     row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
     row(Menu::File, Recovery(RecoveryCommand::Show), "Unsaved work…", "What this window or an earlier one has left unsaved: go on with it, or discard it", &[]),
