@@ -208,7 +208,14 @@ impl ArrayFiles {
 
     /// The name of the body, if it is a built-in one.
     fn built_in_body(&self) -> Option<&'static str> {
-        builtin::NAMES.into_iter().find(|name| builtin::of_name(name).is_some_and(|body| body == *self.body))
+        let bodies = [builtin::single_limb(), builtin::upper_body(), builtin::full_body()];
+        builtin::NAMES.into_iter().zip(bodies).find(|(_, body)| *body == *self.body).map(|(name, _)| name)
+    }
+
+    /// What the numbers of a camera's masks mean: of True and False there is no question.
+    fn values_of(&self, camera: usize) -> &str {
+        let is_boolean = self.masks.get(camera).is_some_and(|masks| masks.is_boolean);
+        if is_boolean { "\"nonzero\"" } else { &self.mask_values }
     }
 
     fn take_text(&self) -> String {
@@ -229,7 +236,7 @@ impl ArrayFiles {
                 "\n[[camera]]\nname = {}\nmasks = {}\nmask_values = {}\ncount = {}\n",
                 json!(camera.name()),
                 json!(format!("{MASKS}/{folder}/%06d.png")),
-                self.mask_values,
+                self.values_of(index),
                 self.frame_count(),
             );
             if self.keypoints.is_some() {

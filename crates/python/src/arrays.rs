@@ -110,7 +110,7 @@ impl MaskShape {
 pub(crate) struct CameraMasks {
     array: Py<PyArray3<u8>>,
     /// Whether they are True and False: then 1 is written as white.
-    is_boolean: bool,
+    pub(crate) is_boolean: bool,
     /// Frames, height, width.
     pub(crate) shape: [usize; 3],
 }

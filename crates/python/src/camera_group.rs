@@ -16,6 +16,9 @@ use pyo3::prelude::*;
 use crate::arrays::{numbers, numbers_of, owned, points, rows, shape_text};
 use crate::errors::{raised, refused, wrong};
 
+/// How far the proportions of pictures may be from others of the same camera: a pixel or two of rounding.
+const PROPORTION_TOLERANCE: f64 = 0.01;
+
 /// Calibrated cameras: sizes of pictures, pinholes, lenses, and where they stand.
 ///
 /// World lengths are metres. Camera axes are OpenCV's (x right, y down, z forward), pixel centres lie at integer coordinates, and
@@ -97,10 +100,7 @@ impl PyCameraGroup {
         };
         let rotations = of("rotation", rotation, &[3, 3])?;
         let places = points(&of("translation", translation, &[3])?);
-        let sizes = match numbers("size", size)? {
-            (sizes, shape) if shape == [2] => sizes.repeat(count),
-            _ => of("size", size, &[2])?,
-        };
+        let sizes = sizes(size, count)?;
         let names = names.unwrap_or_else(|| (1..=count).map(|number| format!("cam{number}")).collect());
         if names.len() != count {
             return Err(wrong("names", &format!("{count} names"), &names.len().to_string()));
@@ -119,8 +119,7 @@ impl PyCameraGroup {
             }
             let rotation = DMat3::from_cols_slice(&rotations[9 * index..9 * index + 9]).transpose();
             let place = CameraFromWorld { rotation, translation: places[index] };
-            let size = [sizes[2 * index], sizes[2 * index + 1]].map(|side| side.max(0.0) as u64);
-            let camera = Camera::new(name, size, Intrinsics { fx, fy, cx, cy }, lenses[index], place);
+            let camera = Camera::new(name, sizes[index], Intrinsics { fx, fy, cx, cy }, lenses[index], place);
             cameras.push(camera.map_err(|error| {
                 refused(anyhow::Error::from(error).context(format!("camera \"{name}\"")))
             })?);
@@ -216,6 +215,22 @@ impl PyCameraGroup {
         Self::of(cameras.map_err(refused)?)
     }
 
+    /// The same cameras for pictures of another ``size`` (C, 2) or (2,), width and height: all pixel numbers scaled. Proportions must
+    /// agree to 1 %. Raises :class:`InputError`.
+    fn resized(&self, size: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let sizes = sizes(size, self.rig.count())?;
+        let resize = |(camera, &[width, height]): (&Camera, &[u64; 2])| {
+            let scales = [width as f64 / camera.width() as f64, height as f64 / camera.height() as f64];
+            if (scales[0] / scales[1] - 1.0).abs() > PROPORTION_TOLERANCE {
+                let expected = format!("the proportions of {} × {}", camera.width(), camera.height());
+                return Err(wrong("size", &expected, &format!("{width} × {height}")));
+            }
+            camera.resized(width, height).map_err(refused)
+        };
+        let cameras: PyResult<Vec<Camera>> = self.rig.cameras().iter().zip(&sizes).map(resize).collect();
+        Self::of(cameras?)
+    }
+
     /// The pixels of world points: ``points`` (…, 3) in metres gives (C, …, 2), lens included. Points at or behind a camera's
     /// plane are NaN.
     fn project<'py>(
@@ -250,6 +265,22 @@ impl PyCameraGroup {
 
     fn __repr__(&self) -> String {
         format!("CameraGroup({})", self.names().join(", "))
+    }
+}
+
+/// Widths and heights of that many cameras: one for all, or of each.
+fn sizes(value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<[u64; 2]>> {
+    let (numbers, shape) = numbers("size", value)?;
+    // What is no number of pixels is refused where a camera is made of it.
+    let sizes = numbers.as_chunks::<2>().0.iter().map(|size| size.map(|side| side.max(0.0) as u64));
+    match shape[..] {
+        [2] => Ok(sizes.collect::<Vec<_>>().repeat(count)),
+        [cameras, 2] if cameras == count => Ok(sizes.collect()),
+        _ => Err(wrong(
+            "size",
+            &format!("an array (2,) or ({count}, 2)"),
+            &format!("the shape {}", shape_text(&shape)),
+        )),
     }
 }
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use anyhow::{Context, anyhow, ensure};
 use backlit_document::likely_poses;
-use backlit_formats::take::BodySizes;
+use backlit_formats::footage::changes::ChangeSurvey;
+use backlit_formats::take::{BodySizes, CameraFootage};
 use backlit_formats::{Footage, Take};
+use backlit_runs::changes::change_text;
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::{TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun, survey};
 use backlit_tracking::body::Pose;
@@ -124,9 +126,12 @@ fn cue(word: &str) -> PyResult<Cue> {
 
 impl Request {
     fn run(self, job: &Job) -> anyhow::Result<PyTrack> {
-        let (take, frames) = (self.take.footage.take(), self.frames.clone());
-        let mut reader = TakeReader::of_silhouettes(self.take.footage.clone(), self.cameras.clone());
+        let frames = self.frames.clone();
+        let (footage, changes) = self.learnt_again(job)?;
+        let take = self.take.footage.take();
         let mut notes = take.notes();
+        notes.extend(changes);
+        let mut reader = TakeReader::of_silhouettes(footage, self.cameras.clone());
         notes.extend(looked_at(&reader, &frames, job)?);
         let start = self.start.clone().or_else(|| known_start(take, frames[0]));
         let sizes = self.fits_sizes.unwrap_or_else(|| take.sizes() == BodySizes::Fit);
@@ -138,13 +143,31 @@ impl Request {
         notes.extend(told_of(&person, frames[0]));
         if !Arc::ptr_eq(&person.model, reader.footage.take().model()) {
             let take = self.take.source.open(Some((*person.model).clone()))?;
-            reader.footage = Arc::new(Footage::new(take));
+            reader.footage = Arc::new(Footage::new(take).with_changes(reader.footage.changes.clone()));
         }
         reader.cues.clone_from(&self.cues);
         if self.cues.contains(&Cue::Keypoints) && reader.footage.take().keypoint_order()?.is_none() {
             return Err(anyhow!("keypoints: they make no body, by the order of COCO or of BODY_25"));
         }
         self.follow(reader, person.start, &frames, notes, job)
+    }
+
+    /// The footage with backgrounds that change learnt again, and what was found of them in words.
+    fn learnt_again(&self, job: &Job) -> anyhow::Result<(Arc<Footage>, Vec<String>)> {
+        let footage = &self.take.footage;
+        let take = footage.take();
+        if take.footage().iter().all(CameraFootage::has_masks) {
+            return Ok((Arc::clone(footage), Vec::new()));
+        }
+        let (cameras, frames, measurement) = (&self.cameras, &self.frames, take.measurement());
+        let picture = |camera, frame| footage.picture(camera, frame);
+        let survey = ChangeSurvey { footage, cameras, frames, measurement, picture };
+        let looking = "looking for backgrounds that change";
+        let found =
+            survey.changes(&job.cancel, |[done, all]| job.tell(done, all, looking)).context(looking)?;
+        let changes = found.unwrap_or_default();
+        let words = changes.iter().map(|change| change_text(change, take)).collect();
+        Ok((Arc::new(footage.with_changes(Arc::new(changes))), words))
     }
 
     fn follow(

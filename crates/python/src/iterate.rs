@@ -20,7 +20,7 @@ use crate::errors::{raised, refused};
 use crate::fit::{frame_numbers, known_start};
 use crate::options::{Choices, preset_of};
 use crate::pose::PyPose;
-use crate::render::Scene;
+use crate::render::DrawnBody;
 use crate::take::{ArrayTake, CamerasOrTake, MaskValues};
 use crate::work::{Job, interruptible, pool};
 
@@ -38,13 +38,13 @@ struct Setting {
 #[pyclass(frozen, name = "Iterations", module = "backlit")]
 #[derive(Debug)]
 pub(crate) struct PyIterations {
-    state: Mutex<State>,
+    state: Mutex<SteppedFit>,
     setting: Arc<Setting>,
     pool: Option<ThreadPool>,
 }
 
 #[derive(Debug)]
-struct State {
+struct SteppedFit {
     fit: Fit,
     /// Steps that were told.
     told: usize,
@@ -109,7 +109,7 @@ pub(crate) fn iterate(
         options: fit.options.clone(),
         threads: n_threads,
     };
-    let state = Mutex::new(State { fit, told: 0 });
+    let state = Mutex::new(SteppedFit { fit, told: 0 });
     Ok(PyIterations { state, setting: Arc::new(setting), pool: pool(n_threads)? })
 }
 
@@ -139,7 +139,7 @@ fn begin(
     Ok(fit)
 }
 
-impl State {
+impl SteppedFit {
     /// The next step; the first is the start.
     fn next(&mut self) -> Option<(usize, Iteration<Pose>, NormalEquations)> {
         let iteration = match self.told {
@@ -191,10 +191,10 @@ impl PyIterations {
 }
 
 impl PyStep {
-    fn scene(&self) -> Scene<'_> {
+    fn scene(&self) -> DrawnBody<'_> {
         let Setting { model, options, .. } = &*self.setting;
         let ramp = options.stages.get(self.iteration.stage).map_or(options.final_ramp(), |stage| stage.ramp);
-        Scene { model, pose: &self.iteration.point, renderer: options.renderer, ramp }
+        DrawnBody { model, pose: &self.iteration.point, renderer: options.renderer, ramp }
     }
 
     fn cameras(&self) -> Vec<&Camera> {

@@ -21,14 +21,14 @@ const MAX_JACOBIAN_BYTES: usize = 2 << 30;
 
 /// A posed body, and how it is drawn.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct DrawnBody<'a> {
     pub(crate) model: &'a Model,
     pub(crate) pose: &'a Pose,
     pub(crate) renderer: RendererKind,
     pub(crate) ramp: Ramp,
 }
 
-impl Scene<'_> {
+impl DrawnBody<'_> {
     /// The soft silhouette in each camera.
     pub(crate) fn predictions<'py>(
         &self,
@@ -100,7 +100,7 @@ pub(crate) fn render<'py>(
     let model = body.model()?;
     pose.pose.check(&model).map_err(refused)?;
     let (renderer, ramp) = (renderer_of(renderer, spheres)?, ramp_of(ramp)?);
-    let scene = Scene { model: &model, pose: &pose.pose, renderer, ramp };
+    let scene = DrawnBody { model: &model, pose: &pose.pose, renderer, ramp };
     scene.predictions(py, n_threads, &cams.rig.cameras().iter().collect::<Vec<_>>())
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn jacobian<'py>(
     let model = body.model()?;
     pose.pose.check(&model).map_err(refused)?;
     let (renderer, ramp) = (renderer_of(renderer, spheres)?, ramp_of(ramp)?);
-    let scene = Scene { model: &model, pose: &pose.pose, renderer, ramp };
+    let scene = DrawnBody { model: &model, pose: &pose.pose, renderer, ramp };
     let cameras: Vec<&Camera> = cams.rig.cameras().iter().collect();
     scene.jacobians(py, n_threads, &cameras, parameters_of(parameters)?)
 }

@@ -31,18 +31,18 @@ const USUAL_NAME: &str = "arrays";
 #[derive(Debug, Clone)]
 pub(crate) struct PyTake {
     pub(crate) footage: Arc<Footage>,
-    pub(crate) source: Source,
+    pub(crate) source: TakeOrigin,
 }
 
 /// What a take is opened from, so that it can be opened with another body.
 #[derive(Debug, Clone)]
-pub(crate) enum Source {
+pub(crate) enum TakeOrigin {
     BuiltIn,
     Disk(PathBuf),
     Arrays(Arc<ArrayFiles>),
 }
 
-impl Source {
+impl TakeOrigin {
     /// Opens the take, with this body in place of its own if there is one.
     pub(crate) fn open(&self, model: Option<Model>) -> anyhow::Result<Take> {
         Ok(match (self, model) {
@@ -122,7 +122,7 @@ impl ArrayTake<'_, '_> {
             frame_rate: self.fps.unwrap_or(USUAL_FRAME_RATE),
             fits_sizes: self.fits_sizes,
         };
-        let source = Source::Arrays(Arc::new(files));
+        let source = TakeOrigin::Arrays(Arc::new(files));
         let take = interruptible(py, None, None, |_: &Job| source.open(None))?.map_err(refused)?;
         Ok(PyTake { footage: Arc::new(Footage::new(take)), source })
     }
@@ -189,7 +189,7 @@ impl CamerasOrTake<'_> {
 }
 
 impl PyTake {
-    fn open(py: Python<'_>, source: Source, model: Option<Model>) -> PyResult<Self> {
+    fn open(py: Python<'_>, source: TakeOrigin, model: Option<Model>) -> PyResult<Self> {
         let take = interruptible(py, None, None, |_: &Job| source.open(model))?.map_err(raised)?;
         Ok(Self { footage: Arc::new(Footage::new(take)), source })
     }
@@ -212,7 +212,7 @@ impl PyTake {
     #[pyo3(signature = (path = None, *, body = None))]
     fn load(py: Python<'_>, path: Option<PathBuf>, body: Option<BodyArgument<'_>>) -> PyResult<Self> {
         let model = body.map(BodyArgument::model).transpose()?.map(|model| (*model).clone());
-        Self::open(py, path.map_or(Source::BuiltIn, Source::Disk), model)
+        Self::open(py, path.map_or(TakeOrigin::BuiltIn, TakeOrigin::Disk), model)
     }
 
     /// A take of arrays, which are borrowed: do not change them while the take is used.
@@ -247,7 +247,7 @@ impl PyTake {
     /// Writes a take of arrays into a folder: ``take.toml``, cameras, masks as PNG, keypoints as JSON. The command line then finds
     /// in it what Python does, to the bit. Raises :class:`InputError` for a take of files.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        let Source::Arrays(files) = &self.source else {
+        let TakeOrigin::Arrays(files) = &self.source else {
             return Err(wrong("save", "a take of arrays", "one of files, which are there already"));
         };
         let write = |job: &Job| files.write(&folder, |_| job.cancel.is_cancelled());

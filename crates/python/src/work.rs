@@ -95,7 +95,7 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<Option<ThreadPool>> {
     pool.context("threads cannot be started").map(Some).map_err(raised)
 }
 
-/// Does work by so many threads without the interpreter. `progress` is a callable that hears of it: `(done, all, text)`.
+/// Does work by this number of threads without the interpreter. `progress` is a callable that hears of it: `(done, all, text)`.
 ///
 /// # Errors
 /// What Ctrl+C or the callable raises; the work is asked to stop then, and waited for.

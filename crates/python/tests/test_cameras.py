@@ -82,6 +82,15 @@ def test_arrays_come_out_as_they_went_in() -> None:
     assert cams.select(["c", "a"]).names == ["c", "a"]
 
 
+def test_pictures_of_half_the_size() -> None:
+    cams, points = group(), np.random.default_rng(4).normal([0, 0, 0.9], 0.3, (9, 3))
+    half = cams.resized((SIZE[0] // 2, SIZE[1] // 2))
+    # A pixel centre at c covers c - 1/2 to c + 1/2.
+    np.testing.assert_allclose(half.project(points), (cams.project(points) + 0.5) / 2 - 0.5, atol=1e-9)
+    with pytest.raises(bl.InputError, match="size: expected the proportions of 272 × 480; got 480 × 272"):
+        cams.resized(SIZE[::-1])
+
+
 @pytest.mark.parametrize("format", ["backlit", "opencv-yaml", "opencv-xml", "opencv-json", "pose2sim", "anipose", "easymocap", "matrices"])
 def test_files_are_read_again(tmp_path: Path, format: str) -> None:
     cams = group()

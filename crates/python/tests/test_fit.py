@@ -67,6 +67,18 @@ def test_a_start_is_searched_for_as_the_command_line_does(recording: Recording, 
     np.testing.assert_array_equal(joints, track.joints)
 
 
+def test_pictures_are_tracked_as_the_command_line_does(tmp_path: Path) -> None:
+    folder = Path(__file__).parents[3] / "assets" / "take"
+    done = backlit("track", folder, "--frames", "20..28", "--out", "results", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "results" / "track.json").read_text())["frames"]
+    track = bl.fit(bl.Take.load(folder), frames=range(20, 28), n_threads=2)
+    joints = np.array([[frame["joints"][name] for name in track.joint_names] for frame in told])
+    np.testing.assert_array_equal(joints, track.joints)
+    trust = np.array([[frame["trust"][name]["error_95"] for name in track.joint_names[1:]] for frame in told])
+    np.testing.assert_array_equal(trust, track.error_95[:, 1:])
+
+
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_threads_change_no_bit(track: bl.Track, recording: Recording, threads: int) -> None:
     other = bl.fit(recording.cams, recording.masks, body=recording.body, start=recording.start, fps=30, n_threads=threads)
