@@ -70,15 +70,9 @@ pub fn run<P: Program>(arguments: &[OsString]) -> u8 {
             return usage(&stray_word::<P>(arguments).unwrap_or_else(|| as_told::<P>(arguments, error)));
         }
     };
-    if std::env::var_os(NARROW_VECTORS).is_some_and(|value| value == "256") {
-        processor::use_narrow_vectors();
-    }
-    match program.memory().budget_gb() {
-        Ok(budget) => budget.into_iter().for_each(memory::set_budget_gb),
-        Err(expected) => {
-            output::complain(&format!("error: {MEMORY_VARIABLE}: {expected}"));
-            return NOT_UNDERSTOOD;
-        }
+    if let Err(error) = prepare(program.memory()) {
+        output::complain(&format!("error: {error}"));
+        return NOT_UNDERSTOOD;
     }
     let Err(error) = program.perform() else { return DONE };
     if let Some(error) = error.downcast_ref::<clap::Error>() {
@@ -86,6 +80,23 @@ pub fn run<P: Program>(arguments: &[OsString]) -> u8 {
     }
     output::complain(&format!("error: {error:#}"));
     if error.downcast_ref::<Interrupted>().is_some() { interrupt::EXIT_CODE } else { FAILED }
+}
+
+/// Does what the environment says of vectors and memory: for who computes without a program's arguments.
+///
+/// # Errors
+/// A variable that cannot be understood, in words.
+pub fn obey_environment() -> Result<(), String> {
+    prepare(MemoryArguments { memory: None })
+}
+
+fn prepare(arguments: MemoryArguments) -> Result<(), String> {
+    if std::env::var_os(NARROW_VECTORS).is_some_and(|value| value == "256") {
+        processor::use_narrow_vectors();
+    }
+    let budget = arguments.budget_gb().map_err(|expected| format!("{MEMORY_VARIABLE}: {expected}"))?;
+    budget.into_iter().for_each(memory::set_budget_gb);
+    Ok(())
 }
 
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending

@@ -88,8 +88,9 @@ impl PyFinding {
         let take = take.footage.take();
         let cameras = take.rig().cameras();
         let words = FindingWords::of(finding, cameras);
-        let lines = [Some(words.sizes).filter(|sizes| !sizes.is_empty()), words.apart];
-        let below = lines.into_iter().flatten().chain(words.rivals).chain(words.advice.map(str::to_owned));
+        let sizes = if words.sizes.is_empty() { String::new() } else { format!(": {}", words.sizes) };
+        let below = words.apart.into_iter().chain(words.rivals).chain(words.advice.map(str::to_owned));
+        let text = std::iter::once(words.what + &sizes).chain(below).collect::<Vec<_>>().join("; ");
         let name = |camera: Option<usize>| camera.map(|camera| cameras[camera].name().to_owned());
         let size = |size: &backlit_tracking::diagnosis::Size| {
             (size.what.to_string(), size.value, size.deviation, size.unit.to_string())
@@ -104,7 +105,7 @@ impl PyFinding {
             deviation: sizes.first().and_then(|size| size.2),
             sizes,
             apart_px: finding.apart_px.map(|[before, after]| (before, after)),
-            text: std::iter::once(words.what).chain(below).collect::<Vec<_>>().join("; "),
+            text,
             cameras: repaired,
         })
     }

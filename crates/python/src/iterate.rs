@@ -16,8 +16,8 @@ use rayon::ThreadPool;
 use crate::arrays::{MaskShape, owned};
 use crate::body::{BodyArgument, PyBody, joints};
 use crate::camera_group::PyCameraGroup;
-use crate::errors::{raised, refused};
-use crate::fit::{frame_numbers, known_start};
+use crate::errors::{raised, refused, wrong};
+use crate::fit::known_start;
 use crate::options::{Choices, preset_of};
 use crate::pose::PyPose;
 use crate::render::DrawnBody;
@@ -96,7 +96,9 @@ pub(crate) fn iterate(
     let options = choices.options(preset_of(preset)?)?;
     let told = ArrayTake { body, mask_values, ..ArrayTake::default() };
     let footage = cams.take(py, masks, MaskShape::Moment, told)?.footage;
-    frame_numbers(&footage, Some(vec![frame]))?;
+    if frame >= footage.frame_count() {
+        return Err(wrong("frame", &format!("a number below {}", footage.frame_count()), &frame.to_string()));
+    }
     let start = start.map(|start| start.pose.clone());
     if let Some(start) = &start {
         start.check(footage.take().model()).map_err(refused)?;

@@ -14,8 +14,6 @@
 //! | `render`, `check`, `refine` | predictions; cameras checked and refined |
 //! | `program` | the command line |
 
-use pyo3::prelude::*;
-
 mod array_files;
 mod arrays;
 mod body;
@@ -33,8 +31,13 @@ mod take;
 mod track;
 mod work;
 
-#[pymodule]
+#[pyo3::pymodule]
 mod _backlit {
+    use backlit_cli::program::obey_environment;
+    use pyo3::prelude::*;
+
+    use super::errors::InputError;
+
     #[pymodule_export]
     use super::body::PyBody;
     #[pymodule_export]
@@ -57,4 +60,9 @@ mod _backlit {
     use super::take::PyTake;
     #[pymodule_export]
     use super::track::PyTrack;
+
+    #[pymodule_init]
+    fn begin(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        obey_environment().map_err(InputError::new_err)
+    }
 }

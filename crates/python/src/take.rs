@@ -101,6 +101,9 @@ impl ArrayTake<'_, '_> {
         arrays: &Bound<'_, PyAny>,
         shape: MaskShape,
     ) -> PyResult<PyTake> {
+        if let Some(fps) = self.fps.filter(|fps| !(fps.is_finite() && *fps > 0.0)) {
+            return Err(wrong("fps", "frames a second, above 0", &fps.to_string()));
+        }
         let masks = masks(&cams.rig, arrays, shape)?;
         let frames = masks.first().map_or(0, |masks| masks.shape[0]);
         let model = match self.body {
@@ -304,6 +307,10 @@ impl PyTake {
 
     /// The silhouettes of a frame: C arrays (H, W) of uint8, 0 background, 128 unknown, 255 subject. They are segmented where the take has pictures.
     fn masks<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Vec<Bound<'py, PyArray2<u8>>>> {
+        let count = self.frame_count();
+        if frame >= count {
+            return Err(wrong("frame", &format!("a number below {count}"), &frame.to_string()));
+        }
         let cameras: Vec<usize> = (0..self.take().rig().count()).collect();
         let found = interruptible(py, None, None, |_: &Job| self.footage.single_masks(&cameras, frame))?;
         let grey = |mask: &Mask| {

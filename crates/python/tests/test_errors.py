@@ -42,7 +42,7 @@ def test_other_arguments(recording: Recording) -> None:
         ({"cameras": ["x"]}, 'cameras: there is no camera "x"'),
         ({"cues": ["smell"]}, 'cues: expected keypoints, flow or stereo; got "smell"'),
         ({"sizes": "large"}, 'sizes: expected "known" or "fit"; got "large"'),
-        ({"fps": -1.0}, "frame_rate"),
+        ({"fps": -1.0}, "fps: expected frames a second, above 0; got -1"),
         ({"mask_values": "odd"}, 'mask_values: expected .*; got "odd"'),
         ({"keypoints": np.zeros((4, 6, 17, 2))}, r"keypoints: expected an array \(4, 6, keypoints, 3\)"),
     ]:
@@ -52,6 +52,10 @@ def test_other_arguments(recording: Recording) -> None:
         bl.fit(cams, masks, body=recording.body, start=bl.Body("upper_body").rest())
     with pytest.raises(bl.InputError, match="fps: expected none beside a Take"):
         bl.fit(bl.Take.load(), fps=25)
+    with pytest.raises(bl.InputError, match="frame: expected a number below 60; got 60"):
+        bl.Take.load().masks(60)
+    with pytest.raises(bl.InputError, match="frame: expected a number below 1; got 3"):
+        bl.iterate(cams, masks[:, 0], frame=3)
     with pytest.raises(bl.InputError, match="root: expected three numbers, metres; got the shape"):
         bl.Pose([1, 2], np.zeros((3, 4)))
 

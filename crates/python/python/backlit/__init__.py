@@ -10,7 +10,8 @@ An articulated body is fitted to the silhouettes that calibrated cameras see of 
 
 Metres, radians unless a name says otherwise, seconds; quaternions w x y z; frames count from 0. Everything computes the same
 bits as the command line ``backlit``, which comes with the package, whatever ``n_threads`` is. Work lets other Python threads
-run, and Ctrl+C stops it.
+run, and Ctrl+C stops it. When the package is imported, the environment variable ``BACKLIT_MEMORY`` says how many gigabytes
+pictures may need (4), and ``BACKLIT_VECTORS=256`` makes bits the same on all x86 processors.
 """
 
 from importlib.metadata import PackageNotFoundError, version
