@@ -1,12 +1,11 @@
 //! Options that choose how frames are followed.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::bail;
 use backlit_formats::Take;
 use backlit_formats::prior_file::{self, PEOPLE};
-use backlit_runs::track::{RIVALS, Smoothing, TrackPlan};
+use backlit_runs::track::{Smoothing, TrackPlan};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
@@ -63,24 +62,21 @@ impl FollowArguments {
 
     /// How these frames of a take are followed from this pose.
     pub(crate) fn plan(&self, take: &Take, start: Pose, frames: &[usize]) -> anyhow::Result<TrackPlan> {
-        let (default, rivals) = match self.solver.preset {
-            Preset::Report => (WhenToSearch::Never, 0),
-            Preset::Robust => (WhenToSearch::WhenPoor, RIVALS),
-        };
+        let preset = self.solver.preset;
+        let usual = TrackPlan::of_preset(preset, self.fit()?, take, start, frames.to_vec().into());
         let noise = self.noise()?;
         let motion = match self.motion {
-            None => Motion::of_preset(Some(self.solver.preset)),
+            None => usual.motion,
             Some(MotionWord::Still) => Motion::Still,
             Some(MotionWord::Velocity) => Motion::Velocity,
             Some(MotionWord::Kalman | MotionWord::Steered | MotionWord::Smoothed) => Motion::Kalman(noise),
         };
         Ok(TrackPlan {
-            fit: Arc::new(self.fit()?),
             motion,
-            search: self.search.unwrap_or(default),
-            rivals: self.hypotheses.map_or(rivals, |most| usize::from(most) - 1),
+            search: self.search.unwrap_or(usual.search),
+            rivals: self.hypotheses.map_or(usual.rivals, |most| usize::from(most) - 1),
             smoothing: self.smoothing()?,
-            ..TrackPlan::of_frames(take, start, frames.to_vec().into())
+            ..usual
         })
     }
 

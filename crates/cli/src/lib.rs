@@ -7,6 +7,7 @@
 //! | `evidence` | silhouettes and grey levels from a folder |
 //! | `person` | a start and sizes where the take has none |
 //! | `track_report`, `track_files`, `fit_body_report` | what a command found, and the files with it |
+//! | `program` | from arguments to an exit code |
 //! | `output`, `table`, `progress`, `interrupt` | the terminal, folders, Ctrl+C |
 
 mod background;
@@ -29,6 +30,7 @@ mod observability;
 pub mod output;
 mod person;
 mod prior;
+pub mod program;
 mod progress;
 mod recognise;
 mod refine_cameras;

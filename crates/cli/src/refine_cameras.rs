@@ -4,16 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use backlit_formats::calibration::backlit::to_text;
-use backlit_formats::{Take, atomic, model_file};
+use backlit_formats::{atomic, model_file};
+use backlit_runs::camera_refinement::{refine, to_json};
 use backlit_tracking::body_fit::{
     CameraChoice, CameraRefinementOptions, CameraRefinementProgress, CameraState, RefinedCameras,
-    refine_cameras,
 };
-use backlit_tracking::camera::{CameraChange, Rig};
 use backlit_tracking::fit::FitOptions;
 use clap::Args;
 use serde::Serialize;
-use serde_json::json;
 
 use super::fit_options::{Words, one_of};
 use super::interrupt::{self, Interrupted};
@@ -106,16 +104,14 @@ pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
     let cancel = interrupt::listen()?;
     let start = arguments.start.pose(&footage, &cameras, frames[0], &options.person.fit)?;
     let spinner = progress::spinner();
-    let views = |frame| -> Result<_> { Ok(footage.single_views(&cameras, frame)?) };
-    let found = refine_cameras(take.model(), start, &frames, &options, &cancel, views, |at| {
+    let found = refine(&footage, &cameras, (start, &frames), &options, &cancel, |at| {
         spinner.set_message(progress_text(at));
     });
     spinner.finish_and_clear();
     if cancel.is_cancelled() {
         return Err(Interrupted.into());
     }
-    let found = found?;
-    let rig = refined(take, &cameras, &found)?;
+    let (found, rig) = found?;
     if let Some(out) = &arguments.out {
         atomic::write(out, to_text(&rig).as_bytes())?;
     }
@@ -137,18 +133,6 @@ fn progress_text(at: CameraRefinementProgress) -> String {
         }
         CameraRefinementProgress::Judging(done, all) => format!("{done} of {all} frames judged"),
     }
-}
-
-/// All cameras of the take as they are on the disk, with what was found changed.
-fn refined(take: &Take, cameras: &[usize], found: &RefinedCameras) -> Result<Rig> {
-    let mut all = take.full_rig().cameras().to_vec();
-    let pixels = f64::from(take.reduction());
-    for (&camera, refined) in cameras.iter().zip(&found.cameras) {
-        let change = refined.change.change;
-        let change = CameraChange { principal_px: pixels * change.principal_px, ..change };
-        all[camera] = all[camera].changed(&change)?;
-    }
-    Ok(Rig::new(all)?)
 }
 
 fn text(found: &RefinedCameras, choice: &CameraChoice, out: Option<&Path>) -> String {
@@ -179,34 +163,4 @@ fn text(found: &RefinedCameras, choice: &CameraChoice, out: Option<&Path>) -> St
         text += &format!("wrote the cameras to {}\n", out.display());
     }
     text
-}
-
-fn to_json(found: &RefinedCameras) -> serde_json::Value {
-    let numbers = |state: &CameraState| {
-        let change = &state.change;
-        json!({
-            "turn_degrees": change.turn.to_array().map(f64::to_degrees),
-            "place_m": change.shift.to_array(),
-            "focal_length_percent": 100.0 * change.zoom,
-            "principal_point_px": change.principal_px.to_array(),
-            "late_seconds": state.late_s,
-            "drift": state.drift,
-        })
-    };
-    let cameras = found.cameras.iter().map(|camera| {
-        json!({
-            "camera": camera.camera.name(),
-            "change": numbers(&camera.change),
-            "deviation": numbers(&camera.deviation),
-            "held_out_iou": camera.held_out_iou,
-        })
-    });
-    json!({
-        "cameras": cameras.collect::<Vec<_>>(),
-        "frames": found.body.frames,
-        "held_out": found.held_out,
-        "iou": [found.before.iou[1], found.body.iou[1]],
-        "rms": [found.before.rms[1], found.body.rms[1]],
-        "held": ["place", "turn", "size"],
-    })
 }

@@ -3,6 +3,7 @@
 pub mod basin;
 pub mod camera_check;
 pub mod camera_plan;
+pub mod camera_refinement;
 pub mod changes;
 pub mod comparison;
 pub mod imported_motion;

@@ -6,15 +6,28 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::{MemoryFiles, Take, TakeError};
+use backlit_tracking::body::Model;
 use include_dir::{Dir, include_dir};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/take");
 
+/// The take file.
+const TAKE: &str = "take.toml";
+
 /// Opens the built-in take.
 pub fn open() -> Result<Take, TakeError> {
+    Take::from_files(files(), Path::new(TAKE))
+}
+
+/// The same with another body in place of its own.
+pub fn open_with_model(model: Model) -> Result<Take, TakeError> {
+    Take::from_files_with_model(files(), Path::new(TAKE), model)
+}
+
+fn files() -> Arc<MemoryFiles> {
     let mut files = Vec::new();
     collect(&FILES, &mut files);
-    Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("take.toml"))
+    Arc::new(MemoryFiles::new(files))
 }
 
 fn collect(folder: &'static Dir<'static>, files: &mut Vec<(&'static Path, &'static [u8])>) {

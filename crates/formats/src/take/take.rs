@@ -83,6 +83,15 @@ impl Take {
         Self::read(files, path, None)
     }
 
+    /// The same with another body in place of the take's.
+    pub fn from_files_with_model(
+        files: Arc<dyn TakeFiles>,
+        path: &Path,
+        model: Model,
+    ) -> Result<Self, TakeError> {
+        Self::read(files, path, Some(model))
+    }
+
     fn read(files: Arc<dyn TakeFiles>, path: &Path, model: Option<Model>) -> Result<Self, TakeError> {
         let bytes = files.read(path, MAX_BYTES)?;
         let text = decode(path, &bytes)?;

@@ -8,7 +8,7 @@ use backlit_formats::Take;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions};
-use backlit_tracking::fit::FitOptions;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{
     FrameEstimate, KalmanOptions, Motion, Track, Tracker, Tuned, WhenToSearch, tune,
@@ -82,6 +82,22 @@ impl TrackPlan {
     /// Follows these frames of a take from a pose as the robust preset does.
     pub fn of_frames(take: &Take, start: Pose, frames: VecDeque<usize>) -> Self {
         Self::new(Arc::clone(take.model()), take.frame_rate(), start, frames)
+    }
+
+    /// The same with this fit, and all else as this preset follows frames.
+    pub fn of_preset(
+        preset: Preset,
+        fit: FitOptions,
+        take: &Take,
+        start: Pose,
+        frames: VecDeque<usize>,
+    ) -> Self {
+        let (search, rivals) = match preset {
+            Preset::Report => (WhenToSearch::Never, 0),
+            Preset::Robust => (WhenToSearch::WhenPoor, RIVALS),
+        };
+        let motion = Motion::of_preset(Some(preset));
+        Self { fit: Arc::new(fit), motion, search, rivals, ..Self::of_frames(take, start, frames) }
     }
 
     /// The same without a take.

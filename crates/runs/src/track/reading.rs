@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use backlit_formats::{Footage, FootageError};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, FrameCues};
 use backlit_tracking::fit::FitView;
+use rayon::Yield;
 
 /// Frames that are read ahead.
 const AHEAD: usize = 3;
@@ -100,7 +101,7 @@ impl<R: FrameReader> ReadAhead<R> {
             self.frames.pop_front_if(|next| *next == frame);
         }
         let ahead = self.coming.pop_front_if(|(next, _)| *next == frame);
-        let read = ahead.and_then(|(_, coming)| coming.recv().ok());
+        let read = ahead.and_then(|(_, coming)| wait_for(&coming));
         let read = read.unwrap_or_else(|| self.reader.read(frame))?;
         while self.coming.len() < AHEAD
             && let Some(next) = self.frames.pop_front()
@@ -124,6 +125,23 @@ impl<R: FrameReader> ReadAhead<R> {
             }
         });
         self.coming.push_back((frame, receiver));
+    }
+}
+
+/// What arrives, or `None` if nothing will. A thread of a pool works for the pool meanwhile: a pool of one thread would never
+/// read what it waits for.
+fn wait_for<T>(coming: &Receiver<T>) -> Option<T> {
+    loop {
+        match coming.try_recv() {
+            Ok(read) => return Some(read),
+            Err(TryRecvError::Disconnected) => return None,
+            Err(TryRecvError::Empty) => {}
+        }
+        if rayon::yield_now() == Some(Yield::Executed) {
+            continue;
+        }
+        // Another thread reads it.
+        return coming.recv().ok();
     }
 }
 
@@ -163,5 +181,16 @@ mod tests {
             }
             assert_eq!(*ahead.get(frame).unwrap(), frame);
         }
+    }
+
+    #[test]
+    fn a_pool_of_one_thread_reads_ahead_for_itself() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let frames = pool.install(|| {
+            let reader = Arc::new(Empty(std::thread::current().id()));
+            let mut ahead = ReadAhead::new(reader, (0..20).collect(), CancelToken::new());
+            (0..20).map(|frame| *ahead.get(frame).unwrap()).collect::<Vec<_>>()
+        });
+        assert!(frames.into_iter().eq(0..20));
     }
 }
