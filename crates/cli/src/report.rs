@@ -6,10 +6,14 @@ use std::sync::Arc;
 use anyhow::{Context, ensure};
 use backlit_document::project::read_project;
 use backlit_document::take_match::match_take;
+use backlit_formats::recording::RecordingOptions;
 use backlit_formats::{DiskFiles, Footage, Take, TakeFiles, atomic, json_text};
+use backlit_runs::comparison::read_reference;
 use backlit_runs::report::{PICTURES, ReportOptions, ReportSource};
+use backlit_runs::results::is_project;
 use backlit_runs::track_summary::TrackMaking;
 use backlit_tracking::camera::Camera;
+use backlit_tracking::metrics::comparison::ComparisonOptions;
 use clap::Args;
 use serde::Deserialize;
 
@@ -25,11 +29,8 @@ A track names its take (summary.json); where that has moved, --take says where i
 
 Example:
   backlit track TAKE --out results
-  backlit report results --out page.html
+  backlit report results --out page.html --compare reference.trc
   backlit report corrected.backlit --out page.html --pictures 60 --steps-of 12,40";
-
-/// The ending of projects.
-const PROJECT: &str = "backlit";
 
 /// What `backlit report` is told.
 #[derive(Debug, Args)]
@@ -52,6 +53,9 @@ pub struct ReportArguments {
     /// Frames with a picture of each camera, spread over the track and at its most doubtful frames [0 to 1000]
     #[arg(long, value_name = "N", default_value_t = PICTURES, allow_negative_numbers = true, value_parser = within(0..=1000_usize))]
     pictures: usize,
+    /// Recording, track or project that the track is compared with, as by `backlit compare`; may be given several times
+    #[arg(long, value_name = "REFERENCE")]
+    compare: Vec<PathBuf>,
     /// Frames that are fitted again to show every step, with commas between [default: the first and the most doubtful one]
     #[arg(long, value_name = "FRAMES", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     steps_of: Option<Vec<usize>>,
@@ -61,12 +65,16 @@ pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     output::check_folder_of(&arguments.out)?;
     let track = track_files::path_in(&arguments.track);
-    let source = if track.extension().is_some_and(|extension| extension == PROJECT) {
+    let mut source = if is_project(&track) {
         ensure!(arguments.model.is_none(), "--model is for tracks; a project has its body");
         of_project(&track, arguments.take.as_deref())?
     } else {
         of_track(arguments, &track)?
     };
+    for path in &arguments.compare {
+        let reference = read_reference(path, &RecordingOptions::default())?;
+        source.compare(&reference, &ComparisonOptions::default());
+    }
     let options = ReportOptions {
         pictures: arguments.pictures,
         steps_of: arguments.steps_of.clone(),

@@ -1,6 +1,7 @@
 //! A track as a page to send: what the page holds is gathered here, for the command line and the window alike.
 
 mod chosen;
+mod compared;
 mod figures;
 mod making;
 mod pictures;
@@ -15,7 +16,7 @@ use backlit_formats::Footage;
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::footage::CameraFrame;
 use backlit_report::{Bookmark, CommandLine, DoubtedLimb, Frame, Page, PageCamera, PageLimb};
-use backlit_tracking::body::Model;
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, RigError, up_of};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
@@ -26,6 +27,7 @@ use thiserror::Error;
 
 use crate::track_summary::TrackMaking;
 
+pub use compared::ReportComparison;
 pub use making::fit_of_settings;
 
 /// Frames with a picture of each camera, unless something else is asked for.
@@ -58,6 +60,8 @@ pub struct ReportSource {
     pub making: TrackMaking,
     /// Places that somebody marked.
     pub bookmarks: Vec<Bookmark>,
+    /// References that it is compared with; see [`Self::compare`].
+    pub comparisons: Vec<ReportComparison>,
 }
 
 /// What a page is to hold.
@@ -91,6 +95,11 @@ pub enum ReportError {
     Stopped,
 }
 
+/// The poses of a track, by frame.
+fn frames_poses(track: &Track) -> BTreeMap<usize, Pose> {
+    track.frames.iter().map(|(frame, one)| (*frame, one.pose.clone())).collect()
+}
+
 impl ReportSource {
     /// A track as it was written. Its footage, if there is any, must be of the track's take.
     pub fn of_written(written: WrittenTrack, footage: Option<Arc<Footage>>, making: TrackMaking) -> Self {
@@ -107,6 +116,7 @@ impl ReportSource {
             footage,
             making,
             bookmarks: Vec::new(),
+            comparisons: Vec::new(),
         }
     }
 
@@ -142,6 +152,7 @@ impl ReportSource {
             weights: document.cameras.iter().map(weight).collect(),
             making: TrackMaking { take: path(), ..making::of_document(document) },
             bookmarks: Vec::new(),
+            comparisons: Vec::new(),
             footage: Some(footage),
         }
     }

@@ -36,7 +36,8 @@ pub fn path_in(track: &Path) -> PathBuf {
 }
 
 /// Whether a file is a project, by its name.
-fn is_project(path: &Path) -> bool {
+#[must_use]
+pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == PROJECT)
 }
 

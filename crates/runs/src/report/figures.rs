@@ -5,7 +5,7 @@ use backlit_tracking::metrics::JointErrors;
 use backlit_tracking::track::{FrameEstimate, Lost};
 use backlit_words::format;
 
-use super::ReportSource;
+use super::{ReportSource, compared};
 use crate::track_summary::{Distances, Doubts, ErrorSummary, IouSummary};
 
 /// Overlap, residual, cost and joint error over frames. Curves by camera name the page's cameras, if it has any.
@@ -28,6 +28,7 @@ pub(super) fn curves(source: &ReportSource, has_cameras: bool) -> Vec<Curve> {
         Some(errors.overall()?.mean)
     };
     curves.push(of("mean of all joints", "Joint error", "mm", &errors));
+    curves.extend(compared::curves(source));
     curves.push(of("root mean square", "Residual", "grey levels", &|one| one.rms));
     curves.push(of("cost", "Cost", "squared grey levels", &|one| one.cost));
     curves.retain(|curve| curve.values.iter().any(|(_, value)| value.is_some_and(f64::is_finite)));
@@ -45,7 +46,8 @@ fn errors<'a>(source: &ReportSource, frames: impl Iterator<Item = &'a FrameEstim
 /// Doubtful limbs, errors by joint, overlaps and sizes; those that there is anything to tell of.
 pub(super) fn tables(source: &ReportSource) -> Vec<Table> {
     let tables = [doubts(source), joint_errors(source), overlaps(source), sizes(source)];
-    tables.into_iter().flatten().filter(|table| !table.rows.is_empty()).collect()
+    let tables = tables.into_iter().flatten().chain(compared::tables(source));
+    tables.filter(|table| !table.rows.is_empty()).collect()
 }
 
 fn doubts(source: &ReportSource) -> Option<Table> {
@@ -118,7 +120,12 @@ fn sizes(source: &ReportSource) -> Option<Table> {
     Some(Table { is_folded: true, ..sizes })
 }
 
-fn table(title: &str, note: &str, columns: &[&str], rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
+pub(super) fn table(
+    title: &str,
+    note: &str,
+    columns: &[&str],
+    rows: impl IntoIterator<Item = Vec<Cell>>,
+) -> Table {
     Table {
         title: title.to_owned(),
         note: note.to_owned(),
@@ -129,7 +136,7 @@ fn table(title: &str, note: &str, columns: &[&str], rows: impl IntoIterator<Item
 }
 
 /// A number, or a dash for one that is not known.
-fn number(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
     let known = value.filter(|value| value.is_finite());
     known.map_or_else(|| "–".to_owned(), |value| format::number(value, decimals))
 }
