@@ -18,6 +18,7 @@ mod footage;
 mod formats;
 mod golden;
 mod import;
+mod join;
 mod observability;
 mod people;
 mod person;

@@ -61,7 +61,7 @@ pub struct CompareArguments {
     /// Frames a second of references that do not say it [0.01 to 100000]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
     frame_rate: Option<f64>,
-    /// A joint that has another name in the references: NAME=JOINT, as r_knee="right knee"; may be given several times
+    /// A joint that has another name in the references: NAME=JOINT, JOINT as `right knee`; may be given several times
     #[arg(long, value_name = "NAME=JOINT", value_parser = joint)]
     joint: Vec<(String, String)>,
     /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in

@@ -25,6 +25,7 @@ mod fit_options;
 mod follow_options;
 mod import;
 pub mod interrupt;
+mod join;
 mod numbers;
 mod observability;
 pub mod output;
@@ -67,6 +68,8 @@ pub enum Command {
     Track(Box<track::TrackArguments>),
     /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
+    /// Join tracks of pieces of a take that overlap
+    Join(join::JoinArguments),
     /// Compare a track with recordings of other tools, with truth, or with other tracks: joints and angles
     Compare(compare::CompareArguments),
     /// Write a track or the poses of a project as one HTML page to send: views, scene, curves, errors, steps of a fit
@@ -107,6 +110,7 @@ impl Command {
             Self::FitBody(arguments) => fit_body::run(&arguments),
             Self::Track(arguments) => track::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
+            Self::Join(arguments) => join::run(&arguments),
             Self::Compare(arguments) => compare::run(&arguments),
             Self::Report(arguments) => report::run(&arguments),
             Self::Background(arguments) => background::run(&arguments),

@@ -156,7 +156,7 @@ pub(crate) fn run(arguments: &SynthArguments) -> anyhow::Result<()> {
     }
 }
 
-/// Reads WxH.
+/// Reads `WxH`.
 fn size(text: &str) -> Result<[u64; 2], &'static str> {
     let expected = "expected WIDTHxHEIGHT in pixels, each from 16 to 8192, as 640x480";
     let (width, height) = text.split_once(['x', '×']).ok_or(expected)?;

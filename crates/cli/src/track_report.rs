@@ -17,6 +17,8 @@ use crate::person::Begun;
 use crate::table::Table;
 use crate::take_options::reference_joints;
 
+/// A limb that is doubtful in a larger share of the frames makes the track doubtful.
+const DOUBTFUL_SHARE: f64 = 0.1;
 /// Limbs that the first line names.
 const NAMED_DOUBTS: usize = 3;
 
@@ -168,6 +170,19 @@ impl TrackReport {
             made: self.made.clone(),
             partial: self.is_partial,
         }
+    }
+
+    /// Why the track is not to be trusted as it is; `None` where nothing is lost and hardly a limb doubtful.
+    pub(crate) fn doubtful(&self) -> Option<String> {
+        let summary = self.summary();
+        if summary.lost > 0 {
+            return Some(format!("{} of {} frames are lost", summary.lost, summary.frames));
+        }
+        let worst = summary.trust.iter().max_by_key(|(_, counts)| counts.doubtful + counts.wrong)?;
+        let (limb, count) = (worst.0, worst.1.doubtful + worst.1.wrong);
+        let share = count as f64 / summary.frames.max(1) as f64;
+        (share > DOUBTFUL_SHARE)
+            .then(|| format!("{limb} is doubtful in {count} of {} frames", summary.frames))
     }
 
     pub(crate) fn text(&self) -> String {

@@ -19,6 +19,7 @@ pub(super) fn source(model: Arc<Model>, track: Track) -> ReportSource {
         measurement: None,
         weights: Vec::new(),
         making: TrackMaking::default(),
+        comparisons: Vec::new(),
         bookmarks: Vec::new(),
     }
 }
