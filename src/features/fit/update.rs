@@ -100,7 +100,7 @@ impl Feature for Fit {
             FitCommand::Refit(part) => self.refit(part, context, requests),
             FitCommand::RunAgain(over) => self.run_again(VariantRun::all(over, context), context, requests),
             FitCommand::RunAgainWithCameras => {
-                self.run_again(VariantRun::over_cameras(context), context, requests)
+                self.run_again(VariantRun::over_cameras(context), context, requests);
             }
             FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => return false,
             FitCommand::Renderer(renderer) => {
