@@ -4,6 +4,7 @@
 
 pub mod basin;
 pub(crate) mod beginnings;
+pub(crate) mod bookmarks;
 pub(crate) mod camera_check;
 pub(crate) mod camera_plan;
 pub mod camera_views;
@@ -76,6 +77,7 @@ features! {
     pub(crate) beginnings: beginnings::Beginnings,
     pub laboratory: laboratory::Laboratory,
     pub scene: scene::Scene,
+    pub(crate) bookmarks: bookmarks::Bookmarks,
     pub(crate) tour: tour::Tour,
     pub(crate) demonstrations: demonstrations::Demonstrations,
     pub(crate) pose: pose::Posing,
@@ -102,6 +104,7 @@ impl Features {
     /// The feature whose card it is.
     pub(crate) fn of_card(&mut self, card: FeatureCard) -> &mut dyn Feature {
         match card {
+            FeatureCard::Bookmarks => &mut self.bookmarks,
             FeatureCard::CameraCheck => &mut self.camera_check,
             FeatureCard::CameraPlan => &mut self.camera_plan,
             FeatureCard::Export => &mut self.export,

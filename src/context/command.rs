@@ -59,6 +59,7 @@ groups! {
         Timeline(TimelineCommand) of TimelineCommand::every(),
         Demonstration(Demonstration) of Demonstration::ALL,
         Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
+        Bookmarks,
         Offsets,
         CameraCheck,
         CameraPlan,

@@ -3,6 +3,7 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
+pub mod bookmark;
 pub mod edit;
 pub mod fit_words;
 pub mod history;
@@ -32,6 +33,7 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::segment::changes::BackgroundChange;
 use serde::{Deserialize, Serialize};
 
+use crate::bookmark::Bookmark;
 use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 
@@ -130,6 +132,8 @@ pub struct Document {
     pub person: Option<Arc<FollowedPerson>>,
     /// Backgrounds that change while the take is filmed.
     pub changes: Arc<Vec<BackgroundChange>>,
+    /// Places that somebody marked, in the order of their frames.
+    pub bookmarks: Arc<Vec<Bookmark>>,
 }
 
 impl Document {
@@ -154,6 +158,7 @@ impl Document {
             brush: Arc::default(),
             person: None,
             changes: Arc::default(),
+            bookmarks: Arc::default(),
         }
     }
 

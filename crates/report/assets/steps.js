@@ -38,7 +38,7 @@ function showSteps() {
   by("back").disabled = state.fit === null;
   by("step").setAttribute("aria-valuetext", stepWords(fit, step));
   by("told").textContent = state.fit === null
-    ? `The fit of frame ${data.frames[fit.frame]}, run again from ${fit.start}: ${fit.steps.length - 1} steps, ended by ${fit.ending}. The slider shows them in all views.`
+    ? `The fit of frame ${data.frames[fit.frame]}, run again from ${fit.start}: ${fit.steps.length - 1} steps, then ${fit.ending}. The slider shows them in all views.`
     : stepWords(fit, step) + ".";
   drawCosts(fit, state.fit === null ? null : step);
 }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_document::bookmark::Bookmark as Marked;
 use backlit_document::{CameraUse, Document};
 use backlit_formats::Footage;
 use backlit_formats::export::track_read::WrittenTrack;
@@ -22,6 +23,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::{FrameEstimate, Lost, Track};
+use backlit_words::joint::JointId;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -139,6 +141,16 @@ impl ReportSource {
             track.frames.insert(frame, one);
         }
         let path = || PathBuf::from(take.path());
+        let joint = |joint: JointId| match joint {
+            JointId::Root => 0,
+            JointId::End(limb) => limb + 1,
+        };
+        let bookmark = |mark: &Marked| Bookmark {
+            frame: mark.frame,
+            camera: mark.camera,
+            joint: mark.joint.map(joint),
+            text: mark.text.clone(),
+        };
         let weight = |camera: &CameraUse| if camera.used { camera.weight } else { 0.0 };
         Self {
             name: take.name().to_owned(),
@@ -151,7 +163,7 @@ impl ReportSource {
             measurement: Some(document.measurement.clone()),
             weights: document.cameras.iter().map(weight).collect(),
             making: TrackMaking { take: path(), ..making::of_document(document) },
-            bookmarks: Vec::new(),
+            bookmarks: document.bookmarks.iter().map(bookmark).collect(),
             comparisons: Vec::new(),
             footage: Some(footage),
         }

@@ -8,9 +8,9 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, CameraCheck, CameraPlan, Compare, Convergence, Demonstration as Show, Export, File,
-    Fit, History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes, Timeline, Tour,
-    Tracking, View, Window,
+    Basin, Beginning, Bookmarks, CameraCheck, CameraPlan, Compare, Convergence, Demonstration as Show,
+    Export, File, Fit, History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes,
+    Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
@@ -182,6 +182,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end. Where the take has no start, or asks for the person’s own sizes, they are found first", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit forward from the key pose before this frame and back from the one after it. The two tracks are joined where their joints are nearest; frames around the join are blended and fitted again", &[ctrl_shift(Key::K)]),
+    row(Menu::Track, Bookmarks, "Bookmarks…", "Mark a frame, with a camera and a joint if wanted; go to marked places", &[ctrl_shift(Key::B)]),
     row(Menu::Track, Offsets, "Camera offsets…", "For cameras that were not started together: compare two side by side and shift one, or find the shifts from the silhouettes", &[]),
     row(Menu::Track, CameraCheck, "Check cameras…", "Find which camera’s calibration or clock is wrong, and how, from what all cameras see of the person", &[]),
     row(Menu::Track, Compare(CompareCommand::AddReference), "Add reference…", "Compare the poses with a recording (TRC, C3D, BVH, MOT, CSV, NumPy), a track or a project", &[]),

@@ -8,6 +8,9 @@ use backlit_words::format;
 use super::{ReportSource, compared};
 use crate::track_summary::{Distances, Doubts, ErrorSummary, IouSummary};
 
+/// A reference that scatters by less than this, millimetres, is the truth of a simulation.
+const LEAST_NOISE_MM: f64 = 0.05;
+
 /// Overlap, residual, cost and joint error over frames. Curves by camera name the page's cameras, if it has any.
 pub(super) fn curves(source: &ReportSource, has_cameras: bool) -> Vec<Curve> {
     let of = |label: &str, group: &str, unit: &str, value: &dyn Fn(&FrameEstimate) -> Option<f64>| Curve {
@@ -75,7 +78,7 @@ fn joint_errors(source: &ReportSource) -> Option<Table> {
         summary.by_joint.iter().map(|(name, joint)| row(name, &joint.raw, joint.placed)).collect();
     rows.push(row("all joints", &summary.overall, summary.placed.map(|placed| placed.mean)));
     let by = summary.placement.as_deref().unwrap_or("learnt in other frames");
-    let noise = summary.reference_noise.map_or(String::new(), |mm| {
+    let noise = summary.reference_noise.filter(|mm| *mm >= LEAST_NOISE_MM).map_or(String::new(), |mm| {
         format!(" The reference itself scatters by {} mm.", format::number(mm, 1))
     });
     let note = format!(
