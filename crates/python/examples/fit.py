@@ -16,7 +16,7 @@ wrist = track.joint_names.index("left forearm")
 for frame, joints, sigma, verdict in zip(track.frames, track.joints, track.sigma, track.verdict):
     x, y, z = joints[wrist]
     print(f"frame {frame}: left wrist at ({x:.3f}, {y:.3f}, {z:.3f}) m, ± {1000 * sigma[wrist]:.0f} mm, {verdict}")
-print("IoU by camera:", dict(zip(track.camera_names, track.iou.mean(axis=0).round(3))))
+print("IoU by camera:", dict(zip(track.camera_names, track.iou.mean(axis=0).round(3).tolist())))
 print("left knee flexion, degrees:", track.angles["left knee flexion"].round(1))
 
 track.to_trc("motion.trc")

@@ -9,7 +9,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{numbers_of, owned};
-use crate::errors::{raised, refused};
+use crate::errors::{raised, refused, wrong_type};
 use crate::pose::PyPose;
 
 /// The joint where the body begins.
@@ -26,10 +26,22 @@ pub(crate) struct PyBody {
 }
 
 /// A body, or its name or file.
-#[derive(Debug, FromPyObject)]
+#[derive(Debug)]
 pub(crate) enum BodyArgument<'py> {
     Body(Bound<'py, PyBody>),
     Named(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for BodyArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(body) = value.cast::<PyBody>() {
+            return Ok(Self::Body(body.to_owned()));
+        }
+        let path = value.extract().map(Self::Named);
+        path.map_err(|_error: PyErr| wrong_type("body", "a Body, a name or a path", &value))
+    }
 }
 
 impl BodyArgument<'_> {

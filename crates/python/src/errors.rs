@@ -2,6 +2,7 @@
 
 use anyhow::Error;
 use backlit_formats::{FileError as FormatsFileError, TakeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::import_exception;
 use pyo3::prelude::*;
 
@@ -32,6 +33,13 @@ pub(crate) fn refused(error: impl Into<Error>) -> PyErr {
 /// An argument that is not as expected.
 pub(crate) fn wrong(argument: &str, expected: &str, found: &str) -> PyErr {
     InputError::new_err(format!("{argument}: expected {expected}; got {found}"))
+}
+
+/// An argument of a type that is not expected.
+pub(crate) fn wrong_type(argument: &str, expected: &str, found: &Bound<'_, PyAny>) -> PyErr {
+    let name =
+        found.get_type().name().map_or_else(|_error| "something else".to_owned(), |name| name.to_string());
+    PyTypeError::new_err(format!("{argument}: expected {expected}; got {name}"))
 }
 
 fn exception(error: &Error, class: Class) -> PyErr {

@@ -14,7 +14,7 @@ use crate::array_files::{ArrayFiles, CameraKeypoints};
 use crate::arrays::{MaskShape, masks, numbers, owned, shape_text};
 use crate::body::{BodyArgument, PyBody};
 use crate::camera_group::PyCameraGroup;
-use crate::errors::{raised, refused, wrong};
+use crate::errors::{raised, refused, wrong, wrong_type};
 use crate::pose::PyPose;
 use crate::work::{Job, interruptible};
 
@@ -150,10 +150,24 @@ fn keypoints(value: &Bound<'_, PyAny>, cameras: usize, frames: usize) -> PyResul
 }
 
 /// Cameras beside masks, or a take.
-#[derive(Debug, FromPyObject)]
+#[derive(Debug)]
 pub(crate) enum CamerasOrTake<'py> {
     Take(Bound<'py, PyTake>),
     Cameras(Bound<'py, PyCameraGroup>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for CamerasOrTake<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(take) = value.cast::<PyTake>() {
+            return Ok(Self::Take(take.to_owned()));
+        }
+        match value.cast::<PyCameraGroup>() {
+            Ok(cameras) => Ok(Self::Cameras(cameras.to_owned())),
+            Err(_) => Err(wrong_type("cams", "a CameraGroup or a Take", &value)),
+        }
+    }
 }
 
 impl CamerasOrTake<'_> {

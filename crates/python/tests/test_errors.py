@@ -60,6 +60,15 @@ def test_other_arguments(recording: Recording) -> None:
         bl.Pose([1, 2], np.zeros((3, 4)))
 
 
+def test_types_that_do_not_fit(recording: Recording) -> None:
+    with pytest.raises(TypeError, match="cams: expected a CameraGroup or a Take; got str"):
+        bl.fit("cameras.json", recording.masks)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="body: expected a Body, a name or a path; got float"):
+        bl.fit(recording.cams, recording.masks, body=1.8)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="not an instance of 'Pose'"):
+        bl.fit(recording.cams, recording.masks, start=recording.body)  # type: ignore[arg-type]
+
+
 def test_errors_are_pythons_kinds(recording: Recording, tmp_path: Path) -> None:
     assert issubclass(bl.InputError, ValueError) and issubclass(bl.FileError, OSError)
     assert issubclass(bl.InputError, bl.Error) and issubclass(bl.FileError, bl.Error)
