@@ -7,6 +7,7 @@ pub(crate) mod inspector;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod opened;
+pub(crate) mod place;
 pub(crate) mod refresh;
 pub(crate) mod requests;
 pub mod settings;
@@ -21,6 +22,7 @@ pub(crate) mod window;
 pub(crate) use headless::{PictureOptions, headless_export, headless_picture};
 pub use inspector::Inspector;
 pub use open_job::Opening;
+pub use place::Place;
 pub use state::State;
 
 use std::path::{Path, PathBuf};
@@ -44,6 +46,8 @@ pub struct AppOptions {
     pub data_folder: Option<PathBuf>,
     /// What is opened at once.
     pub opening: Option<Opening>,
+    /// Where to go once that is open.
+    pub place: Option<Place>,
     /// File that the state is written to after each frame in which it changed, for tests from outside.
     pub state_file: Option<PathBuf>,
     /// Whether the tour is offered, if it never was.
@@ -88,6 +92,7 @@ impl App {
         let (state_file, is_first_window) = (options.state_file, options.is_first_window);
         let files = Files::default();
         let mut app = Self { inspector, files, settings_writer, state_file, is_first_window };
+        app.inspector.state.place = options.place;
         if let Some(opening) = options.opening {
             app.open(opening);
         }

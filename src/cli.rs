@@ -16,7 +16,7 @@ use clap::{Parser, Subcommand};
 use image::DynamicImage;
 
 use crate::app::window::open_window;
-use crate::app::{Opening, PictureOptions, headless_picture};
+use crate::app::{Opening, PictureOptions, Place, headless_picture};
 use screenshot::ScreenshotArguments;
 
 const ABOUT: &str =
@@ -56,10 +56,29 @@ struct Cli {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Open the window at a frame, a camera and a joint
+    Open(OpenArguments),
     /// Draw the window without a display and write its picture
     Screenshot(ScreenshotArguments),
     #[command(flatten)]
     Work(Box<backlit_cli::Command>),
+}
+
+/// What `backlit open` is told.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  backlit open my.backlit --frame 42 --joint \"left elbow\"")]
+struct OpenArguments {
+    /// What to open: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
+    take: Option<PathBuf>,
+    /// Frame, counted from 0
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    frame: usize,
+    /// Camera: its name, or its number from 1 as on its badge
+    #[arg(long, value_name = "CAMERA")]
+    camera: Option<String>,
+    /// Joint, as "left elbow", or the limb that ends there
+    #[arg(long, value_name = "JOINT")]
+    joint: Option<String>,
 }
 
 impl Program for Cli {
@@ -69,7 +88,10 @@ impl Program for Cli {
 
     fn perform(self) -> anyhow::Result<()> {
         match self.command {
-            None => open(self.take.as_deref(), self.state),
+            None => open(self.take.as_deref(), None, self.state),
+            Some(Command::Open(OpenArguments { take, frame, camera, joint })) => {
+                open(take.as_deref(), Some(Place { frame, camera, joint }), None)
+            }
             Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
             Some(Command::Work(command)) => command.run(),
         }
@@ -90,7 +112,7 @@ const STATE_VARIABLE: &str = "BACKLIT_STATE";
 
 /// Opens the window, or tracks the take and writes the window's picture if there is none. The window writes its state
 /// to `state_file`. Errors: what is not there or cannot be opened, or a picture that cannot be written.
-fn open(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
+fn open(path: Option<&Path>, place: Option<Place>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if let Some(path) = path.filter(|path| !path.exists()) {
         return Err(match program::no_such_command::<Cli>(path) {
             Some(error) => error.into(),
@@ -100,10 +122,11 @@ fn open(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> 
     let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), Opening::of);
     let state_file = state_file
         .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
-    let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };
+    let Err(no_window) = open_window(Some(opening()), place.clone(), state_file) else { return Ok(()) };
     output::complain(&format!("No window: {no_window:#}. Going on without one."));
     backlit_cli::print_robust_track(path)?;
-    let options = PictureOptions { track: true, ..PictureOptions::default() };
+    let Place { frame, joint, .. } = place.unwrap_or_default();
+    let options = PictureOptions { track: true, frame, joint, ..PictureOptions::default() };
     let (picture, _) = headless_picture(opening(), &options)?;
     let file = PathBuf::from(PICTURE);
     images::write_png(&file, &DynamicImage::ImageRgba8(picture))?;

@@ -38,7 +38,7 @@ use backlit_formats::take::BodySizes;
 
 use crate::context::activity::Activity;
 use crate::context::clock::Clock;
-use crate::context::marks::{DragMarks, MotionMarks, ObservabilityMarks, SilhouetteMarks};
+use crate::context::marks::{DragMarks, MotionMarks, ObservabilityMarks, ReferenceMark, SilhouetteMarks};
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
@@ -84,6 +84,8 @@ pub struct Context<'a> {
     pub(crate) silhouettes: &'a SilhouetteMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<&'a Ghosts>,
+    /// The references that the poses are compared with, in the frame on the screen.
+    pub(crate) references: &'a [ReferenceMark],
     /// The people to choose from, while one is to be chosen.
     pub(crate) people: &'a [PersonTrack],
     pub(crate) clock: &'a Clock,
@@ -109,6 +111,7 @@ pub(crate) struct Published {
     pub(crate) observability: ObservabilityMarks,
     pub(crate) motions: MotionMarks,
     pub(crate) silhouettes: SilhouetteMarks,
+    pub(crate) references: Arc<Vec<ReferenceMark>>,
     pub(crate) ghosts: Option<Arc<Ghosts>>,
     pub(crate) people: Arc<Vec<PersonTrack>>,
 }

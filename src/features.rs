@@ -4,9 +4,11 @@
 
 pub mod basin;
 pub(crate) mod beginnings;
+pub(crate) mod bookmarks;
 pub(crate) mod camera_check;
 pub(crate) mod camera_plan;
 pub mod camera_views;
+pub(crate) mod compare;
 pub mod convergence;
 pub(crate) mod demonstrations;
 pub mod export;
@@ -71,9 +73,11 @@ features! {
     pub basin: basin::Basin,
     pub(crate) motions: motions::Motions,
     pub(crate) silhouettes: silhouettes::SilhouetteSteering,
+    pub(crate) compare: compare::Compare,
     pub(crate) beginnings: beginnings::Beginnings,
     pub laboratory: laboratory::Laboratory,
     pub scene: scene::Scene,
+    pub(crate) bookmarks: bookmarks::Bookmarks,
     pub(crate) tour: tour::Tour,
     pub(crate) demonstrations: demonstrations::Demonstrations,
     pub(crate) pose: pose::Posing,
@@ -100,6 +104,7 @@ impl Features {
     /// The feature whose card it is.
     pub(crate) fn of_card(&mut self, card: FeatureCard) -> &mut dyn Feature {
         match card {
+            FeatureCard::Bookmarks => &mut self.bookmarks,
             FeatureCard::CameraCheck => &mut self.camera_check,
             FeatureCard::CameraPlan => &mut self.camera_plan,
             FeatureCard::Export => &mut self.export,

@@ -11,7 +11,7 @@ use egui_painter::Headless;
 use image::RgbaImage;
 
 use super::off_screen::export_job;
-use super::{App, AppOptions, Opening};
+use super::{App, AppOptions, Opening, Place};
 use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::notices::Severity;
@@ -30,6 +30,8 @@ pub(crate) struct PictureOptions {
     pub(crate) size: Vec2,
     pub(crate) pixels_per_point: f32,
     pub(crate) frame: usize,
+    /// The joint that is held, by its name.
+    pub(crate) joint: Option<String>,
     /// Steps of the fit to do on that frame: `None` runs it to the end.
     pub(crate) steps: Option<usize>,
     /// Whether to track the take from its first to its last frame before that.
@@ -46,6 +48,7 @@ impl Default for PictureOptions {
             size: Vec2::new(1600.0, 1000.0),
             pixels_per_point: 1.0,
             frame: 0,
+            joint: None,
             steps: Some(0),
             track: false,
             patience: Duration::from_secs(300),
@@ -133,6 +136,12 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
         app.inspector.state.notices.close_all();
     }
     app.inspector.state.go_to_frame(options.frame);
+    if let Some(joint) = &options.joint {
+        let place = Place { frame: options.frame, camera: None, joint: Some(joint.clone()) };
+        let state = &mut app.inspector.state;
+        let selected = place.select(state.history.document(), count, &mut state.selection);
+        selected.map_err(anyhow::Error::msg)?;
+    }
     settle(&mut window, &mut app, options.patience);
     if options.steps.is_none() {
         app.run(Command::Fit(FitCommand::Run));

@@ -82,6 +82,7 @@ fn context<'a>(
         motions: &state.published.motions,
         silhouettes: &state.published.silhouettes,
         ghosts: state.published.ghosts.as_deref(),
+        references: &state.published.references,
         people: &state.published.people,
         doing: state.status.as_deref(),
         is_covered: shell.overlay.is_some(),

@@ -71,6 +71,12 @@ impl Inspector {
             left.map_or(0, |left| left.frame).min(footage.frame_count().saturating_sub(1));
         let first = document.model.rotation_owners()[0];
         self.state.selection.joint = Selection::joint_of(&document.model, first);
+        if let Some(place) = self.state.place.take() {
+            let (frames, selection) = (footage.frame_count(), &mut self.state.selection);
+            if let Err(problem) = place.select(document, frames, selection) {
+                self.state.notices.error(problem);
+            }
+        }
         self.state.history = history;
         self.state.project = path;
         self.shell.docking.alone = None;

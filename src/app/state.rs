@@ -8,6 +8,7 @@ use backlit_document::history::{Gesture, History};
 use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
 
+use crate::app::Place;
 use crate::context::activity::WorkShare;
 use crate::context::arrangement::Kept;
 use crate::context::clock::Clock;
@@ -46,6 +47,8 @@ pub struct State {
     pub(crate) is_opening: bool,
     /// How many of its pictures are drawn, where it has to be drawn first.
     pub(crate) opened_share: Option<WorkShare>,
+    /// Where to go in the take that is being opened.
+    pub(crate) place: Option<Place>,
     /// The project that was not opened since its take was not there.
     pub(crate) lost_take: Option<PathBuf>,
     pub(crate) clock: Clock,
@@ -74,6 +77,7 @@ impl State {
             project: None,
             is_opening: false,
             opened_share: None,
+            place: None,
             lost_take: None,
             clock,
             now: 0.0,

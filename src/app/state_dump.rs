@@ -300,6 +300,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Card(FeatureCard::CameraPlan) => "camera plan",
         Overlay::Card(FeatureCard::Export) => "export",
         Overlay::Card(FeatureCard::NewTake) => "new take",
+        Overlay::Card(FeatureCard::Bookmarks) => "bookmarks",
         Overlay::Card(FeatureCard::Offsets) => "offsets",
         Overlay::Card(FeatureCard::UnsavedWork) => "unsaved work",
     }

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use backlit_ui::style::theme::size;
 use egui::{Vec2, ViewportBuilder, ViewportCommand, vec2};
 
-use crate::app::{App, AppOptions, Opening, settings_file};
+use crate::app::{App, AppOptions, Opening, Place, settings_file};
 use crate::context::clock::Clock;
 
 /// The name that the desktop knows the program by.
@@ -48,7 +48,11 @@ pub(crate) fn has_display() -> bool {
 /// Opens the window and returns when it is closed. With `state_file` it writes its state there: see
 /// [`AppOptions::state_file`]. Errors: there is no display, or no window can be opened on it. The caller may go on
 /// without one.
-pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
+pub(crate) fn open_window(
+    opening: Option<Opening>,
+    place: Option<Place>,
+    state_file: Option<PathBuf>,
+) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)"));
     }
@@ -68,6 +72,7 @@ pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>)
             settings,
             data_folder,
             opening,
+            place,
             state_file,
             offers_tour,
             clock: Clock::default(),

@@ -50,6 +50,9 @@ pub(crate) struct ScreenshotArguments {
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
+    /// Joint that is held, as "left elbow", or the limb that ends there
+    #[arg(long, value_name = "JOINT")]
+    joint: Option<String>,
     /// Iterations of the fit to do on this frame, or the word end [default: 0; of a sequence of iterations: end]
     #[arg(long, value_name = "I", value_parser = iterations, allow_negative_numbers = true)]
     iteration: Option<Iterations>,
@@ -163,6 +166,7 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         layout: arguments.layout,
         size: arguments.size,
         frame: arguments.frame,
+        joint: arguments.joint.clone(),
         steps: arguments.iteration.map_or(if is_of_steps { None } else { Some(0) }, |count| count.0),
         track: arguments.track,
         pixels_per_point: if arguments.camera.is_none() { arguments.scale.unwrap_or(1.0) } else { 1.0 },

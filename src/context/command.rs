@@ -27,8 +27,8 @@ mod table;
 
 pub use groups::BasinView;
 pub(crate) use groups::{
-    BasinCommand, BeginningCommand, BodyPart, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
-    HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, PoseCommand, RecoveryCommand,
+    BasinCommand, BeginningCommand, BodyPart, CompareCommand, ConvergenceCommand, ExportCommand, FileCommand,
+    FitCommand, HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, PoseCommand, RecoveryCommand,
     SceneCommand, SilhouetteCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
@@ -54,10 +54,12 @@ groups! {
         Beginning(BeginningCommand) of BeginningCommand::every(),
         Observability(ObservabilityCommand) of ObservabilityCommand::every(),
         Silhouettes(SilhouetteCommand) of SilhouetteCommand::every(),
+        Compare(CompareCommand) of CompareCommand::every(),
         Tracking(TrackingCommand) of TrackingCommand::every(),
         Timeline(TimelineCommand) of TimelineCommand::every(),
         Demonstration(Demonstration) of Demonstration::ALL,
         Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
+        Bookmarks,
         Offsets,
         CameraCheck,
         CameraPlan,

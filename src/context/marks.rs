@@ -199,3 +199,16 @@ pub(crate) struct PictureAlone {
     /// The strip that explains the colours, under the picture.
     pub(crate) legend: bool,
 }
+
+/// A joint of a reference that the poses are compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ReferenceMark {
+    /// The reference's number, which says its colour.
+    pub(crate) reference: usize,
+    /// The joint's name.
+    pub(crate) joint: String,
+    /// Where the body has it, in the world.
+    pub(crate) ours: DVec3,
+    /// Where the reference has it, in the same world.
+    pub(crate) place: DVec3,
+}

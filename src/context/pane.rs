@@ -34,6 +34,8 @@ pub enum Pane {
     Beginnings,
     /// Silhouettes: how they come about, the worst of them, and what steers them.
     Silhouettes,
+    /// The poses beside references, and runs of the fit beside each other.
+    Compare,
 }
 
 /// Where a pane comes in that has no place yet.
@@ -48,13 +50,14 @@ pub(crate) enum PaneSide {
 impl Pane {
     /// The panes that are no cameras: title, where they come in, the layout that begins with them, and what they show.
     #[rustfmt::skip]
-    pub(crate) const KINDS: [(Self, &'static str, PaneSide, Option<Layout>, &'static str); 6] = [
+    pub(crate) const KINDS: [(Self, &'static str, PaneSide, Option<Layout>, &'static str); 7] = [
         (Self::Scene, "Scene", PaneSide::Right, Some(Layout::Debug), "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", PaneSide::Below, Some(Layout::Debug), "The runs of the fit, step by step"),
         (Self::Basin, "Basin", PaneSide::Right, None, "How far off a start may be and still find the right pose"),
         (Self::Motions, "Motions", PaneSide::Right, None, "What the tracked motion is called, and why: a curve among kinds of motion"),
         (Self::Beginnings, "Ways to begin", PaneSide::Right, None, "Particles, ramp, templates and search, step by step"),
         (Self::Silhouettes, "Silhouettes", PaneSide::Right, None, "How a silhouette comes about, which are worst, and brushes to mend them"),
+        (Self::Compare, "Compare", PaneSide::Below, None, "Joints and angles beside recordings of other tools or other tracks, and runs of the fit as a table"),
     ];
 
     /// All panes of a take with this number of cameras.

@@ -42,6 +42,8 @@ pub(crate) const MOTIONS: u8 = priority(Crew::Long, 4);
 pub(crate) const SILHOUETTE_STEPS: u8 = priority(Crew::Drawing, 1);
 /// The worst silhouettes, and settings that suit the take better.
 pub(crate) const SILHOUETTES: u8 = priority(Crew::Long, 7);
+/// Reading references, and comparing the poses with them.
+pub(crate) const COMPARE: u8 = priority(Crew::Long, 8);
 /// The check of the laboratory's gradients.
 pub(crate) const LABORATORY_CHECK: u8 = priority(Crew::Long, 5);
 /// Fits of many starts of one frame.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use backlit_document::bookmark::Bookmark;
 use backlit_document::edit::Edit;
 use backlit_document::history::Gesture;
 use backlit_document::runs::{RunChange, StepRef};
@@ -182,6 +183,7 @@ pub(crate) enum PaneEvent {
 /// The cards of features that can lie over the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FeatureCard {
+    Bookmarks,
     CameraCheck,
     CameraPlan,
     Export,
@@ -258,6 +260,17 @@ impl Requests {
     /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
     pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
         self.complain(broke_down(doing, failure));
+    }
+
+    /// Goes to a bookmark's frame, and makes its camera and joint the selected ones.
+    pub(crate) fn go_to(&mut self, bookmark: &Bookmark) {
+        self.request(SessionRequest::Frame(bookmark.frame));
+        if let Some(camera) = bookmark.camera {
+            self.request(ShellRequest::Camera(camera));
+        }
+        if let Some(joint) = bookmark.joint {
+            self.request(SessionRequest::Joint(joint));
+        }
     }
 
     /// Has a file written; `make` makes its bytes on the thread that writes.

@@ -14,6 +14,7 @@ pub(crate) use series::{ExportError, SeriesWriter};
 use self::dialog::ExportDialog;
 use self::job::Exported;
 use self::motion_card::MotionCard;
+use self::report::ReportWriter;
 use crate::context::command::{Command, ExportCommand};
 use crate::context::feature::Feature;
 use crate::context::file_dialog::FileDialogs;
@@ -25,6 +26,7 @@ pub(crate) mod choices;
 mod dialog;
 mod job;
 mod motion_card;
+mod report;
 pub(crate) mod series;
 
 #[derive(Debug, Default)]
@@ -39,7 +41,16 @@ pub(crate) struct Export {
     /// Folder of the last export.
     folder: Option<PathBuf>,
     task: Task<(), Exported, { priority::EXPORT }>,
-    dialogs: FileDialogs<()>,
+    report: ReportWriter,
+    dialogs: FileDialogs<AskedFor>,
+}
+
+/// What a file is asked for.
+#[derive(Debug, Clone, Copy)]
+enum AskedFor {
+    /// The card over the window.
+    Card,
+    Report,
 }
 
 #[derive(Debug)]
@@ -65,13 +76,17 @@ impl Export {
 }
 
 impl Feature for Export {
-    fn update(&mut self, _: &Context<'_>, requests: &mut Requests) {
-        for ((), path) in self.dialogs.answers() {
-            match &mut self.card {
-                Some(ExportCard::Pictures(dialog)) => dialog.set_path(&path),
-                Some(ExportCard::Motion(card)) => card.set_path(&path),
-                None => {}
+    fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for (asked, path) in self.dialogs.answers() {
+            match (asked, &mut self.card) {
+                (AskedFor::Report, _) => self.report.begin(path, context),
+                (AskedFor::Card, Some(ExportCard::Pictures(dialog))) => dialog.set_path(&path),
+                (AskedFor::Card, Some(ExportCard::Motion(card))) => card.set_path(&path),
+                (AskedFor::Card, None) => {}
             }
+        }
+        if let Some(path) = self.report.update(requests) {
+            self.folder = path.parent().map(Path::to_owned);
         }
         for news in self.task.poll() {
             match news {
@@ -99,6 +114,11 @@ impl Feature for Export {
             ExportCommand::Steps => Some(Subject::Steps),
             ExportCommand::Frames => Some(Subject::Frames),
             ExportCommand::Motion => None,
+            ExportCommand::Report => {
+                let asks = report::dialog(context);
+                self.dialogs.ask(context.egui, AskedFor::Report, asks, |why| requests.complain(why));
+                return true;
+            }
             ExportCommand::Stop => {
                 self.stop();
                 return true;
@@ -128,10 +148,13 @@ impl Feature for Export {
             ExportCommand::ShowExported => {
                 because(self.folder.is_none(), "Nothing was exported since the start")
             }
-            ExportCommand::Motion => {
+            ExportCommand::Motion | ExportCommand::Report => {
                 let document = context.document();
                 let is_still = document.estimates.is_empty() && document.keys.is_empty();
-                no_take(context).or(because(is_still, "No frame has a pose yet: track, or pose by hand"))
+                let is_busy = command == ExportCommand::Report && self.report.is_busy();
+                no_take(context)
+                    .or(because(is_still, "No frame has a pose yet: track, or pose by hand"))
+                    .or(because(is_busy, "A report is being written"))
             }
             ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
             ExportCommand::Window => is_exporting,
@@ -142,6 +165,10 @@ impl Feature for Export {
                 is_exporting.or(no_take(context)).or(no_run)
             }
         }
+    }
+
+    fn sentence(&self, _: &Context<'_>) -> Option<String> {
+        self.report.is_busy().then(|| "Writing a report.".to_owned())
     }
 
     fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
@@ -161,7 +188,7 @@ impl Feature for Export {
             self.preferences.folder.clone_from(&self.folder);
         }
         if let Some(dialog) = answer.asks {
-            self.dialogs.ask(context.egui, (), dialog, |why| requests.complain(why));
+            self.dialogs.ask(context.egui, AskedFor::Card, dialog, |why| requests.complain(why));
         }
         if answer.closes {
             self.card = None;
@@ -227,6 +254,25 @@ mod tests {
         );
         app.state.edit(Edit::SetKey { frame: 0 }, None);
         assert_eq!(app.features.unavailable(command, &app.context()), None);
+    }
+
+    #[test]
+    fn a_report_is_written_in_the_background_and_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut app = open(Layout::Pose);
+        app.state.edit(Edit::SetKey { frame: 0 }, None);
+        let mut export = Export::default();
+        export.report.begin(folder.path().join("a take"), &app.context());
+        assert!(export.report.is_busy());
+        app.state.pool.turn();
+        let mut requests = Requests::default();
+        export.update(&app.context(), &mut requests);
+        let page = std::fs::read_to_string(folder.path().join("a take.html")).unwrap();
+        assert!(page.contains("1 frame (0 to 0)") && page.contains("data:image/jpeg"));
+        assert_eq!(export.folder.as_deref(), Some(folder.path()));
+        export.report.begin(folder.path().join("no folder/a.html"), &app.context());
+        app.state.pool.turn();
+        assert_eq!(export.report.update(&mut requests), None);
     }
 
     #[test]

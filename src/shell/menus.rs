@@ -68,9 +68,11 @@ fn submenu(command: Command) -> Option<&'static str> {
             Some("Size of letters")
         }
         Command::Fit(FitCommand::Refit(_)) => Some("Refit"),
-        Command::Fit(FitCommand::RunAgain(_)) => Some("Run again"),
+        Command::Fit(FitCommand::RunAgain(_) | FitCommand::RunAgainWithCameras) => Some("Run again"),
         Command::Convergence(_) => Some("Curves"),
         Command::Observability(_) | Command::CameraPlan => Some("What cameras see"),
+        Command::Silhouettes(_) => Some("Silhouettes"),
+        Command::Compare(_) => Some("Compare"),
         Command::Basin(_) => Some("Basin"),
         Command::Beginning(_) => Some("Ways to begin"),
         _ => None,

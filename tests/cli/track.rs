@@ -402,7 +402,9 @@ fn a_track_is_resumed() {
         assert!(!scene.path("parts/resume.json").exists());
         let mut summaries =
             ["whole", "parts"].map(|folder| scene.read_json(&format!("{folder}/summary.json")));
-        summaries.iter_mut().for_each(|summary| summary["ms_per_frame"] = Value::Null);
+        for summary in &mut summaries {
+            (summary["ms_per_frame"], summary["made"]["command"]) = (Value::Null, Value::Null);
+        }
         assert_eq!(summaries[0], summaries[1], "{options}");
     }
 }

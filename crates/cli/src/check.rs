@@ -131,6 +131,7 @@ fn to_json(take: &Take, found: &Diagnosis) -> serde_json::Value {
         })
     });
     json!({
+        "frames": take.frame_count(),
         "findings": found.findings.iter().map(finding).collect::<Vec<_>>(),
         "pairs": pairs.collect::<Vec<_>>(),
         "subject_m": found.subject_m,

@@ -2,10 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
-use backlit_document::project::read_project;
-use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
-use backlit_tracking::camera::up_of;
+use backlit_formats::motion::{self, Axes, EulerOrder, MotionFormat, MotionOptions, Names, Unit};
+use backlit_runs::results::{self, TrackedMotion};
 use clap::Args;
 use glam::DVec3;
 
@@ -26,9 +24,6 @@ Example:
   backlit track TAKE --out results
   backlit export results --to bvh,c3d --up -y --out motion
   backlit export corrected.backlit --to bvh --out motion";
-
-/// The ending of projects.
-const PROJECT: &str = "backlit";
 
 /// What `backlit export` is told.
 #[derive(Debug, Args)]
@@ -71,12 +66,8 @@ pub struct ExportArguments {
 
 pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
     let track = track_files::path_in(&arguments.track);
-    let (motion, up) = if track.extension().is_some_and(|extension| extension == PROJECT) {
-        ensure!(arguments.model.is_none(), "--model is for tracks; a project has its body");
-        of_project(&track)?
-    } else {
-        (Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?), None)
-    };
+    let TrackedMotion { motion, up, .. } =
+        results::read_tracked(&arguments.track, arguments.model.as_deref())?;
     let range = match arguments.frames {
         Some(FrameSpan { first, past: Some(past) }) if past <= first => {
             anyhow::bail!("--frames: there is no frame from {first} up to {past}")
@@ -101,19 +92,6 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
         motion::write(&arguments.out.join(name), format, &motion, &options)?;
     }
     Ok(())
-}
-
-/// The poses of a project as they are, and up as its cameras say. Nothing is computed again.
-fn of_project(path: &Path) -> anyhow::Result<(Motion, Option<DVec3>)> {
-    let document = read_project(path)?.document;
-    let source = document.take.clone();
-    let source = source.with_context(|| format!("{}: the project names no take", path.display()))?;
-    let take = source.named_by(path).open().context("the project's take cannot be opened")?;
-    let mut motion = document.motion(take.name(), take.frame_rate());
-    // Poses beyond the last frame are kept and not shown.
-    motion.poses.retain(|frame, _| *frame < take.frame_count());
-    let rig = document.calibration.as_ref().map_or_else(|| take.rig(), |calibration| &calibration.rig);
-    Ok((motion, up_of(rig.cameras())))
 }
 
 /// Reads a direction in the world.

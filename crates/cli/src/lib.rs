@@ -14,6 +14,7 @@ mod background;
 mod camera_plan;
 mod cameras;
 mod check;
+mod compare;
 mod evidence;
 mod experiment;
 mod export;
@@ -24,6 +25,7 @@ mod fit_options;
 mod follow_options;
 mod import;
 pub mod interrupt;
+mod join;
 mod numbers;
 mod observability;
 pub mod output;
@@ -35,9 +37,11 @@ mod recognise;
 mod refine_cameras;
 mod relearn;
 mod render;
+mod report;
 mod silhouettes;
 mod sphere_tree;
 mod sync;
+mod synth;
 mod table;
 mod take_options;
 mod track;
@@ -64,12 +68,20 @@ pub enum Command {
     Track(Box<track::TrackArguments>),
     /// Write a track or the poses of a project as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
+    /// Join tracks of pieces of a take that overlap
+    Join(join::JoinArguments),
+    /// Compare a track with recordings of other tools, with truth, or with other tracks: joints and angles
+    Compare(compare::CompareArguments),
+    /// Write a track or the poses of a project as one HTML page to send: views, scene, curves, errors, steps of a fit
+    Report(report::ReportArguments),
     /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+    /// Film a motion of a file: the clothed figure before simulated cameras, as a take with its truth
+    Synth(Box<synth::SynthArguments>),
     /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
     Sync(sync::SyncArguments),
     /// Check the cameras of a take against one another: which one is wrong, and how
@@ -98,9 +110,13 @@ impl Command {
             Self::FitBody(arguments) => fit_body::run(&arguments),
             Self::Track(arguments) => track::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
+            Self::Join(arguments) => join::run(&arguments),
+            Self::Compare(arguments) => compare::run(&arguments),
+            Self::Report(arguments) => report::run(&arguments),
             Self::Background(arguments) => background::run(&arguments),
             Self::Observability(arguments) => observability::run(&arguments),
             Self::Silhouettes(arguments) => silhouettes::run(&arguments),
+            Self::Synth(arguments) => synth::run(&arguments),
             Self::Sync(arguments) => sync::run(&arguments),
             Self::Check(arguments) => check::run(&arguments),
             Self::RefineCameras(arguments) => refine_cameras::run(&arguments),

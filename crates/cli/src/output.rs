@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write, stderr, stdout};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use backlit_formats::text::{cut_middle, shown};
@@ -66,6 +66,25 @@ pub fn complain(line: &str) {
 #[must_use]
 pub fn told(message: &str) -> String {
     cut_middle(&shown(message).to_string(), [200, 200])
+}
+
+/// The command line that the program was called with, as a shell would take it.
+pub(crate) fn command_line() -> String {
+    let quoted = |word: String| {
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./,=:+@%".contains(c);
+        if !word.is_empty() && word.chars().all(is_plain) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("backlit".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// A path from the root, where it can be told.
+pub(crate) fn in_full(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// Makes sure that a folder is there.

@@ -1,7 +1,7 @@
 //! A program with these commands, from its arguments to its exit code: the inspector's, and the Python package's.
 //!
-//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that cannot be understood, 130
-//! stopped by Ctrl+C.
+//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that cannot be understood, 3 a track that is
+//! doubtful (`--strict`), 101 a fault of the program, 130 stopped by Ctrl+C.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -18,6 +18,8 @@ use crate::output;
 const DONE: u8 = 0;
 /// The exit code of an error.
 const FAILED: u8 = 1;
+/// The exit code of a track that is doubtful, where that was to be an error.
+const DOUBTFUL: u8 = 3;
 /// The exit code of a command that cannot be understood.
 const NOT_UNDERSTOOD: u8 = 2;
 
@@ -25,6 +27,11 @@ const NOT_UNDERSTOOD: u8 = 2;
 const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
 /// Says how many gigabytes a take's pictures may need, where no option does.
 const MEMORY_VARIABLE: &str = "BACKLIT_MEMORY";
+
+/// A track that was written and is not to be trusted, where `--strict` makes that an error.
+#[derive(Debug, thiserror::Error)]
+#[error("--strict: {0}")]
+pub struct Doubtful(pub String);
 
 /// The arguments of a program.
 pub trait Program: Parser {
@@ -79,7 +86,13 @@ pub fn run<P: Program>(arguments: &[OsString]) -> u8 {
         return usage(error);
     }
     output::complain(&format!("error: {error:#}"));
-    if error.downcast_ref::<Interrupted>().is_some() { interrupt::EXIT_CODE } else { FAILED }
+    if error.downcast_ref::<Interrupted>().is_some() {
+        interrupt::EXIT_CODE
+    } else if error.downcast_ref::<Doubtful>().is_some() {
+        DOUBTFUL
+    } else {
+        FAILED
+    }
 }
 
 /// Does what the environment says of vectors and memory: for who computes without a program's arguments.

@@ -12,6 +12,7 @@ use backlit_runs::person::PersonSearch;
 use backlit_runs::track::{
     FrameReader, Smoothing, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun,
 };
+use backlit_runs::track_summary::TrackMaking;
 use backlit_take::builtin;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
@@ -27,6 +28,7 @@ use crate::follow_options::FollowArguments;
 use crate::interrupt::{self, Interrupted};
 use crate::numbers::within;
 use crate::person::PersonArguments;
+use crate::program::Doubtful;
 use crate::relearn::{RelearnArguments, changes_text};
 use crate::take_options::{self, PartArguments, ReferenceArguments, StartArguments};
 use crate::track_files::{Earlier, Writer};
@@ -81,6 +83,9 @@ pub struct TrackArguments {
     /// Go on where an earlier track into the same folder was stopped; give the same options again
     #[arg(long)]
     resume: bool,
+    /// Exit with 3 where a frame is lost, or a limb is doubtful in more than a tenth of the frames; the track is written all the same
+    #[arg(long)]
+    strict: bool,
     /// Print the summary as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -127,7 +132,9 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     };
     let whom = Whom { footage, frames, start, found: None, out: &arguments.out };
     let (report, _) = track(arguments, whom, earlier, &cancel)?;
-    output::print_result(arguments.json, &report.summary(), || report.text())
+    output::print_result(arguments.json, &report.summary(), || report.text())?;
+    let doubtful = if arguments.strict { report.doubtful() } else { None };
+    doubtful.map_or(Ok(()), |why| Err(Doubtful(why).into()))
 }
 
 /// Tracks one person, and writes the files. Returns what came of it, and the person's body.
@@ -149,6 +156,11 @@ pub(crate) fn track(
     let renderer = plan.fit.renderer;
     let mut report = TrackReport::new(take, &reader.cameras);
     report.background_changes = changes_text(&reader.footage);
+    report.made = Some(TrackMaking {
+        take: output::in_full(&arguments.take),
+        command: output::command_line(),
+        settings: plan.settings(),
+    });
     let mut run = TrackRun::new(reader.clone(), plan).remembering();
     if let Some(earlier) = earlier {
         run = earlier.go_on(take, run, &mut report)?;

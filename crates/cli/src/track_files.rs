@@ -1,14 +1,15 @@
 //! The files that `backlit track` writes, and those of them that are read again, also by `--resume`.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, ensure};
 use backlit_formats::export::resume_file::{self, Resume};
-use backlit_formats::export::track_read::{self, WrittenTrack};
+use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{self, TrackExport};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
+pub(crate) use backlit_runs::results::{BODY, path_in, read};
 use backlit_runs::track::{EarlierFrames, Smoothing, TakeReader, TrackRun};
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::track::{FrameEstimate, KalmanOptions, REWOUND_FRAMES};
@@ -18,14 +19,12 @@ use crate::output;
 use crate::person::Begun;
 use crate::track_report::TrackReport;
 
-/// The body, where it is no built-in one.
-const BODY: &str = "body.toml";
 /// What `--resume` goes on from.
 const RESUME: &str = "resume.json";
 /// What `--json` prints.
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
-const MAX_SUMMARY: u64 = 1 << 20;
+pub(crate) const MAX_SUMMARY: u64 = 1 << 20;
 
 /// Results so far are written this often: nothing is lost if the program is stopped.
 const WRITE_EVERY: Duration = Duration::from_secs(5);
@@ -222,26 +221,6 @@ fn begun(folder: &Path) -> Option<Begun> {
     let path = folder.join(SUMMARY);
     let bytes = DiskFiles.read(&path, MAX_SUMMARY).ok()?;
     json_text::parse_bytes::<OfBegun>(&path, &bytes).ok()?.begun
-}
-
-/// The track file of a folder of results; a file is one itself.
-pub(crate) fn path_in(track: &Path) -> PathBuf {
-    if track.is_dir() { track.join("track.json") } else { track.to_owned() }
-}
-
-/// Reads a track, from its file or its folder. Its body is this model, or else the one that lies beside it if it is the
-/// track's, or else the built-in one that it names.
-pub(crate) fn read(track: &Path, model: Option<&str>) -> anyhow::Result<WrittenTrack> {
-    let path = path_in(track);
-    let beside = path.with_file_name(BODY);
-    if let Some(model) = model {
-        return Ok(track_read::read(&path, Some(&model_file::resolve(model)?))?);
-    }
-    if !beside.is_file() {
-        return Ok(track_read::read(&path, None)?);
-    }
-    let of_beside = track_read::read(&path, Some(&model_file::read(&beside)?));
-    of_beside.or_else(|error| track_read::read(&path, None).map_err(|_error| error.into()))
 }
 
 #[cfg(test)]

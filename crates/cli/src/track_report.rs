@@ -1,13 +1,14 @@
 //! What a track is worth: joint errors, overlap, times; as a table and as JSON.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use backlit_formats::Take;
 use backlit_formats::take::Reference;
-use backlit_tracking::belief::Verdict;
+use backlit_runs::track_summary::{Distances, Doubts, ErrorSummary, IouSummary, TrackMaking};
+use backlit_tracking::body::Model;
 use backlit_tracking::metrics::{self, JointErrors, MarkerPlacement};
-use backlit_tracking::silhouette::Overlap;
-use backlit_tracking::statistics::{Statistics, mean};
+use backlit_tracking::statistics::Statistics;
 use backlit_tracking::track::{FrameEstimate, SmoothingError, Track};
 use serde::Serialize;
 
@@ -16,6 +17,8 @@ use crate::person::Begun;
 use crate::table::Table;
 use crate::take_options::reference_joints;
 
+/// A limb that is doubtful in a larger share of the frames makes the track doubtful.
+const DOUBTFUL_SHARE: f64 = 0.1;
 /// Limbs that the first line names.
 const NAMED_DOUBTS: usize = 3;
 
@@ -24,10 +27,8 @@ const NAMED_DOUBTS: usize = 3;
 pub(crate) struct TrackReport {
     /// Names of the cameras, in the order of the estimates' overlaps.
     pub(crate) cameras: Vec<String>,
-    /// Names of the body's limbs.
-    limbs: Vec<String>,
-    /// Which of them have a rotation of their own.
-    is_jointed: Vec<bool>,
+    /// The body.
+    model: Arc<Model>,
     /// The estimates so far.
     pub(crate) track: Track,
     /// Why the track could not be smoothed.
@@ -43,6 +44,8 @@ pub(crate) struct TrackReport {
     pub(crate) begun: Option<Begun>,
     /// The backgrounds that were learnt again, in words.
     pub(crate) background_changes: Vec<String>,
+    /// The take, the command and its choices.
+    pub(crate) made: Option<TrackMaking>,
     /// It was stopped before its last frame.
     pub(crate) is_partial: bool,
 }
@@ -72,55 +75,12 @@ pub(crate) struct TrackSummary {
     /// The backgrounds that were learnt again, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     background_changes: Vec<String>,
+    /// The take, the command and its choices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    made: Option<TrackMaking>,
     /// It was stopped before its last frame.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     partial: bool,
-}
-
-/// How many frames a limb is not believed in.
-#[derive(Debug, Default, Clone, Copy, Serialize)]
-struct Doubts {
-    doubtful: usize,
-    wrong: usize,
-}
-
-#[derive(Debug, Serialize)]
-pub(crate) struct IouSummary {
-    pub(crate) mean: Option<f64>,
-    by_camera: BTreeMap<String, Option<f64>>,
-    /// The share of the body's pixels that it leaves out, because the silhouettes are unknown there.
-    pub(crate) left_out: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-pub(crate) struct ErrorSummary {
-    #[serde(flatten)]
-    pub(crate) overall: Distances,
-    /// Without what the markers are defined otherwise: each joint's offset, learnt in other frames than those that are judged.
-    pub(crate) placed: Option<Distances>,
-    /// The tool whose placement, from a file, took them off; none where offsets were learnt in this track.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    placement: Option<String>,
-    /// How far the reference itself scatters in the mean; null where none of its distances cannot vary.
-    pub(crate) reference_noise: Option<f64>,
-    by_joint: BTreeMap<String, JointSummary>,
-}
-
-#[derive(Debug, Serialize)]
-struct JointSummary {
-    #[serde(flatten)]
-    raw: Distances,
-    /// Mean, placed.
-    placed: Option<f64>,
-}
-
-/// Statistics of joint errors, millimetres.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Distances {
-    pub(crate) mean: f64,
-    pub(crate) median: f64,
-    pub(crate) p95: f64,
-    pub(crate) max: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -129,21 +89,13 @@ struct TimeSummary {
     p95: f64,
 }
 
-impl From<Statistics> for Distances {
-    fn from(statistics: Statistics) -> Self {
-        let Statistics { mean, median, p95, max, .. } = statistics;
-        Self { mean, median, p95, max }
-    }
-}
-
 impl TrackReport {
     /// A report of these cameras (indices in the take).
     pub(crate) fn new(take: &Take, cameras: &[usize]) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
             cameras: names.collect(),
-            limbs: take.model().limbs().iter().map(|limb| limb.name.clone()).collect(),
-            is_jointed: take.model().limbs().iter().map(|limb| limb.has_own_rotation).collect(),
+            model: Arc::clone(take.model()),
             track: Track::default(),
             not_smoothed: None,
             times_ms: Vec::new(),
@@ -152,6 +104,7 @@ impl TrackReport {
             jitter_mm: None,
             begun: None,
             background_changes: Vec::new(),
+            made: None,
             is_partial: false,
         }
     }
@@ -197,27 +150,16 @@ impl TrackReport {
 
     pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
-        let of_camera = |camera: usize| {
-            mean(frames().filter_map(|frame| frame.overlap[camera]).filter_map(|overlap| overlap.iou()))
-        };
-        let cameras = self.cameras.iter().enumerate();
         let times = Statistics::of(&self.times_ms);
         let unsure = frames().flat_map(|frame| &frame.holds).filter(|hold| hold.is_unsure());
         TrackSummary {
             frames: frames().count(),
             lost: frames().filter(|frame| frame.is_lost()).count(),
             left_out: counts(frames().flat_map(|frame| &frame.empty_cameras)),
-            unsure: counts(unsure.map(|hold| &self.limbs[hold.limb])),
-            trust: self.doubts(),
-            iou: IouSummary {
-                mean: mean(frames().filter_map(FrameEstimate::iou)),
-                by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
-                left_out: frames()
-                    .flat_map(|frame| frame.overlap.iter().flatten().copied())
-                    .reduce(Overlap::merge)
-                    .and_then(|overlap| overlap.left_out()),
-            },
-            joint_error_mm: self.error_summary(),
+            unsure: counts(unsure.map(|hold| &self.model.limbs()[hold.limb].name)),
+            trust: Doubts::by_limb(&self.model, &self.track),
+            iou: IouSummary::of(&self.cameras, &self.track),
+            joint_error_mm: ErrorSummary::of(&self.errors, self.placement.as_ref()),
             jitter_mm: self.jitter_mm,
             ms_per_frame: TimeSummary {
                 median: times.map_or(0.0, |times| times.median),
@@ -225,38 +167,22 @@ impl TrackReport {
             },
             begun: self.begun.clone(),
             background_changes: self.background_changes.clone(),
+            made: self.made.clone(),
             partial: self.is_partial,
         }
     }
 
-    /// By limb, those that are doubtful or wrong anywhere.
-    fn doubts(&self) -> BTreeMap<String, Doubts> {
-        let mut doubts: BTreeMap<String, Doubts> = BTreeMap::new();
-        let all = self.track.frames.values().flat_map(|frame| &frame.trust);
-        for limb in all.filter(|limb| limb.verdict > Verdict::Good && self.is_jointed[limb.limb]) {
-            let counts = doubts.entry(self.limbs[limb.limb].clone()).or_default();
-            match limb.verdict {
-                Verdict::Wrong => counts.wrong += 1,
-                _ => counts.doubtful += 1,
-            }
+    /// Why the track is not to be trusted as it is; `None` where nothing is lost and hardly a limb doubtful.
+    pub(crate) fn doubtful(&self) -> Option<String> {
+        let summary = self.summary();
+        if summary.lost > 0 {
+            return Some(format!("{} of {} frames are lost", summary.lost, summary.frames));
         }
-        doubts
-    }
-
-    fn error_summary(&self) -> Option<ErrorSummary> {
-        let placed = self.errors.placed(self.placement.as_ref());
-        let all: Vec<f64> = placed.values().flatten().copied().collect();
-        let joint = |(name, raw): (&str, Statistics)| {
-            let placed = placed.get(name).and_then(|distances| mean(distances.iter().copied()));
-            (name.to_owned(), JointSummary { raw: raw.into(), placed })
-        };
-        Some(ErrorSummary {
-            overall: self.errors.overall()?.into(),
-            placed: Statistics::of(&all).map(Into::into),
-            placement: self.placement.as_ref().map(|placement| placement.tool.clone()),
-            reference_noise: self.errors.reference_noise_mm(),
-            by_joint: self.errors.by_joint().into_iter().map(joint).collect(),
-        })
+        let worst = summary.trust.iter().max_by_key(|(_, counts)| counts.doubtful + counts.wrong)?;
+        let (limb, count) = (worst.0, worst.1.doubtful + worst.1.wrong);
+        let share = count as f64 / summary.frames.max(1) as f64;
+        (share > DOUBTFUL_SHARE)
+            .then(|| format!("{limb} is doubtful in {count} of {} frames", summary.frames))
     }
 
     pub(crate) fn text(&self) -> String {
@@ -319,7 +245,7 @@ fn doubts_text(doubts: &BTreeMap<String, Doubts>) -> String {
     let mut worst: Vec<(&String, &Doubts)> = doubts.iter().collect();
     worst.sort_by_key(|(_, counts)| std::cmp::Reverse((counts.wrong, counts.doubtful)));
     let mut text = String::new();
-    for (limb, Doubts { doubtful, wrong }) in worst.iter().take(NAMED_DOUBTS) {
+    for (limb, Doubts { doubtful, wrong, .. }) in worst.iter().take(NAMED_DOUBTS) {
         text.push_str(&match (doubtful, wrong) {
             (0, wrong) => format!("; {limb} wrong in {wrong}"),
             (doubtful, 0) => format!("; {limb} doubtful in {doubtful}"),

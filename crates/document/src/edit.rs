@@ -15,6 +15,7 @@ use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_tracking::silhouette::{Region, StrokeError};
 use thiserror::Error;
 
+use crate::bookmark::Bookmark;
 use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 use crate::{CameraUse, Document, Estimate, Origin};
@@ -95,6 +96,12 @@ pub enum Edit {
     SetRegion { camera: usize, region: Option<Region> },
     /// One of several people: pixels of others are unknown. `None` for everybody in view.
     FollowPerson(Option<Arc<FollowedPerson>>),
+    /// Marks a place.
+    AddBookmark(Bookmark),
+    /// Another bookmark in the place of one.
+    ChangeBookmark { index: usize, bookmark: Bookmark },
+    /// Takes a bookmark away.
+    RemoveBookmark { index: usize },
     /// Backgrounds that change while the take is filmed.
     SetChanges(Arc<Vec<BackgroundChange>>),
     /// Whether the second joint of a limb is held while another joint is dragged.
@@ -116,6 +123,10 @@ pub enum EditError {
     Pose { frame: usize, error: PoseError },
     #[error("the size of limb {limb} is wrong: {error}")]
     Size { limb: usize, error: ModelError },
+    #[error("there is no bookmark {index}; there are {count}")]
+    NoBookmark { index: usize, count: usize },
+    #[error("the text of a bookmark: expected {expected}")]
+    BookmarkText { expected: &'static str },
     #[error("the body cannot be of that size: {error}")]
     Scale { error: ModelError },
     #[error("there is no limb {limb}; the body has {count}")]
@@ -172,6 +183,9 @@ impl Edit {
             Self::EraseBrush { .. } => "Remove brush strokes".to_owned(),
             Self::SetRegion { region: Some(_), .. } => "Set region of interest".to_owned(),
             Self::SetRegion { region: None, .. } => "Remove region of interest".to_owned(),
+            Self::AddBookmark(_) => "Add bookmark".to_owned(),
+            Self::ChangeBookmark { .. } => "Change bookmark".to_owned(),
+            Self::RemoveBookmark { .. } => "Remove bookmark".to_owned(),
             Self::SetChanges(_) => "Learn changed backgrounds".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
@@ -250,6 +264,9 @@ impl Document {
             | Edit::EraseBrush { .. }
             | Edit::SetRegion { .. }
             | Edit::SetChanges(_)) => self.steer_silhouettes(edit)?,
+            edit @ (Edit::AddBookmark(_) | Edit::ChangeBookmark { .. } | Edit::RemoveBookmark { .. }) => {
+                self.mark(edit)?;
+            }
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
                 let pins = Arc::make_mut(&mut self.pins);
@@ -338,7 +355,7 @@ impl Document {
         Ok(())
     }
 
-    fn check_limb(&self, limb: usize) -> Result<(), EditError> {
+    pub(crate) fn check_limb(&self, limb: usize) -> Result<(), EditError> {
         let count = self.model.limbs().len();
         if limb < count { Ok(()) } else { Err(EditError::NoLimb { limb, count }) }
     }

@@ -3,6 +3,7 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
+pub mod bookmark;
 pub mod edit;
 pub mod fit_words;
 pub mod history;
@@ -20,6 +21,7 @@ pub mod tracking_choices;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use backlit_formats::Footage;
 use backlit_formats::footage::BrushStroke;
 use backlit_formats::footage::replacement::{Calibration, MaskFiles, PlateFiles};
 use backlit_formats::motion::Motion;
@@ -31,6 +33,7 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::segment::changes::BackgroundChange;
 use serde::{Deserialize, Serialize};
 
+use crate::bookmark::Bookmark;
 use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 
@@ -129,6 +132,8 @@ pub struct Document {
     pub person: Option<Arc<FollowedPerson>>,
     /// Backgrounds that change while the take is filmed.
     pub changes: Arc<Vec<BackgroundChange>>,
+    /// Places that somebody marked, in the order of their frames.
+    pub bookmarks: Arc<Vec<Bookmark>>,
 }
 
 impl Document {
@@ -153,6 +158,7 @@ impl Document {
             brush: Arc::default(),
             person: None,
             changes: Arc::default(),
+            bookmarks: Arc::default(),
         }
     }
 
@@ -181,6 +187,16 @@ impl Document {
         let told = poses.iter().filter_map(|(&frame, pose)| Some((frame, self.told_of(frame, pose)?)));
         let trust = told.map(|(frame, told)| (frame, told.trust.clone())).collect();
         Motion::of_poses(name, (*self.model).clone(), frame_rate, poses).with_trust(trust)
+    }
+
+    /// A take's footage with the calibration, plates, person and silhouettes that this document puts in the place of the take's.
+    pub fn footage(&self, take: &Footage) -> Footage {
+        let mut replaced =
+            take.with_replacements(self.calibration.clone(), self.plates.clone(), self.person.clone());
+        replaced.masks = self.masks.clone();
+        replaced.brush = self.brush.clone();
+        replaced.changes = self.changes.clone();
+        replaced
     }
 
     /// Whether a frame has a pose of its own.

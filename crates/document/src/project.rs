@@ -3,6 +3,7 @@
 //! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
 //! back to the bit.
 
+mod bookmark_record;
 mod record;
 mod run_record;
 mod told_record;
@@ -84,6 +85,8 @@ pub enum ProjectProblem {
     Weight { camera: String, weight: f64 },
     #[error("`{field}`: {error}")]
     Stroke { field: String, error: StrokeError },
+    #[error("`{field}` is no text of a bookmark; expected {expected}")]
+    Text { field: String, expected: &'static str },
     #[error("`{field}` is missing; only a frame with an estimate may leave it out")]
     NoPose { field: String },
     #[error(transparent)]
@@ -102,6 +105,9 @@ pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(
     text.truncate(text.len() - last_brace.len());
     if !file.brush.is_empty() {
         text += &lines("brush", &file.brush).map_err(json)?;
+    }
+    if !file.bookmarks.is_empty() {
+        text += &lines("bookmarks", &file.bookmarks).map_err(json)?;
     }
     if let Some(person) = &file.person {
         text += &format!(",\n  \"person\": {}", serde_json::to_string(person).map_err(json)?);
@@ -183,6 +189,7 @@ mod tests {
     use glam::{DMat3, DVec3};
 
     use super::*;
+    use crate::bookmark::Bookmark;
     use crate::edit::Edit;
     use crate::run::{RunChoices, RunEnding, RunStep};
     use crate::runs::StepRef;
@@ -192,6 +199,7 @@ mod tests {
     use backlit_formats::footage::BrushStroke;
     use backlit_formats::footage::replacement::Calibration;
     use backlit_take::source::TakeSource;
+    use backlit_words::joint::JointId;
 
     fn example() -> Document {
         let mut document = Document::new(builtin::upper_body());
@@ -236,6 +244,12 @@ mod tests {
             Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
             Edit::SetPose { frame: 5, pose: (*document.start).clone(), what: "Take rival pose".to_owned() },
             Edit::UseCamera { camera: 0, used: false },
+            Edit::AddBookmark(Bookmark {
+                frame: 9,
+                camera: None,
+                joint: Some(JointId::End(2)),
+                text: "here".to_owned(),
+            }),
             Edit::SetTracking(TrackingChoices {
                 motion: Following::Smoothed { lag: Some(3) },
                 search: WhenToSearch::Never,
@@ -380,6 +394,8 @@ mod tests {
             ("\"frames\":[4,9]", "\"frames\":[4,3]", "`brush[0].frames[1]` is 3; expected the last frame"),
             ("\"radius_px\":2.5", "\"radius_px\":-2.5", "`brush[0]`: `radius_px` is -2.5; expected"),
             ("\"label\":\"unknown\"", "\"label\":\"maybe\"", "`brush[0].label`"),
+            ("\"text\":\"here\"", "\"text\":\"a\\nb\"", "`bookmarks[0].text` is no text of a bookmark"),
+            ("\"frame\":9,\"joint\":\"", "\"frame\":9,\"joint\":\"x", "`bookmarks[0].joint` names the limb"),
             ("\"wrong\":0.0,", "\"wrong\":-1,", "`told.4.trust."),
             (
                 "\"held\":{",

@@ -66,7 +66,7 @@ impl Document {
         files.keys().try_for_each(|camera| self.check_camera(*camera))
     }
 
-    fn check_camera(&self, camera: usize) -> Result<(), EditError> {
+    pub(crate) fn check_camera(&self, camera: usize) -> Result<(), EditError> {
         let count = self.cameras.len();
         if camera < count { Ok(()) } else { Err(EditError::NoCamera { camera, count }) }
     }

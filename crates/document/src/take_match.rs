@@ -56,6 +56,8 @@ pub fn match_take(
             Arc::new(document.masks.iter().map(|(frame, masks)| (*frame, moved(masks))).collect());
         let now = |before: usize| places.iter().position(|place| *place == before).unwrap_or(before);
         Arc::make_mut(&mut document.brush).iter_mut().for_each(|one| one.camera = now(one.camera));
+        let marks = Arc::make_mut(&mut document.bookmarks).iter_mut();
+        marks.for_each(|mark| mark.camera = mark.camera.map(now));
         Arc::make_mut(&mut document.changes).iter_mut().for_each(|one| one.camera = now(one.camera));
         document.cameras = Arc::new(places.iter().map(|&place| document.cameras[place].clone()).collect());
     }

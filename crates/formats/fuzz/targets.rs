@@ -53,6 +53,14 @@ pub(crate) fn all() -> Vec<Target> {
         row("resume", Text, "\"waiting\"¦null¦\"belief\"", 1000, texts::resume),
         row("keypoints", Text, "\"people\"", 1000, texts::keypoint_file),
         row("markers", Text, "\t\t¦Units", 1000, |b| trc::parse(Path::new("markers.trc"), b).into()),
+        row("recording_csv", Text, "joint¦_x¦seconds¦,,", 1000, |b| texts::recording("a.csv", b)),
+        row("recording_mot", Text, "endheader\n¦inDegrees=yes\n¦time", 1000, |b| {
+            texts::recording("a.mot", b)
+        }),
+        row("recording_c3d", Binary, "POINT¦LABELS2¦UNITS", 1000, |b| texts::recording("a.c3d", b)),
+        row("recording_npz", Binary, "PK\x01\x02¦'shape': (1,)¦<U4¦joint_names", 1000, |b| {
+            texts::recording("a.npz", b)
+        }),
         row("labels", Text, "file¦class¦,,", 1000, |b| {
             motion::parse_labels(Path::new("labels.csv"), b).into()
         }),

@@ -16,6 +16,7 @@
 //! | [`filmed`] | what the telephones see of squats: pictures, masks, keypoints |
 //! | [`single_limb`] | one limb seen from the side |
 //! | [`people`] | people of several builds |
+//! | [`take`] | any motion filmed as a take, with its truth |
 //! | [`two_people`] | two people who pass each other, as a take of masks |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
@@ -39,6 +40,7 @@ pub mod single_limb;
 mod solid;
 pub mod squats;
 pub mod studio;
+pub mod take;
 pub mod two_people;
 pub mod upper_body;
 

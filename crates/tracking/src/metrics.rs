@@ -1,7 +1,10 @@
 //! Joint errors against a reference, raw and without what its markers are defined otherwise.
 
+mod angles;
+pub mod comparison;
 mod placement;
 mod reference_noise;
+mod trajectories;
 
 use std::collections::BTreeMap;
 
@@ -10,7 +13,9 @@ use glam::DVec3;
 use crate::body::{Kinematics, Model, Pose};
 use crate::statistics::Statistics;
 
+pub use angles::JointAngle;
 pub use placement::{FEWEST_FRAMES, MarkerOffset, MarkerPlacement};
+pub use trajectories::Trajectories;
 
 /// Where a reference says that joints are, in one frame: limb index of the joint's limb (its second joint),
 /// or `None` for the root, and the world position in metres.

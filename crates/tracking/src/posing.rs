@@ -1,6 +1,7 @@
 //! Moving a body by hand. A dragged joint's chain follows through the same optimiser that fits silhouettes:
 //! a point residual for the joint, one for every pin, and a proximal prior that shares the bend out.
 
+mod follow;
 mod turn_round;
 
 use glam::{DQuat, DVec3};
@@ -11,6 +12,7 @@ use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptio
 use crate::residual::point::PointTarget;
 use crate::residual::{point, pose_prior};
 
+pub use follow::Follower;
 pub use turn_round::turn_round;
 
 /// Weight of the dragged joint, per m².

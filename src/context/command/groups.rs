@@ -21,7 +21,7 @@ groups! {
     RecoveryCommand { Show, UndoDiscard }
 
     /// Pictures for other people.
-    ExportCommand { View, Window, Steps, Frames, Motion, Stop, ShowExported }
+    ExportCommand { View, Window, Steps, Frames, Motion, Report, Stop, ShowExported }
 
     /// Posing by hand.
     PoseCommand {
@@ -88,6 +88,9 @@ groups! {
         Tune,
     }
 
+    /// What the poses are compared with.
+    CompareCommand { AddReference, RemoveReferences }
+
     /// Where the scene is seen from.
     SceneCommand { Front, Side, Top, FromCamera, Reset }
 
@@ -102,6 +105,7 @@ groups! {
         Branch,
         Refit(BodyPart) of BodyPart::every(),
         RunAgain(Variants) of Variants::every(),
+        RunAgainWithCameras,
         SearchPoses,
         FitBody,
         MakeSpheres,

@@ -8,16 +8,16 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, CameraCheck, CameraPlan, Convergence, Demonstration as Show, Export, File, Fit,
-    History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes, Timeline, Tour,
-    Tracking, View, Window,
+    Basin, Beginning, Bookmarks, CameraCheck, CameraPlan, Compare, Convergence, Demonstration as Show,
+    Export, File, Fit, History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes,
+    Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
-    BasinCommand, BasinView, BeginningCommand, BodyPart, Command, ConvergenceCommand, ExportCommand,
-    FileCommand, FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand,
-    PoseCommand, RecoveryCommand, SceneCommand, SilhouetteCommand, TimelineCommand, TrackingCommand,
-    Variants, ViewCommand, WindowCommand,
+    BasinCommand, BasinView, BeginningCommand, BodyPart, Command, CompareCommand, ConvergenceCommand,
+    ExportCommand, FileCommand, FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge,
+    ObservabilityCommand, PoseCommand, RecoveryCommand, SceneCommand, SilhouetteCommand, TimelineCommand,
+    TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 use crate::context::marks::SilhouetteTool;
 use crate::context::pane::Pane;
@@ -59,6 +59,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::File, Export(ExportCommand::Steps), "Export steps…", "All steps of the run on the screen, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, those set by hand too, as BVH, glTF, C3D, TRC, MOT, NumPy or CSV", &[]),
+    row(Menu::File, Export(ExportCommand::Report), "Report…", "All poses as one HTML page to send: views, scene, curves, errors, steps of a fit", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
     row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
     row(Menu::File, Recovery(RecoveryCommand::Show), "Unsaved work…", "What this window or an earlier one has left unsaved: go on with it, or discard it", &[]),
@@ -100,6 +101,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::View, Scene(SceneCommand::Reset), "Whole scene", "See all cameras in the scene", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Basin)), "Show or hide basin", "How far off a start may be: success over angle, and a map", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Motions)), "Show or hide motions", "What the tracked motion is called: walking, boxing and others, as a curve among kinds of motion", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Compare)), "Show or hide comparison", "Joints and angles beside recordings of other tools or other tracks, and runs of the fit as a table", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Silhouettes)), "Show or hide silhouettes", "How a silhouette comes about step by step, which are worst, and brushes to mend them", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Beginnings)), "Show or hide ways to begin", "Particle filter, softened ramp, templates and search, step by step", &[]),
     row(Menu::View, Window(WindowCommand::ArrangeTiles), "Arrange tiles", "Place the tiles of this layout so that their pictures are largest", &[]),
@@ -150,6 +152,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Renderers)), "Run again with each renderer", "From the start of the run on the screen, once with capsules, cylinders and sphere trees; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Presets)), "Run again with each preset", "From the start of the run on the screen, once with Report 2004 and once with Robust; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Ramps)), "Run again with each ramp", "From the start of the run on the screen, once with each kind of ramp; the body stays as it is", &[]),
+    row(Menu::Fit, Fit(FitCommand::RunAgainWithCameras), "Run again with each camera left out", "From the start of the run on the screen, once with all cameras in use and once without each of them; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::SearchPoses), "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
     row(Menu::Fit, Fit(FitCommand::MakeSpheres), "Make body of spheres", "Carve each limb from the silhouettes of up to twelve frames, fill it with nested spheres, and move them until they fit", &[]),
     row(Menu::Fit, Fit(FitCommand::FitBody), "Fit body to frames", "Find the person’s lengths and radii from up to eight frames that have poses of their own", &[]),
@@ -179,8 +182,11 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end. Where the take has no start, or asks for the person’s own sizes, they are found first", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit forward from the key pose before this frame and back from the one after it. The two tracks are joined where their joints are nearest; frames around the join are blended and fitted again", &[ctrl_shift(Key::K)]),
+    row(Menu::Track, Bookmarks, "Bookmarks…", "Mark a frame, with a camera and a joint if wanted; go to marked places", &[ctrl_shift(Key::B)]),
     row(Menu::Track, Offsets, "Camera offsets…", "For cameras that were not started together: compare two side by side and shift one, or find the shifts from the silhouettes", &[]),
     row(Menu::Track, CameraCheck, "Check cameras…", "Find which camera’s calibration or clock is wrong, and how, from what all cameras see of the person", &[]),
+    row(Menu::Track, Compare(CompareCommand::AddReference), "Add reference…", "Compare the poses with a recording (TRC, C3D, BVH, MOT, CSV, NumPy), a track or a project", &[]),
+    row(Menu::Track, Compare(CompareCommand::RemoveReferences), "Remove references", "Compare with nothing but the take’s own reference", &[]),
     row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Region)), "Draw region of interest", "Draw a rectangle in a camera’s view: outside it is background in every frame", &[]),
     row(Menu::Track, Silhouettes(SilhouetteCommand::RemoveRegion), "Remove region of interest", "The subject may be anywhere in the active camera’s picture", &[]),
     row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Brush(Label::Subject))), "Paint subject", "Paint pixels of a silhouette that are subject", &[]),

@@ -7,7 +7,7 @@ use backlit_ui::drawing::{Legend, Swatch, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{GHOST, HELD_BY_CUE, JOINT, LIKELIER, PICTURE_GROUND};
-use backlit_ui::style::theme::{Theme, space};
+use backlit_ui::style::theme::{Theme, run_style, space};
 use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::TileInput;
@@ -120,6 +120,9 @@ fn further_entries(input: &TileInput<'_>, has_gutter: bool) -> Vec<(String, Swat
     }
     if !marks.likelier.is_empty() {
         outlines.push(("Where likely poses pull", LIKELIER));
+    }
+    if let Some((_, reference)) = marks.references.first() {
+        outlines.push(("Ring: the reference’s joint", run_style(*reference).colour));
     }
     let has_calibration = input.settings.calibration_marks && input.camera.is_some();
     let calibration =

@@ -12,6 +12,7 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{
     CASING, GHOST, HELD_BY_CUE, JOINT, LIKELIER, SELECTED, UNSURE, mark,
 };
+use backlit_ui::style::theme::run_style;
 use backlit_ui::widgets::{Overlay, cased};
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::DVec2;
@@ -33,6 +34,8 @@ const FAR_SEAM: f32 = 0.35;
 /// Opacity of paths and of casings.
 const PATH: f32 = 0.75;
 const CASING_OPACITY: f32 = 0.6;
+/// Radius of the ring of a reference's joint.
+const REFERENCE_RADIUS: f32 = 3.5;
 /// Opacity of ellipses of an older pose.
 const STALE: f32 = 0.4;
 const WIDTH: f32 = 1.25;
@@ -138,6 +141,18 @@ pub(crate) fn paint_likelier(overlay: &Overlay, arrows: &[[DVec2; 2]]) {
         let along = to - from;
         if along.length() > 1.5 * HEAD && along.length() < LONGEST as f32 {
             arrow(&overlay.painter, ends, along.normalized(), LIKELIER);
+        }
+    }
+}
+
+/// Paints where references have the joints: a ring, and a line to it from the joint.
+pub(crate) fn paint_references(overlay: &Overlay, references: &[([DVec2; 2], usize)]) {
+    for (ends_px, reference) in references {
+        let ends = ends_px.map(|px| overlay.at(px));
+        let colour = run_style(*reference).colour;
+        for stroke in [thin_casing(), Stroke::new(WIDTH, colour)] {
+            overlay.painter.line_segment(ends, stroke);
+            overlay.painter.circle_stroke(ends[1], REFERENCE_RADIUS, stroke);
         }
     }
 }

@@ -24,7 +24,7 @@ use super::{
     BodyMarks, CameraViewPreferences, CameraViews, Ellipses, TileEvent, TileInput, TileView, camera_tile,
     picture_view,
 };
-use crate::context::marks::PictureAlone;
+use crate::context::marks::{PictureAlone, ReferenceMark};
 use crate::context::pane::Pane;
 use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 use crate::session::Session;
@@ -249,6 +249,7 @@ fn body_marks(context: &Context<'_>, index: usize, camera: &Camera) -> BodyMarks
         sway: seen.swaying.as_ref().map(|body| SwayMarks::new(model, body, camera, renderer)),
         rivals: rivals(context, &kinematics, camera),
         ghosts: None,
+        references: references(context, camera),
         people: people(context, camera),
         ellipses: Ellipses {
             joints: known.map_or_else(Vec::new, |known| known.ellipses(camera)),
@@ -272,6 +273,15 @@ fn people(context: &Context<'_>, camera: &Camera) -> Vec<(usize, [DVec2; 8])> {
         seen.try_into().ok()
     };
     boxes.into_iter().filter_map(|(number, person)| Some((number, corners(person)?))).collect()
+}
+
+/// Joints of references beside those of the body.
+fn references(context: &Context<'_>, camera: &Camera) -> Vec<([DVec2; 2], usize)> {
+    let marks = context.references.iter();
+    let mark = |mark: &ReferenceMark| {
+        Some(([camera.project(mark.ours)?, camera.project(mark.place)?], mark.reference))
+    };
+    marks.filter_map(mark).collect()
 }
 
 /// Poses that rival the one on the screen, where they are to be seen.

@@ -300,6 +300,7 @@ impl ShownPicture<'_> {
         if shows_limb {
             overlays::paint_likelier(overlay, &marks.likelier);
         }
+        overlays::paint_references(overlay, &marks.references);
         overlays::paint_ellipses(overlay, &marks.ellipses, &marks.joints);
         let font = TextStyle::Small.resolve(self.ui.style());
         if let Some(sides) = &marks.sides {

@@ -50,6 +50,8 @@ pub struct BodyMarks {
     pub rivals: Vec<Option<RivalMarks>>,
     /// Bodies in the place of the posed one.
     pub ghosts: Option<GhostMarks>,
+    /// From each joint to where a reference has it, with the number of the reference.
+    pub references: Vec<([DVec2; 2], usize)>,
     /// Ellipses of joints.
     pub ellipses: Ellipses,
     /// The corners of the boxes of people to choose from, the farthest first, each with its number from 0.

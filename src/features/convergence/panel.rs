@@ -149,8 +149,10 @@ impl Convergence {
     fn more(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         button(ui, context, requests, Command::Convergence(ConvergenceCommand::ClearRuns));
         ui.menu_button("Run again with…", |ui| {
-            for over in [Variants::Renderers, Variants::Presets, Variants::Ramps] {
-                let command = Command::Fit(FitCommand::RunAgain(over));
+            let variants =
+                [Variants::Renderers, Variants::Presets, Variants::Ramps].map(FitCommand::RunAgain);
+            for command in variants.into_iter().chain([FitCommand::RunAgainWithCameras]) {
+                let command = Command::Fit(command);
                 menu_row(ui, context, requests, command, command.text());
             }
         })

@@ -15,7 +15,7 @@ use super::job::{FitJob, FitMessage, FitStart};
 use super::refit::Refitted;
 use super::variants::{VariantRun, free_rotations};
 use super::{Fit, LiveRun};
-use crate::context::command::{BodyPart, Command, FitCommand, Variants};
+use crate::context::command::{BodyPart, Command, FitCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_body_fit, no_fit};
@@ -78,7 +78,11 @@ impl Feature for Fit {
         let Command::Fit(command) = command else { return false };
         if matches!(
             command,
-            FitCommand::Step | FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_)
+            FitCommand::Step
+                | FitCommand::Run
+                | FitCommand::RunAgain(_)
+                | FitCommand::RunAgainWithCameras
+                | FitCommand::Refit(_)
         ) {
             requests.request(SessionRequest::Playback(PlaybackChange::Pause));
         }
@@ -94,7 +98,10 @@ impl Feature for Fit {
             FitCommand::LaterStep => look_at_neighbour(true, context, requests),
             FitCommand::Branch => branch(context, requests),
             FitCommand::Refit(part) => self.refit(part, context, requests),
-            FitCommand::RunAgain(over) => self.run_again(over, context, requests),
+            FitCommand::RunAgain(over) => self.run_again(VariantRun::all(over, context), context, requests),
+            FitCommand::RunAgainWithCameras => {
+                self.run_again(VariantRun::over_cameras(context), context, requests);
+            }
             FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => return false,
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
@@ -111,9 +118,10 @@ impl Feature for Fit {
         let busy = context.busy;
         match command {
             FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
-            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
-                no_fit(context).or(because(busy.fitting, "The fit is running"))
-            }
+            FitCommand::Run
+            | FitCommand::RunAgain(_)
+            | FitCommand::RunAgainWithCameras
+            | FitCommand::Refit(_) => no_fit(context).or(because(busy.fitting, "The fit is running")),
             FitCommand::FitBody | FitCommand::MakeSpheres => {
                 no_body_fit(context).or(because(busy.fitting, "The fit is running"))
             }
@@ -232,11 +240,11 @@ impl Fit {
     }
 
     /// Runs from the start of the run on the screen with each of some choices, one after the other.
-    fn run_again(&mut self, over: Variants, context: &Context<'_>, requests: &mut Requests) {
+    fn run_again(&mut self, runs: Vec<VariantRun>, context: &Context<'_>, requests: &mut Requests) {
         if self.task.is_busy() {
             return;
         }
-        self.again = VariantRun::all(over, context).into();
+        self.again = runs.into();
         self.begin_next(context, requests);
     }
 
@@ -246,7 +254,7 @@ impl Fit {
         let (mut pose, frame, runs) = (context.shown_pose().clone(), context.selection.frame, context.runs());
         let is_comparison = new.again.is_some();
         if let Some(again) = new.again {
-            (inputs.fit, pose) = (Arc::new(again.options), again.start);
+            (inputs.fit, pose, inputs.uses) = (Arc::new(again.options), again.start, again.cameras);
         }
         let (part, free) = new.part.unzip();
         let fit = inputs.fit.clone();

@@ -1,6 +1,9 @@
 //! Runs that differ: the same start once more with each renderer, preset or ramp, so that their curves can be compared; and
 //! the part of the body that a refit moves.
 
+use std::sync::Arc;
+
+use backlit_document::CameraUse;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::{DataView, FitOptions, Preset, Stage};
 use backlit_tracking::render::{Ramp, RendererKind};
@@ -16,27 +19,54 @@ const RAMPS: [Ramp; 3] = [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 4.0 }];
 pub(super) struct VariantRun {
     pub(super) start: Pose,
     pub(super) options: FitOptions,
+    pub(super) cameras: Arc<Vec<CameraUse>>,
 }
 
 impl VariantRun {
     /// All runs of a comparison: from the start of the run on the screen, or from the pose on the screen where there is
     /// no run. What has been run like this from there is not run again.
     pub(super) fn all(over: Variants, context: &Context<'_>) -> Vec<Self> {
+        let cameras = context.document().cameras.clone();
+        let of = |base: &FitOptions| {
+            variants(over, base).into_iter().map(|options| (options, cameras.clone())).collect()
+        };
+        Self::new_ones(of, context)
+    }
+
+    /// The same with all cameras in use, and with each of them left out.
+    pub(super) fn over_cameras(context: &Context<'_>) -> Vec<Self> {
+        let cameras = &context.document().cameras;
+        let used: Vec<usize> = context.document().used_cameras().collect();
+        let without = used.iter().filter(|_| used.len() > 1).map(|left_out| {
+            let mut cameras = (**cameras).clone();
+            cameras[*left_out].used = false;
+            Arc::new(cameras)
+        });
+        let sets: Vec<Arc<Vec<CameraUse>>> = std::iter::once(cameras.clone()).chain(without).collect();
+        Self::new_ones(|base| sets.into_iter().map(|cameras| (base.clone(), cameras)).collect(), context)
+    }
+
+    /// Runs of choices that have not been run from the start.
+    fn new_ones(
+        choices: impl FnOnce(&FitOptions) -> Vec<(FitOptions, Arc<Vec<CameraUse>>)>,
+        context: &Context<'_>,
+    ) -> Vec<Self> {
         let shown = context.run().and_then(|run| Some((run, run.steps.first()?)));
         let start =
             shown.map_or_else(|| context.shown_pose().clone(), |(_, first)| first.iteration.point.clone());
         let base = shown.map_or_else(|| context.document().fit.clone(), |(run, _)| run.choices.fit.clone());
-        let is_new = |options: &FitOptions| {
+        let is_new = |(options, cameras): &(FitOptions, Arc<Vec<CameraUse>>)| {
             let same = |run: &backlit_document::run::Run| {
                 run.frame == context.selection.frame
                     && *run.choices.fit == *options
+                    && *run.choices.cameras == **cameras
                     && run.choices.part.is_none()
                     && run.steps.first().is_some_and(|first| first.iteration.point == start)
             };
             !context.runs().all().iter().any(same)
         };
-        let variants = variants(over, &base).into_iter().filter(is_new);
-        variants.map(|options| Self { start: start.clone(), options }).collect()
+        let new = choices(&base).into_iter().filter(is_new);
+        new.map(|(options, cameras)| Self { start: start.clone(), options, cameras }).collect()
     }
 }
 

@@ -221,6 +221,29 @@ pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, s
     }
 }
 
+/// A flag on the ruler where somebody marked a place; it says what.
+pub(crate) fn bookmarks(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
+    let (palette, plot, document) = (theme::palette(ui), scale.plot, context.document());
+    let shown = document.bookmarks.iter().filter(|mark| scale.frames().contains(&mark.frame));
+    for (index, mark) in shown.enumerate() {
+        let foot = pos2(scale.x(mark.frame as f64), line(plot) - 1.0);
+        let text = format!("{}: {}", mark.place(&document.model, &document.cameras), mark.text);
+        let target = Rect::from_min_max(foot - vec2(3.0, RULER - 4.0), foot + vec2(2.0 * MARK, 0.0));
+        let response = ui.interact(target, Id::unique(("bookmark", index)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Bookmark. {text}")));
+        if response.clicked() {
+            requests.go_to(mark);
+        }
+        let high = if response.hovered() || response.has_focus() { 12.0 } else { 10.0 };
+        let top = foot - vec2(0.0, high);
+        let colour = if response.has_focus() { palette.accent_text } else { palette.info };
+        ui.painter().line_segment([foot, top], Stroke::new(1.5, colour));
+        let flag = vec![top, top + vec2(7.0, 2.5), top + vec2(0.0, 5.0)];
+        ui.painter().add(Shape::convex_polygon(flag, colour, Stroke::NONE));
+        response.on_hover_text(text);
+    }
+}
+
 pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, scale: &TimeScale) {
     let (palette, plot) = (theme::palette(ui), scale.plot);
     let at = scale.x(context.selection.frame as f64);

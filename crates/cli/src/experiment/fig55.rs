@@ -10,6 +10,7 @@ use anyhow::Result;
 use backlit_lab::experiment::sequence::Sequence;
 use backlit_lab::experiment::{Simulation, scene};
 use backlit_plot::{Axis, Drawn, Figure, Line, Sheet};
+use backlit_runs::track_summary::Distances;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::statistics::Statistics;
@@ -24,7 +25,6 @@ use super::{Experiment, Run, check_least};
 use crate::numbers::within;
 use crate::output::number;
 use crate::table::Table;
-use crate::track_report::Distances;
 
 /// The frames that the report shows, counted from 0.
 const FRAMES: [usize; 5] = [0, 8, 16, 24, 32];

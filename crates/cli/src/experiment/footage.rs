@@ -10,6 +10,7 @@ use backlit_formats::{Footage, FootageError};
 use backlit_lab::experiment::disturbed_pictures::PictureDisturbance;
 use backlit_runs::changes::change_text;
 use backlit_runs::track::{FrameReader, TrackEnding, TrackMessage, TrackRun};
+use backlit_runs::track_summary::ErrorSummary;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::FrameCues;
 use backlit_tracking::fit::FitView;
@@ -26,7 +27,7 @@ use crate::progress::each_frame;
 use crate::table::Table;
 use crate::take_options::{self, PartArguments, StartArguments};
 use crate::track::{measure_overlaps, take_in};
-use crate::track_report::{ErrorSummary, TrackReport, TrackSummary};
+use crate::track_report::{TrackReport, TrackSummary};
 
 /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
 #[derive(Debug, Args)]

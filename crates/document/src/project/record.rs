@@ -18,9 +18,11 @@ use backlit_tracking::silhouette::{Label, Stroke};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::bookmark_record::BookmarkRecord;
 use super::run_record::{RunRecord, read_runs};
 use super::told_record::ToldRecord;
 use super::{FORMAT, Project, ProjectProblem};
+use crate::bookmark::Bookmark;
 use crate::run::Run;
 use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
@@ -62,6 +64,9 @@ pub(crate) struct ProjectFile {
     /// Written apart, a line a stroke.
     #[serde(default, skip_serializing)]
     pub(crate) brush: Vec<StrokeRecord>,
+    /// Written apart, a line a bookmark.
+    #[serde(default, skip_serializing)]
+    pub(crate) bookmarks: Vec<BookmarkRecord>,
     /// Written apart, in one line.
     #[serde(default, skip_serializing)]
     pub(crate) person: Option<FollowedPerson>,
@@ -137,6 +142,7 @@ impl ProjectFile {
                 .iter()
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
+            bookmarks: document.bookmarks.iter().map(|mark| BookmarkRecord::of(document, mark)).collect(),
             brush: document.brush.iter().filter_map(|one| StrokeRecord::of(document, one)).collect(),
             person: document.person.as_deref().cloned(),
             background_changes: (*document.changes).clone(),
@@ -181,6 +187,11 @@ impl ProjectFile {
         let brush: Result<Vec<BrushStroke>, _> =
             brush.map(|(index, record)| record.read(&cameras, &format!("brush[{index}]"))).collect();
         let brush = Arc::new(brush?);
+        let marks = self.bookmarks.into_iter().enumerate();
+        let bookmarks: Result<Vec<Bookmark>, _> =
+            marks.map(|(index, mark)| mark.read(&model, &cameras, &format!("bookmarks[{index}]"))).collect();
+        let mut bookmarks = bookmarks?;
+        bookmarks.sort_by_key(|mark| mark.frame);
         if let Some(wrong) = self.background_changes.iter().find(|change| change.camera >= cameras.len()) {
             let (field, camera) = ("background_changes".to_owned(), wrong.camera.to_string());
             return Err(ProjectProblem::Camera { field, camera });
@@ -205,6 +216,7 @@ impl ProjectFile {
             brush,
             person: self.person.map(Arc::new),
             changes: Arc::new(self.background_changes),
+            bookmarks: Arc::new(bookmarks),
         };
         Ok(Project { document, runs })
     }
@@ -333,7 +345,11 @@ fn read_files(
     record.into_iter().map(file).collect()
 }
 
-fn camera_index(cameras: &[CameraUse], field: &str, name: String) -> Result<usize, ProjectProblem> {
+pub(super) fn camera_index(
+    cameras: &[CameraUse],
+    field: &str,
+    name: String,
+) -> Result<usize, ProjectProblem> {
     let camera = cameras.iter().position(|camera| camera.name == name);
     camera.ok_or_else(|| ProjectProblem::Camera { field: field.to_owned(), camera: name })
 }

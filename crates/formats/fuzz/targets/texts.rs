@@ -8,6 +8,7 @@ use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{TrackExport, resume_file, track_json, track_read};
 use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::recording::{self, RecordingOptions};
 use backlit_formats::{
     MemoryFiles, bvh, keypoints, model_file, motion, placement_file, prior_file, starts_file,
 };
@@ -42,6 +43,18 @@ pub(super) fn pose(bytes: &[u8]) -> Outcome {
         assert!(unit.rotations.iter().all(|q| (q.length() - 1.0).abs() < 1e-9), "{unit:?}");
     }
     raw.into()
+}
+
+/// A recording by its name; whether there are joints in it or not.
+pub(super) fn recording(name: &str, bytes: &[u8]) -> Outcome {
+    let options = RecordingOptions { frame_rate: Some(30.0), ..RecordingOptions::default() };
+    let found = recording::parse(Path::new(name), bytes, &options);
+    if let Ok(recording) = &found {
+        assert!(recording.points.iter().all(|points| points.len() == recording.names.len()));
+        assert!(recording.angles.values().all(|angles| angles.len() == recording.times.len()));
+        let _ = recording.trajectories(Path::new(name), &options);
+    }
+    found.into()
 }
 
 pub(super) fn bvh_motion(bytes: &[u8]) -> Outcome {

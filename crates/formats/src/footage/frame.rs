@@ -159,23 +159,41 @@ impl Footage {
     /// The same of all cameras, each by its own options. The result does not depend on how cameras are shared out among
     /// threads.
     pub fn load_frame(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> FrameData {
-        let load = |camera: usize| {
-            let options = measurement.get(camera).cloned().unwrap_or_default();
-            self.load(camera, frame, &options)
-        };
-        let mut cameras: Vec<CameraFrame> = (0..self.cameras.len()).into_par_iter().map(load).collect();
-        self.check_one_another(&mut cameras, measurement, frame);
+        let all: Vec<usize> = (0..self.cameras.len()).collect();
+        let cameras = self.load_cameras(&all, measurement, frame);
         FrameData { frame, cameras, made_with: self.made_with(measurement, frame) }
     }
 
+    /// The same of some cameras, in their order: no other supports what they see.
+    pub fn load_cameras(
+        &self,
+        cameras: &[usize],
+        measurement: &[SegmentOptions],
+        frame: usize,
+    ) -> Vec<CameraFrame> {
+        let load = |&camera: &usize| {
+            let options = measurement.get(camera).cloned().unwrap_or_default();
+            self.load(camera, frame, &options)
+        };
+        let mut loaded: Vec<CameraFrame> = cameras.par_iter().map(load).collect();
+        self.check_one_another(cameras, &mut loaded, measurement, frame);
+        loaded
+    }
+
     /// Makes unknown what no other camera supports. Drawn pictures and the user's own silhouettes stay as they are.
-    fn check_one_another(&self, cameras: &mut [CameraFrame], measurement: &[SegmentOptions], frame: usize) {
+    fn check_one_another(
+        &self,
+        cameras: &[usize],
+        loaded: &mut [CameraFrame],
+        measurement: &[SegmentOptions],
+        frame: usize,
+    ) {
         if self.drawn.is_some() {
             return;
         }
         let own = self.masks.get(&frame);
         let (mut seen, mut hidden) = (Vec::new(), Vec::new());
-        for (number, CameraFrame { mask, unsupported_px, .. }) in cameras.iter_mut().enumerate() {
+        for (&number, CameraFrame { mask, unsupported_px, .. }) in cameras.iter().zip(loaded) {
             let is_asked = measurement.get(number).is_none_or(|options| options.needs_support);
             let is_own = own.is_some_and(|masks| masks.contains_key(&number));
             if let Some(mask) = mask {

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::calibration_files::formats;
 
-fn expected(formats: &Path, name: &str) -> Value {
+pub(crate) fn expected(formats: &Path, name: &str) -> Value {
     serde_json::from_slice(&std::fs::read(formats.join("expected/motion").join(name)).unwrap()).unwrap()
 }
 

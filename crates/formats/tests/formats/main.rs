@@ -15,6 +15,7 @@ mod import_projects;
 mod keypoint_files;
 mod motion_files;
 mod real_take;
+mod recordings;
 mod small_videos;
 mod take_files;
 mod take_outside;

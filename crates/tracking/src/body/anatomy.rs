@@ -1,5 +1,7 @@
 //! What anatomy calls the joints at the ends of limbs.
 
+use super::Model;
+
 /// Parts of limbs' names, without their side, and the joint at the end.
 const JOINTS: [(&str, &str); 13] = [
     ("spine", "waist"),
@@ -26,4 +28,38 @@ pub fn joint_at_end(limb: &str) -> Option<String> {
         .unwrap_or(("", limb));
     let part = part.strip_prefix("lower ").unwrap_or(part);
     JOINTS.iter().find(|(name, _)| *name == part).map(|(_, joint)| format!("{side}{joint}"))
+}
+
+/// The joint at the end of each limb of a body: anatomy's name, or the limb's. Of a limb in two parts the lower one ends there.
+#[must_use]
+pub fn joint_names(model: &Model) -> Vec<String> {
+    let name = |limb: &str| {
+        let (side, part) =
+            limb.split_once(' ').filter(|(side, _)| matches!(*side, "left" | "right")).unwrap_or(("", limb));
+        let lower = format!("{side} lower {part}");
+        let joint = joint_at_end(limb).filter(|_| model.limb_index(lower.trim_start()).is_none());
+        joint.unwrap_or_else(|| limb.to_owned())
+    };
+    model.limbs().iter().map(|limb| name(&limb.name)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::builtin;
+
+    #[test]
+    fn joints_have_one_name_each() {
+        for model in [builtin::full_body(), builtin::upper_body()] {
+            let mut names = joint_names(&model);
+            assert!(names.iter().any(|name| name == "left elbow"), "{names:?}");
+            let count = names.len();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), count, "{names:?}");
+        }
+        let full = builtin::full_body();
+        let knee = joint_names(&full).iter().position(|name| name == "right knee");
+        assert_eq!(knee, full.limb_index("right lower thigh"));
+    }
 }

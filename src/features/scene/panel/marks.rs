@@ -66,6 +66,14 @@ pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &DrawnVi
             }
         }
     }
+    for mark in context.references {
+        let ends = [mark.ours, mark.place].map(|place| seen.on_screen(place));
+        if let [Some(from), Some(to)] = ends {
+            let colour = run_style(mark.reference).colour;
+            painter.line_segment([from, to], Stroke::new(1.25, colour));
+            painter.circle_stroke(to, JOINT_RADIUS, Stroke::new(1.25, colour));
+        }
+    }
     if let Some(at) = seen.order.held.and_then(|joint| seen.on_screen(joint)) {
         painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
         painter.circle_filled(at, JOINT_RADIUS, SELECTED);

@@ -1,0 +1,265 @@
+//! `backlit compare`: a track beside recordings of other tools, truth, or other tracks.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::ensure;
+use backlit_formats::atomic::{self, Fill};
+use backlit_formats::recording::RecordingOptions;
+use backlit_runs::comparison::{
+    ComparedReference, clock_words, compare_motion, read_reference, to_json, world_words,
+};
+use backlit_runs::results::{self, TrackedMotion, read_tracked};
+use backlit_tracking::metrics::comparison::{ComparisonOptions, ErrorStatistics, PCK_MM, TrackComparison};
+use backlit_tracking::statistics::Statistics;
+use clap::Args;
+use serde_json::json;
+
+use super::numbers::within;
+use super::output::{self, number};
+use super::table::Table;
+use super::take_options::FrameSpan;
+
+const AFTER_HELP: &str = "\
+References are recordings (trc, c3d, bvh, mot, csv, npz), results of backlit track, or projects. Their clock, axes and \
+unit are found from the motion, and told. Errors are millimetres: raw; placed, without where the tool puts its markers; \
+root-aligned, without the place of the hips; Procrustes, without place, turn and size of each frame; PCK, the share of \
+joints within a distance. Angles are degrees of flexion.
+
+Writes to the folder of --out:
+  comparison.json  all figures
+  errors.csv       errors of every frame and joint
+  angles.csv       both curves of every angle
+
+Examples:
+  backlit compare results reference.trc
+  backlit compare results other_results truth.bvh markers.c3d --out compared
+  backlit compare results points.csv --frame-rate 60 --joint knee_r=\"right knee\"";
+
+/// What `backlit compare` is told.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct CompareArguments {
+    /// Track: the track.json that `backlit track` wrote, or its folder; or a project, NAME.backlit
+    #[arg(value_name = "TRACK|PROJECT")]
+    track: PathBuf,
+    /// What it is compared with, one or several
+    #[arg(value_name = "REFERENCE", required = true)]
+    references: Vec<PathBuf>,
+    /// Frames: A..B, A.., ..B, A..=B or one frame [default: all]
+    #[arg(long, value_name = "FRAMES")]
+    frames: Option<FrameSpan>,
+    /// Seconds that the references are late, where it is known [default: found from the motion]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = within(-1e6..=1e6))]
+    offset: Option<f64>,
+    /// Largest offset that is looked for, seconds [0 to 600]
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, allow_negative_numbers = true, value_parser = within(0.0..=600.0))]
+    most_offset: f64,
+    /// The references have the take's own axes and metres: nothing is fitted
+    #[arg(long)]
+    same_world: bool,
+    /// Frames a second of references that do not say it [0.01 to 100000]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
+    frame_rate: Option<f64>,
+    /// A joint that has another name in the references: NAME=JOINT, JOINT as `right knee`; may be given several times
+    #[arg(long, value_name = "NAME=JOINT", value_parser = joint)]
+    joint: Vec<(String, String)>,
+    /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in
+    /// body that the track names]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Folder for the results; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A reference with what was found.
+struct Compared {
+    reference: ComparedReference,
+    found: TrackComparison,
+}
+
+pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
+    let mut tracked = read_tracked(&arguments.track, arguments.model.as_deref())?;
+    if let Some(FrameSpan { first, past }) = arguments.frames {
+        tracked.motion.poses.retain(|frame, _| *frame >= first && past.is_none_or(|past| *frame < past));
+        ensure!(!tracked.motion.poses.is_empty(), "--frames: the track has none of these frames");
+    }
+    let reading =
+        RecordingOptions { frame_rate: arguments.frame_rate, joints: arguments.joint.clone(), model: None };
+    let options = ComparisonOptions {
+        offset_s: arguments.offset,
+        most_offset_s: arguments.most_offset,
+        same_world: arguments.same_world,
+    };
+    let mut all = Vec::new();
+    for path in &arguments.references {
+        let reference = read_reference(path, &reading)?;
+        let found = compare_motion(&tracked.motion, &reference, &options);
+        ensure!(
+            found.overall.is_some() || !found.angles.is_empty(),
+            "{}: it has no joint and no angle in common with the track at the same time; see --offset and --most-offset",
+            path.display()
+        );
+        all.push(Compared { reference, found });
+    }
+    if let Some(out) = &arguments.out {
+        write(out, &all)?;
+    }
+    if arguments.json {
+        let values: Vec<_> =
+            all.iter().map(|Compared { reference, found }| to_json(reference, found)).collect();
+        output::print_json(&json!({"overlap": tracked.overlap, "references": values}))
+    } else {
+        output::print(&text(&results::path_in(&arguments.track), &tracked, &all))
+    }
+}
+
+/// Reads NAME=JOINT.
+fn joint(text: &str) -> Result<(String, String), &'static str> {
+    let expected = "expected NAME=JOINT, as r_knee=\"right knee\"; joints are left or right shoulder, elbow, wrist, hip, knee or ankle";
+    let (name, joint) = text.split_once('=').ok_or(expected)?;
+    let joint = joint.trim().replace(['_', '-'], " ").to_lowercase();
+    let is_known = joint.split_once(' ').is_some_and(|(side, joint)| {
+        matches!(side, "left" | "right")
+            && matches!(joint, "shoulder" | "elbow" | "wrist" | "hip" | "knee" | "ankle")
+    });
+    if is_known && !name.is_empty() { Ok((name.to_owned(), joint)) } else { Err(expected) }
+}
+
+/// One row of errors.
+fn error_row(name: &str, errors: &ErrorStatistics) -> [String; 10] {
+    let of = |statistics: &Option<Statistics>| statistics.as_ref().map(|statistics| statistics.mean);
+    let Statistics { mean, median, p95, .. } = errors.raw;
+    let [a, b, c] = errors.pck.map(|share| number(100.0 * share, 0));
+    [
+        name.to_owned(),
+        number(mean, 1),
+        number(median, 1),
+        number(p95, 1),
+        number(errors.placed, 1),
+        number(of(&errors.root_aligned), 1),
+        number(of(&errors.procrustes), 1),
+        a,
+        b,
+        c,
+    ]
+}
+
+fn error_table(first: &str) -> Table {
+    let [a, b, c] = PCK_MM.map(|mm| format!("{mm:.0} mm, %"));
+    Table::new([first, "mean", "median", "95 %", "placed", "root-aligned", "Procrustes", &a, &b, &c])
+}
+
+fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
+    let mut out = String::new();
+    for Compared { reference, found } in all {
+        let _ = writeln!(out, "{} beside {}", track.display(), reference.name);
+        let (frames, joints) = (found.frames.len(), found.joints.len());
+        let _ = writeln!(out, "  {frames} frames, {joints} joints, {} angles", found.angles.len());
+        let _ = writeln!(out, "  clocks: {}", clock_words(found.clock));
+        if !found.joints.is_empty() {
+            let _ = writeln!(out, "  axes: {}", world_words(&found.world));
+        }
+        if let Some(overall) = &found.overall {
+            let mut table = error_table("joint error, mm");
+            for (joint, errors) in &found.by_joint {
+                table.row(error_row(joint, errors));
+            }
+            table.row(error_row("all joints", overall));
+            let _ = write!(out, "\n{}", table.to_text());
+        }
+        if !found.angles.is_empty() {
+            let _ = write!(out, "\n{}", angle_table(found).to_text());
+        }
+        if found.angles.iter().any(|angle| angle.is_turned) {
+            out.push_str("* the reference counts the other way round, and was turned\n");
+        }
+        out.push_str(&overlap_text(tracked, reference));
+        out.push('\n');
+    }
+    if all.len() > 1 && all.iter().any(|compared| compared.found.overall.is_some()) {
+        let mut table = error_table("all joints, mm");
+        for Compared { reference, found } in all {
+            if let Some(overall) = &found.overall {
+                table.row(error_row(&reference.name, overall));
+            }
+        }
+        out.push_str(&table.to_text());
+    }
+    out.trim_end().to_owned() + "\n"
+}
+
+fn angle_table(found: &TrackComparison) -> Table {
+    let mut table = Table::new(["angle, °", "RMS", "mean difference", "RMS without it", "correlation"]);
+    for angle in &found.angles {
+        let name = format!("{}{}", angle.angle.label(), if angle.is_turned { " *" } else { "" });
+        let [rms, offset, without] =
+            [angle.rms, angle.offset, angle.rms_without_offset].map(|value| number(value, 1));
+        table.row([name, rms, offset, without, number(angle.correlation, 3)]);
+    }
+    table
+}
+
+/// Overlap by camera, of both where the reference is a track.
+fn overlap_text(tracked: &TrackedMotion, reference: &ComparedReference) -> String {
+    if tracked.overlap.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(["overlap (IoU)", "track", "reference"]);
+    for (camera, iou) in &tracked.overlap {
+        let theirs = reference.overlap.get(camera).copied();
+        table.row([camera.clone(), number(*iou, 3), number(theirs, 3)]);
+    }
+    format!("\n{}", table.to_text())
+}
+
+/// Writes all files: all of them, or none.
+fn write(out: &Path, all: &[Compared]) -> anyhow::Result<()> {
+    output::make_folder(out)?;
+    let values: Vec<_> = all.iter().map(|Compared { reference, found }| to_json(reference, found)).collect();
+    let json = serde_json::to_string_pretty(&values)? + "\n";
+    let mut errors = csv::Writer::from_writer(Vec::new());
+    errors.write_record(["reference", "frame", "joint", "raw_mm", "root_aligned_mm", "procrustes_mm"])?;
+    let mut angles = csv::Writer::from_writer(Vec::new());
+    angles.write_record(["reference", "frame", "angle", "track_degrees", "reference_degrees"])?;
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for Compared { reference, found } in all {
+        for frame in &found.frames {
+            for (index, joint) in found.joints.iter().enumerate() {
+                let numbers =
+                    [frame.raw[index], frame.root_aligned[index], frame.procrustes[index]].map(cell);
+                errors.write_record(
+                    [&reference.name, &frame.frame.to_string(), joint].into_iter().chain(&numbers),
+                )?;
+            }
+        }
+        for angle in &found.angles {
+            for (frame, pair) in found.numbers.iter().zip(&angle.curves) {
+                let (frame, pair) = (frame.to_string(), pair.map(cell));
+                let name = angle.angle.label().to_owned();
+                angles.write_record([&reference.name, &frame, &name].into_iter().chain(&pair))?;
+            }
+        }
+    }
+    let [errors, angles] = [errors.into_inner()?, angles.into_inner()?];
+    let files = [("comparison.json", json.as_bytes()), ("errors.csv", &errors), ("angles.csv", &angles)];
+    let fill = |(name, bytes)| -> (&str, Fill<'_>) { (name, Box::new(move |file| file.write_all(bytes))) };
+    Ok(atomic::write_all(out, files.into_iter().map(fill).collect())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_are_named_by_side_and_place() {
+        assert_eq!(joint("r_knee=right_knee"), Ok(("r_knee".to_owned(), "right knee".to_owned())));
+        for bad in ["knee", "=left knee", "a=knee", "a=left nose"] {
+            assert!(joint(bad).is_err(), "{bad}");
+        }
+    }
+}

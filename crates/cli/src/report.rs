@@ -1,0 +1,155 @@
+//! `backlit report`: a track as one HTML page to send.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, ensure};
+use backlit_document::project::read_project;
+use backlit_document::take_match::match_take;
+use backlit_formats::recording::RecordingOptions;
+use backlit_formats::{DiskFiles, Footage, Take, TakeFiles, atomic, json_text};
+use backlit_runs::comparison::read_reference;
+use backlit_runs::report::{PICTURES, ReportOptions, ReportSource};
+use backlit_runs::results::is_project;
+use backlit_runs::track_summary::TrackMaking;
+use backlit_tracking::camera::Camera;
+use backlit_tracking::metrics::comparison::ComparisonOptions;
+use clap::Args;
+use serde::Deserialize;
+
+use crate::numbers::within;
+use crate::{interrupt, output, take_options, track_files};
+
+const AFTER_HELP: &str = "\
+The page is one file that needs no network: every camera with the body over its picture, a slider over frames and \
+one over the steps of a fit, a scene that turns, curves, joint errors, doubtful limbs, settings and commands. \
+Keys and screen readers are provided for. The body is drawn in all frames, pictures and silhouettes are in some only.
+
+A track names its take (summary.json); where that has moved, --take says where it is.
+
+Example:
+  backlit track TAKE --out results
+  backlit report results --out page.html --compare reference.trc
+  backlit report corrected.backlit --out page.html --pictures 60 --steps-of 12,40";
+
+/// What `backlit report` is told.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct ReportArguments {
+    /// Track: the track.json that `backlit track` wrote, or its folder; or a project, NAME.backlit, whose poses are shown as they
+    /// are, those set by hand included
+    #[arg(value_name = "TRACK|PROJECT")]
+    track: PathBuf,
+    /// The page, an HTML file
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Take of the track: its folder or its take.toml [default: as the track or the project says]
+    #[arg(long, value_name = "TAKE")]
+    take: Option<PathBuf>,
+    /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in
+    /// body that the track names]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Frames with a picture of each camera, spread over the track and at its most doubtful frames [0 to 1000]
+    #[arg(long, value_name = "N", default_value_t = PICTURES, allow_negative_numbers = true, value_parser = within(0..=1000_usize))]
+    pictures: usize,
+    /// Recording, track or project that the track is compared with, as by `backlit compare`; may be given several times
+    #[arg(long, value_name = "REFERENCE")]
+    compare: Vec<PathBuf>,
+    /// Frames that are fitted again to show every step, with commas between [default: the first and the most doubtful one]
+    #[arg(long, value_name = "FRAMES", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    steps_of: Option<Vec<usize>>,
+}
+
+pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
+    let cancel = interrupt::listen()?;
+    output::check_folder_of(&arguments.out)?;
+    let track = track_files::path_in(&arguments.track);
+    let mut source = if is_project(&track) {
+        ensure!(arguments.model.is_none(), "--model is for tracks; a project has its body");
+        of_project(&track, arguments.take.as_deref())?
+    } else {
+        of_track(arguments, &track)?
+    };
+    for path in &arguments.compare {
+        let reference = read_reference(path, &RecordingOptions::default())?;
+        source.compare(&reference, &ComparisonOptions::default());
+    }
+    let options = ReportOptions {
+        pictures: arguments.pictures,
+        steps_of: arguments.steps_of.clone(),
+        command: Some(output::command_line()),
+    };
+    let page = source.page(&options, &cancel)?;
+    page.notes.iter().for_each(|note| output::complain(&format!("note: {note}")));
+    atomic::write(&arguments.out, backlit_report::to_html(&page).as_bytes())?;
+    Ok(())
+}
+
+/// A track as it was written, with the take that it names if that is still there.
+fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportSource> {
+    let written = track_files::read(&arguments.track, arguments.model.as_deref())?;
+    let making = making(track);
+    let named = Some(making.take.clone()).filter(|take| !take.as_os_str().is_empty());
+    let take = match (&arguments.take, named) {
+        (Some(take), _) => Some(Take::open_with_model(take, written.model.clone()).context("--take")?),
+        (None, Some(named)) => match Take::open_with_model(&named, written.model.clone()) {
+            Ok(take) => Some(take),
+            Err(error) => {
+                let told = "the page is without pictures; --take says where the take is";
+                output::complain(&format!(
+                    "note: the take that the track names cannot be opened: {error}; {told}"
+                ));
+                None
+            }
+        },
+        (None, None) => {
+            output::complain(
+                "note: the track names no take; the page is without pictures unless --take says it",
+            );
+            None
+        }
+    };
+    if let Some(take) = &take {
+        ensure!(
+            take.name() == written.name,
+            "the track is of \"{}\"; the take is \"{}\"; expected --take of the same recording",
+            written.name,
+            take.name()
+        );
+    }
+    let footage = take.map(|take| Arc::new(Footage::new(take_options::told(take))));
+    Ok(ReportSource::of_written(written, footage, making))
+}
+
+/// How the track was made, from the summary beside it; nothing where there is none.
+fn making(track: &Path) -> TrackMaking {
+    #[derive(Deserialize)]
+    struct OfMaking {
+        made: Option<TrackMaking>,
+    }
+    let path = track.with_file_name(track_files::SUMMARY);
+    let bytes = DiskFiles.read(&path, track_files::MAX_SUMMARY).ok();
+    let read = bytes.and_then(|bytes| json_text::parse_bytes::<OfMaking>(&path, &bytes).ok());
+    read.and_then(|read| read.made).unwrap_or_default()
+}
+
+/// The poses of a project, with the silhouettes as it steers them.
+fn of_project(path: &Path, take: Option<&Path>) -> anyhow::Result<ReportSource> {
+    let mut document = read_project(path)?.document;
+    let take = match (take, &document.take) {
+        (Some(take), _) => Take::open(take).context("--take")?,
+        (None, Some(source)) => {
+            source.clone().named_by(path).open().context("the project's take cannot be opened")?
+        }
+        (None, None) => {
+            let path = path.display();
+            anyhow::bail!("{path}: the project names no take; expected --take");
+        }
+    };
+    let take = take_options::told(take);
+    let names: Vec<&str> = take.rig().cameras().iter().map(Camera::name).collect();
+    match_take(&mut document, &names, take.measurement(), take.frame_count())?;
+    let footage = document.footage(&Footage::new(take));
+    Ok(ReportSource::of_document(&document, Arc::new(footage)))
+}

@@ -1,0 +1,79 @@
+//! Pictures and silhouettes of a page.
+
+use std::collections::BTreeSet;
+
+use backlit_formats::footage::CameraFrame;
+use backlit_report::{Picture, outline};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::silhouette::Label;
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::{FilterType, resize};
+use rayon::prelude::*;
+
+use super::{ReportError, Seen};
+
+/// A picture is at most this wide and high in the page, pixels.
+const WIDEST: u32 = 480;
+const HIGHEST: u32 = 640;
+/// JPEG's quality, of 100.
+const QUALITY: u8 = 72;
+/// The footage may be damaged in many frames: notes name no more.
+const NAMED: usize = 3;
+
+impl Seen<'_> {
+    /// Every camera's picture and silhouette of these frames. What cannot be read is noted.
+    pub(super) fn pictures(
+        &self,
+        frames: &BTreeSet<usize>,
+        notes: &mut Vec<String>,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Picture>, ReportError> {
+        let mut all = Vec::with_capacity(frames.len() * self.cameras.len());
+        let mut missing = Vec::new();
+        for &frame in frames {
+            if cancel.is_cancelled() {
+                return Err(ReportError::Stopped);
+            }
+            let loaded = self.load(frame);
+            let drawn = loaded.par_iter().enumerate().map(|(camera, seen)| picture(camera, frame, seen));
+            all.extend(drawn.collect::<Vec<_>>().into_iter().flatten());
+            let problems = loaded.into_iter().filter_map(|seen| seen.problem);
+            missing.extend(problems.map(|why| format!("Not whole in frame {frame}: {why}.")));
+        }
+        let more = missing.len().saturating_sub(NAMED);
+        notes.extend(missing.into_iter().take(NAMED));
+        if more > 0 {
+            notes.push(format!("And {more} more like these."));
+        }
+        Ok(all)
+    }
+}
+
+/// What a camera saw in a frame; `None` where that is nothing.
+fn picture(camera: usize, frame: usize, seen: &CameraFrame) -> Option<Picture> {
+    let bytes = seen.image.as_deref().map(encoded).unwrap_or_default();
+    let path = |label| seen.mask.as_deref().map_or(String::new(), |mask| outline::path(mask, label));
+    let (subject, unknown) = (path(Label::Subject), path(Label::Unknown));
+    let is_there = !(bytes.is_empty() && subject.is_empty());
+    is_there.then_some(Picture { camera, frame, media_type: "image/jpeg", bytes, subject, unknown })
+}
+
+/// A picture made small enough, as JPEG; empty where it has no pixels.
+fn encoded(picture: &RgbImage) -> Vec<u8> {
+    let (width, height) = picture.dimensions();
+    let scale = (f64::from(WIDEST) / f64::from(width)).min(f64::from(HIGHEST) / f64::from(height));
+    let reduced;
+    let picture = if scale < 1.0 {
+        let [w, h] = [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1));
+        reduced = resize(picture, w, h, FilterType::Triangle);
+        &reduced
+    } else {
+        picture
+    };
+    let mut bytes = Vec::new();
+    match JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(picture) {
+        Ok(()) => bytes,
+        Err(_) => Vec::new(),
+    }
+}

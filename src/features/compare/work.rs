@@ -1,0 +1,98 @@
+//! References are read, and the poses are compared with them, while the window goes on.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use backlit_document::{Document, Estimate};
+use backlit_formats::Take;
+use backlit_formats::motion::Motion;
+use backlit_formats::recording::RecordingOptions;
+use backlit_runs::comparison::{AS_IT_IS, ComparedReference, compare_motion, read_reference};
+use backlit_tracking::body::{Kinematics, Model, Pose, joint_names};
+use backlit_tracking::metrics::comparison::{ComparisonOptions, TrackComparison};
+use glam::DVec3;
+
+use crate::context::marks::ReferenceMark;
+
+/// A reference, and whether it is the take's own.
+#[derive(Debug)]
+pub(super) struct NamedReference {
+    pub(super) reference: ComparedReference,
+    pub(super) is_of_take: bool,
+}
+
+impl NamedReference {
+    pub(super) fn of_take(take: &Take) -> Option<Self> {
+        Some(Self { reference: ComparedReference::of_take(take)?, is_of_take: true })
+    }
+}
+
+/// Reads a file; an error is a sentence.
+pub(super) fn read(path: &Path) -> Result<Arc<NamedReference>, String> {
+    let reference =
+        read_reference(path, &RecordingOptions::default()).map_err(|error| format!("{error:#}"))?;
+    Ok(Arc::new(NamedReference { reference, is_of_take: false }))
+}
+
+/// All that a comparison depends on.
+#[derive(Debug, Clone)]
+pub(super) struct ComparisonInputs {
+    body: Arc<Model>,
+    estimates: Arc<BTreeMap<usize, Arc<Estimate>>>,
+    keys: Arc<BTreeMap<usize, Pose>>,
+    references: Vec<Arc<NamedReference>>,
+    motion: Arc<Motion>,
+}
+
+/// The document's parts are shared: as long as one has not changed, it is the same.
+impl PartialEq for ComparisonInputs {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.body, &other.body)
+            && Arc::ptr_eq(&self.estimates, &other.estimates)
+            && Arc::ptr_eq(&self.keys, &other.keys)
+            && self.references.len() == other.references.len()
+            && self.references.iter().zip(&other.references).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+}
+
+impl ComparisonInputs {
+    pub(super) fn of(document: &Document, take: &Take, references: &[Arc<NamedReference>]) -> Self {
+        Self {
+            body: document.model.clone(),
+            estimates: document.estimates.clone(),
+            keys: document.keys.clone(),
+            references: references.to_vec(),
+            motion: Arc::new(document.motion(take.name(), take.frame_rate())),
+        }
+    }
+
+    pub(super) fn compare(&self) -> Vec<Arc<TrackComparison>> {
+        let one = |named: &Arc<NamedReference>| {
+            let options = if named.is_of_take { AS_IT_IS } else { ComparisonOptions::default() };
+            Arc::new(compare_motion(&self.motion, &named.reference, &options))
+        };
+        self.references.iter().map(one).collect()
+    }
+}
+
+/// The joints of a reference beside those of a pose.
+pub(super) fn marks(
+    reference: usize,
+    model: &Model,
+    pose: &Pose,
+    joints: &[String],
+    places: &[Option<DVec3>],
+) -> Vec<ReferenceMark> {
+    let (names, kinematics) = (joint_names(model), Kinematics::new(model, pose));
+    let mark = |(joint, place): (&String, &Option<DVec3>)| {
+        let limb = names.iter().position(|name| name == joint)?;
+        Some(ReferenceMark {
+            reference,
+            joint: joint.clone(),
+            ours: kinematics.ends()[limb],
+            place: (*place)?,
+        })
+    };
+    joints.iter().zip(places).filter_map(mark).collect()
+}
