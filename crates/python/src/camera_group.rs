@@ -55,8 +55,8 @@ impl PyCameraGroup {
 
 #[pymethods]
 impl PyCameraGroup {
-    /// Reads a calibration of any format that ``backlit cameras`` reads: Backlit, OpenCV, Pose2Sim, Anipose, Qualisys, Vicon,
-    /// Kalibr, EasyMocap, OpenCap, COLMAP and others. The format is told by the content.
+    /// Reads a calibration of any format that ``backlit cameras`` reads: Backlit, OpenCV, Anipose, Qualisys, Vicon, Kalibr,
+    /// COLMAP, ``Pose2Sim``, ``EasyMocap``, ``OpenCap`` and others. The format is told by the content.
     ///
     /// ``path`` is a file, a folder with one in it, or a list of files that hold a camera each. ``size`` is (width, height) of the
     /// pictures where the file does not say it; other cameras are scaled to it. ``metres_per_unit`` is for files that do not say
@@ -80,7 +80,6 @@ impl PyCameraGroup {
     /// (C, 0 to 8) in OpenCV's order: 5 or 8 coefficients, or 4 of a ``fisheye``. Raises :class:`InputError`.
     #[staticmethod]
     #[pyo3(signature = (matrix, rotation, translation, size, *, names = None, distortion = None, fisheye = false))]
-    #[expect(clippy::too_many_arguments, reason = "each is an argument of Python's, most by name")]
     fn from_arrays(
         matrix: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,

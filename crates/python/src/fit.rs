@@ -54,7 +54,7 @@ struct Request {
 /// ``capsule``, ``cylinder`` or ``sphere_tree`` (with ``spheres`` a limb), ``preset`` ``robust`` or ``report``, ``iterations`` the
 /// most of a frame. ``frames`` are numbers of frames to follow, in their order; ``cameras`` are names. ``cues`` lists what else
 /// pulls: ``keypoints`` (default where keypoints are given), ``flow``, ``stereo``. ``n_threads`` changes the time and no bit.
-/// ``progress`` is called with (done, all, text). Ctrl+C raises KeyboardInterrupt. Raises :class:`InputError`, :class:`FileError`
+/// ``progress`` is called with (done, all, text). Ctrl+C raises ``KeyboardInterrupt``. Raises :class:`InputError`, :class:`FileError`
 /// or :class:`Error`. Returns a :class:`Track`.
 #[pyfunction]
 #[pyo3(signature = (cams, masks = None, *, body = None, start = None, keypoints = None, fps = None, sizes = None,

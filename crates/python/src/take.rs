@@ -238,7 +238,7 @@ impl PyTake {
     /// are those of the camera's pictures, lens and all. True is the subject; uint8 means what ``mask_values`` says:
     /// ``"nonzero"``, ``"grey"`` (above half is the subject), ``"classes"`` (0 background, 128 unknown, 255 subject), ids of the
     /// subject, or ``"auto"``, which looks. ``fps`` are frames a second (default 30). ``keypoints`` (C, T, K, 3) are x and y in
-    /// pixels and a score from 0 to 1, NaN where there is none, in the order of COCO or of OpenPose's BODY_25. ``start`` is the
+    /// pixels and a score from 0 to 1, NaN where there is none, in the order of COCO or of ``OpenPose``'s ``BODY_25``. ``start`` is the
     /// pose to begin with. ``sizes = "fit"`` has the person's own sizes found first. Raises :class:`InputError`.
     #[staticmethod]
     #[pyo3(signature = (cams, masks, *, body = None, fps = None, keypoints = None, start = None, sizes = "known", name = None,

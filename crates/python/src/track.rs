@@ -209,7 +209,7 @@ impl PyTrack {
         self.notes.clone()
     }
 
-    /// Writes the joints as markers of OpenSim. ``up`` is the world's direction upwards; default: what the cameras say.
+    /// Writes the joints as markers of ``OpenSim``. ``up`` is the world's direction upwards; default: what the cameras say.
     #[pyo3(signature = (path, *, up = None))]
     fn to_trc(&self, path: PathBuf, up: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         self.write(&path, MotionFormat::Trc, up)

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,15 @@ def long_masks(recording: Recording) -> np.ndarray:
     return np.broadcast_to(recording.masks[:, :1], (len(recording.cams), LONG, *recording.masks.shape[2:]))
 
 
+@pytest.fixture
+def hears_ctrl_c() -> Iterator[None]:
+    """Python's own handler: what runs in the background is born deaf to Ctrl+C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("hears_ctrl_c")
 @pytest.mark.parametrize("threads", [None, 1])
 def test_ctrl_c_raises_and_other_threads_run(recording: Recording, threads: int | None) -> None:
     take = bl.Take.from_arrays(recording.cams, long_masks(recording), body=recording.body, start=recording.start)
