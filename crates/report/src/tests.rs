@@ -30,8 +30,12 @@ fn walk(frames: usize) -> Page {
         camera,
         values: (0..frames).map(|frame| (frame, Some(0.85 + 0.1 * (frame as f64 / 40.0).sin()))).collect(),
     };
-    let doubt =
-        |frame: usize| DoubtedLimb { limb: 3, is_wrong: frame % 2 == 0, reason: "it moves fast", wrong: 0.3 };
+    let doubt = |frame: usize| DoubtedLimb {
+        limb: 3,
+        is_wrong: frame.is_multiple_of(2),
+        reason: "it moves fast",
+        wrong: 0.3,
+    };
     let all = (0..frames).map(|frame| Frame {
         iou: Some(0.87),
         doubts: if frame % 10 == 9 { vec![doubt(frame)] } else { Vec::new() },
