@@ -11,7 +11,7 @@ use crate::context::preferences::Layout;
 fn bookmarks_are_gone_to_and_undone() {
     let mut app = open_source(TakeSource::BuiltIn, Layout::Pose);
     let mark = Bookmark { frame: 7, camera: Some(2), joint: Some(JointId::End(4)), text: "here".to_owned() };
-    app.ask(|_, _, requests| requests.edit(Edit::AddBookmark(mark.clone())));
+    app.state.edit(Edit::AddBookmark(mark.clone()), None);
     app.settle();
     assert_eq!(*app.document().bookmarks, *std::slice::from_ref(&mark));
     app.ask(|_, _, requests| requests.go_to(&mark));
