@@ -71,7 +71,11 @@ pub(super) fn measure(
     let seconds = signals.golden(best - step, best + step);
     let [without, with] = [0.0, seconds].map(|offset| signals.difference(offset));
     match (without, with) {
-        (Some(without), Some(with)) if with >= BETTER * without => unmeasured,
+        // Files that count frames from 1 begin a frame late: of the two usual clocks the better one counts.
+        (Some(without), Some(with)) if with >= BETTER * without => {
+            let is_late = signals.difference(starts).is_some_and(|together| together < without);
+            if is_late { ClockOffset { seconds: starts, is_measured: true } } else { unmeasured }
+        }
         (_, None) => unmeasured,
         _ => ClockOffset { seconds, is_measured: true },
     }
