@@ -12,7 +12,7 @@ fn bookmarks_are_gone_to_and_undone() {
     let mark = Bookmark { frame: 7, camera: Some(2), joint: Some(JointId::End(4)), text: "here".to_owned() };
     app.ask(|_, _, requests| requests.edit(Edit::AddBookmark(mark.clone())));
     app.settle();
-    assert_eq!(*app.document().bookmarks, [mark.clone()]);
+    assert_eq!(*app.document().bookmarks, *std::slice::from_ref(&mark));
     app.ask(|_, _, requests| requests.go_to(&mark));
     app.settle();
     let selection = &app.state.selection;
