@@ -134,7 +134,7 @@ fn a_panel_with_a_job_touches_few_files() {
         assert_eq!(text.lines().filter(|line| *line == after).count(), 1, "{file}: `{}` once", after.trim());
         let text = text
             .replace(&format!("{after}\n"), &format!("{after}\n{added}\n"))
-            .replace("&'static str); 6] = [", "&'static str); 7] = [");
+            .replace("&'static str); 7] = [", "&'static str); 8] = [");
         fs::write(&path, text).unwrap();
     }
     let files: BTreeSet<&str> = WIRING.iter().map(|row| row.0).collect();

@@ -19,7 +19,11 @@ async function open(name) {
   return page;
 }
 const page = await open("page.html");
-const live = () => page.textContent("#live");
+// The line that is read out, once the page has drawn.
+const live = () => page.evaluate(async () => {
+  await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+  return document.getElementById("live").textContent;
+});
 // What a canvas shows.
 const drawn = selector => page.evaluate(async selector => {
   await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));

@@ -6,6 +6,7 @@
 
 mod background;
 mod basin;
+mod bookmarks;
 mod camera_check;
 mod camera_plan;
 mod camera_tile;

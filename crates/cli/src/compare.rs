@@ -49,7 +49,7 @@ pub struct CompareArguments {
     /// Frames: A..B, A.., ..B, A..=B or one frame [default: all]
     #[arg(long, value_name = "FRAMES")]
     frames: Option<FrameSpan>,
-    /// Seconds that the references are late, where it is known [default: found from the motion]
+    /// Seconds that the references are late, where it is known [-1000000 to 1000000] [default: found from the motion]
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = within(-1e6..=1e6))]
     offset: Option<f64>,
     /// Largest offset that is looked for, seconds [0 to 600]

@@ -56,7 +56,7 @@ pub struct ReportArguments {
     /// Recording, track or project that the track is compared with, as by `backlit compare`; may be given several times
     #[arg(long, value_name = "REFERENCE")]
     compare: Vec<PathBuf>,
-    /// Frames that are fitted again to show every step, with commas between [default: the first and the most doubtful one]
+    /// Frames that are fitted again to show every step, with commas between [0 to 999999] [default: the first and the most doubtful one]
     #[arg(long, value_name = "FRAMES", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     steps_of: Option<Vec<usize>>,
 }

@@ -102,8 +102,8 @@ pub struct SynthArguments {
     /// A post before every camera, as a share of the picture's width [0 to 0.9]
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true, value_parser = within(0.0..=0.9))]
     occluder: f64,
-    /// Seed of all noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Seed of all noise [0 to 4294967295]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=u64::from(u32::MAX)))]
     seed: u64,
 }
 

@@ -31,6 +31,8 @@ const NUMBERS: f32 = 60.0;
 const HALF: f32 = 5.0;
 /// Half a diamond under the pointer.
 const HALF_HOVERED: f32 = 6.5;
+/// Height of a bookmark's flag.
+const FLAG: f32 = 11.0;
 /// Half the square that takes the pointer.
 const TARGET: f32 = 8.0;
 
@@ -221,23 +223,22 @@ pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, s
     }
 }
 
-/// A flag on the ruler where somebody marked a place; it says what.
+/// A flag below the ruler where somebody marked a place; it says what.
 pub(crate) fn bookmarks(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
     let (palette, plot, document) = (theme::palette(ui), scale.plot, context.document());
     let shown = document.bookmarks.iter().filter(|mark| scale.frames().contains(&mark.frame));
     for (index, mark) in shown.enumerate() {
-        let foot = pos2(scale.x(mark.frame as f64), line(plot) - 1.0);
+        let top = pos2(scale.x(mark.frame as f64), line(plot) + 2.0);
         let text = format!("{}: {}", mark.place(&document.model, &document.cameras), mark.text);
-        let target = Rect::from_min_max(foot - vec2(3.0, RULER - 4.0), foot + vec2(2.0 * MARK, 0.0));
+        let target = Rect::from_min_max(top - vec2(3.0, 0.0), top + vec2(2.0 * MARK, FLAG));
         let response = ui.interact(target, Id::unique(("bookmark", index)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Bookmark. {text}")));
         if response.clicked() {
             requests.go_to(mark);
         }
-        let high = if response.hovered() || response.has_focus() { 12.0 } else { 10.0 };
-        let top = foot - vec2(0.0, high);
+        let high = if response.hovered() || response.has_focus() { FLAG + 2.0 } else { FLAG };
         let colour = if response.has_focus() { palette.accent_text } else { palette.info };
-        ui.painter().line_segment([foot, top], Stroke::new(1.5, colour));
+        ui.painter().line_segment([top, top + vec2(0.0, high)], Stroke::new(1.5, colour));
         let flag = vec![top, top + vec2(7.0, 2.5), top + vec2(0.0, 5.0)];
         ui.painter().add(Shape::convex_polygon(flag, colour, Stroke::NONE));
         response.on_hover_text(text);

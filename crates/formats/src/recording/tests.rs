@@ -96,7 +96,7 @@ fn what_is_wrong_is_told() {
         "
         marker ⇒ what ⇒ a.csv, line 1: `columns`
         2,nose ⇒ x,nose ⇒ a.csv, line 5: `frame` is \"x\"
-        \n2,LKnee,7,8,9\n2,nose,0,0,0 ⇒ ⇒ at least 2
+        \\n2,LKnee,7,8,9\\n2,nose,0,0,0 ⇒ ⇒ at least 2
         2,LKnee ⇒ -1,LKnee ⇒ seconds that grow
     ",
     );

@@ -264,7 +264,8 @@ impl Film<'_> {
         let Self { folder, model, options, digits, .. } = *self;
         atomic::write(&folder.join("start.json"), pose_file::to_text(model, first).as_bytes())?;
         let body = if builtin::of_name(model.name()).is_some_and(|own| own == *model) {
-            model.name().to_owned()
+            // The built-in bodies are named by words; a take names them with `_` between.
+            model.name().replace(' ', "_")
         } else {
             atomic::write(&folder.join("body.toml"), model_file::to_text(model).as_bytes())?;
             "body.toml".to_owned()
