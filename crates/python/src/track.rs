@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use backlit_formats::motion::{self, Motion, MotionFormat, MotionOptions};
 use backlit_tracking::belief::{LimbTrust, Verdict};
-use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body::{Kinematics, Model, Pose, joint_names as anatomical_names};
 use backlit_tracking::camera::{Camera, up_of};
+use backlit_tracking::metrics::JointAngle;
 use backlit_tracking::track::FrameEstimate;
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{numbers_of, owned};
 use crate::body::{PyBody, joint_names, joints};
@@ -185,10 +187,27 @@ impl PyTrack {
         self.model.rotation_owners().iter().map(|&limb| limbs[limb].name.clone()).collect()
     }
 
-    /// The angles that clinicians read, degrees, by name: an array (T,) each. 0 is straight.
+    /// The angles that clinicians read, by name as ``left knee flexion``: an array (T,) of degrees each, of the joints that the body
+    /// has. Elbow and knee: 0 is straight. Hip and shoulder: flexion in the sagittal plane of the trunk, 0 is a limb that hangs,
+    /// positive forwards; NaN where the limb points to the side.
     #[getter]
-    fn angles<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("backlit._angles")?.call_method1("of_track", (slf,))
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let names = anatomical_names(&self.model);
+        let place = |ends: &[DVec3], name: &str| {
+            names.iter().position(|other| other == name).and_then(|limb| ends.get(limb).copied())
+        };
+        let poses = self.frames.values().map(|one| Kinematics::new(&self.model, &one.pose).ends().to_vec());
+        let frames: Vec<Vec<DVec3>> = poses.collect();
+        let angles = PyDict::new(py);
+        for angle in JointAngle::ALL {
+            let degrees = |ends: &Vec<DVec3>| angle.measure(|name| place(ends, name)).map(f64::to_degrees);
+            let measured: Vec<Option<f64>> = frames.iter().map(degrees).collect();
+            if measured.iter().any(Option::is_some) {
+                let degrees: Vec<f64> = measured.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+                angles.set_item(angle.label(), owned(py, [degrees.len()], &degrees)?)?;
+            }
+        }
+        Ok(angles)
     }
 
     /// The body that was tracked, with its own sizes where they were found.

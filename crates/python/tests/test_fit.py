@@ -144,6 +144,15 @@ def test_angles(track: bl.Track) -> None:
     upper, fore = at["left clavicle"] - at["left upper arm"], at["left forearm"] - at["left upper arm"]
     cosine = (upper * fore).sum(-1) / np.linalg.norm(upper, axis=-1) / np.linalg.norm(fore, axis=-1)
     np.testing.assert_allclose(angles["left elbow flexion"], 180 - np.degrees(np.arccos(cosine)), atol=1e-6)
+    # The right thigh in the trunk's sagittal plane, by NumPy alone.
+    across = at["right hip"] - at["left hip"]
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    up = at["left clavicle"] + at["right clavicle"] - at["left hip"] - at["right hip"]
+    up -= (up * across).sum(-1, keepdims=True) * across
+    up /= np.linalg.norm(up, axis=-1, keepdims=True)
+    thigh = at["right lower thigh"] - at["right hip"]
+    expected = np.degrees(np.arctan2((thigh * np.cross(up, across)).sum(-1), -(thigh * up).sum(-1)))
+    np.testing.assert_allclose(angles["right hip flexion"], expected, atol=1e-6)
 
 
 def test_files_of_motion(track: bl.Track, tmp_path: Path) -> None:

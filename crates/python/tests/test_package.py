@@ -1,6 +1,7 @@
 """The package itself: docstrings, stubs, types, the command line, examples."""
 
 import ast
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -52,10 +53,9 @@ def test_types_are_strict() -> None:
     pytest.importorskip("mypy")
     configuration = HERE.parent / "pyproject.toml"
     files = [str(EXAMPLES / "fit.py"), str(EXAMPLES / "convergence.py"), str(EXAMPLES / "masks_mediapipe.py")]
+    mypy = [sys.executable, "-m", "mypy", "--cache-dir", os.devnull, "--config-file", str(configuration)]
     for words in (["-p", "backlit"], files):
-        done = subprocess.run(
-            [sys.executable, "-m", "mypy", "--config-file", str(configuration), *words], capture_output=True, text=True, cwd=HERE
-        )
+        done = subprocess.run([*mypy, *words], capture_output=True, text=True, cwd=HERE)
         assert done.returncode == 0, done.stdout
 
 
