@@ -56,6 +56,8 @@ pub(crate) struct Compare {
     selected: usize,
     curve: CurveChoice,
     sorting: Sorting,
+    /// Times of runs are left out of a picture that must be the same every time.
+    hides_times: bool,
     dialogs: FileDialogs<()>,
     marks: Arc<Vec<ReferenceMark>>,
 }
@@ -135,6 +137,10 @@ impl Feature for Compare {
         *self = Self { side: self.side, references, ..Self::default() };
     }
 
+    fn freeze_times(&mut self) {
+        self.hides_times = true;
+    }
+
     fn at_rest(&self) -> Self {
         Self {
             side: self.side,
@@ -144,6 +150,7 @@ impl Feature for Compare {
             selected: self.selected,
             curve: self.curve.clone(),
             sorting: self.sorting,
+            hides_times: self.hides_times,
             marks: self.marks.clone(),
             ..Self::default()
         }

@@ -11,6 +11,7 @@ mod camera_check;
 mod camera_plan;
 mod camera_tile;
 mod changed_backgrounds;
+mod compare;
 mod cues;
 mod curves;
 mod demonstrations;

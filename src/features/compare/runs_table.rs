@@ -2,9 +2,13 @@
 
 use backlit_document::run::Run;
 use backlit_document::runs::StepRef;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
-use egui::{Align2, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo};
+use backlit_ui::widgets::paint_text;
+use egui::{
+    Align2, Color32, Pos2, Rect, RichText, Role, ScrollArea, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo,
+    vec2,
+};
 
 use super::Compare;
 use super::panel::{cell, row};
@@ -14,6 +18,9 @@ use crate::context::{Context, Requests, SessionRequest};
 
 /// A column: title, what it means, its number, and digits behind the point.
 type Column = (&'static str, &'static str, fn(&Run, &[Run]) -> Option<f64>, usize);
+
+/// The title of the column of times, seconds.
+const TIME: &str = "s";
 
 const COLUMNS: [Column; 7] = [
     ("frame", "The frame that was fitted", |run, _| Some(run.frame as f64), 0),
@@ -32,8 +39,11 @@ const COLUMNS: [Column; 7] = [
         |run, _| run.steps.last()?.joint_error_mm,
         1,
     ),
-    ("s", "Time of all steps", |run, _| Some(run.steps.iter().map(|step| step.seconds).sum()), 2),
+    (TIME, "Time of all steps", |run, _| Some(run.steps.iter().map(|step| step.seconds).sum()), 2),
 ];
+
+/// Half the breadth of the mark of the sorted column.
+const MARK: f32 = 3.0;
 
 /// The column by which runs are sorted, and whether the largest come first; none is the order in which they were begun.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -95,8 +105,9 @@ impl Compare {
             for run in self.sorting.order(runs) {
                 let cells: Vec<String> = COLUMNS
                     .iter()
-                    .map(|(_, _, value, digits)| {
-                        let value = value(run, runs).filter(|value| value.is_finite());
+                    .map(|(title, _, value, digits)| {
+                        let is_shown = *title != TIME || !self.hides_times;
+                        let value = value(run, runs).filter(|value| value.is_finite() && is_shown);
                         value.map_or_else(
                             || format::MISSING.to_owned(),
                             |value| format::number(value, *digits),
@@ -113,22 +124,23 @@ impl Compare {
     }
 
     fn sorting_titles(&mut self, ui: &mut Ui) {
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), size::ROW), Sense::hover());
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
         let palette = theme::palette(ui);
-        let at = rect.left_center() + egui::vec2(8.0, 0.0);
+        let at = rect.left_center() + vec2(space::ROW, 0.0);
         paint(ui, at, Align2::LEFT_CENTER, "Run", palette.text2);
         for (index, (title, meaning, ..)) in COLUMNS.iter().enumerate() {
             let cell = cell(rect, COLUMNS.len() - 1 - index);
-            let is_sorted = self.sorting.column == Some(index);
-            let arrow = match (is_sorted, self.sorting.is_descending) {
-                (false, _) => "",
-                (true, true) => " ▼",
-                (true, false) => " ▲",
+            let (order, colour) = match (self.sorting.column == Some(index), self.sorting.is_descending) {
+                (false, _) => ("", palette.text3),
+                (true, true) => (", descending", palette.accent_text),
+                (true, false) => (", ascending", palette.accent_text),
             };
-            let colour = if is_sorted { palette.accent_text } else { palette.text3 };
-            paint(ui, cell.right_center(), Align2::RIGHT_CENTER, &format!("{title}{arrow}"), colour);
+            let text = paint(ui, cell.right_center(), Align2::RIGHT_CENTER, title, colour);
+            if !order.is_empty() {
+                mark(ui, text.left_center() - vec2(MARK + 3.0, 0.0), self.sorting.is_descending, colour);
+            }
             let response = ui.interact(cell, ui.scope_id().with(("sort", index)), Sense::click());
-            let said = format!("Sort by {title}");
+            let said = format!("Sort by {title}{order}");
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
             if response.on_hover_text(*meaning).clicked() {
                 self.sorting.click(index);
@@ -137,8 +149,16 @@ impl Compare {
     }
 }
 
-fn paint(ui: &Ui, at: egui::Pos2, align: Align2, text: &str, colour: egui::Color32) {
-    backlit_ui::widgets::paint_text(ui, at, align, text, TextStyle::Small, colour);
+fn paint(ui: &Ui, at: Pos2, align: Align2, text: &str, colour: Color32) -> Rect {
+    paint_text(ui, at, align, text, TextStyle::Small, colour)
+}
+
+/// A triangle whose tip points up, or down.
+fn mark(ui: &Ui, at: Pos2, is_down: bool, colour: Color32) {
+    let tip = if is_down { MARK } else { -MARK };
+    let corners = [vec2(-MARK, -0.6 * tip), vec2(MARK, -0.6 * tip), vec2(0.0, 0.6 * tip)];
+    let corners = corners.map(|corner| at + corner).to_vec();
+    ui.painter().add(Shape::convex_polygon(corners, colour, Stroke::NONE));
 }
 
 #[cfg(test)]
