@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 use backlit_formats::atomic::{self, Fill};
-use backlit_formats::recording::RecordingOptions;
+use backlit_formats::recording::{self, RecordingOptions};
 use backlit_runs::comparison::{
-    ComparedReference, clock_words, compare_motion, read_reference, to_json, world_words,
+    ANGLE_TITLES, ComparedReference, Figure, angle_figures, clock_words, compare_motion, error_figures,
+    error_titles, read_reference, to_json, world_words,
 };
 use backlit_runs::results::{self, TrackedMotion, read_tracked};
-use backlit_tracking::metrics::comparison::{ComparisonOptions, ErrorStatistics, PCK_MM, TrackComparison};
-use backlit_tracking::statistics::Statistics;
+use backlit_tracking::metrics::comparison::{ComparisonOptions, TrackComparison};
 use clap::Args;
 use serde_json::json;
 
@@ -122,36 +122,20 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
 fn joint(text: &str) -> Result<(String, String), &'static str> {
     let expected = "expected NAME=JOINT, as r_knee=\"right knee\"; joints are left or right shoulder, elbow, wrist, hip, knee or ankle";
     let (name, joint) = text.split_once('=').ok_or(expected)?;
-    let joint = joint.trim().replace(['_', '-'], " ").to_lowercase();
-    let is_known = joint.split_once(' ').is_some_and(|(side, joint)| {
-        matches!(side, "left" | "right")
-            && matches!(joint, "shoulder" | "elbow" | "wrist" | "hip" | "knee" | "ankle")
-    });
-    if is_known && !name.is_empty() { Ok((name.to_owned(), joint)) } else { Err(expected) }
+    let joint = recording::anatomical_name(joint).filter(|_| !name.is_empty()).ok_or(expected)?;
+    Ok((name.to_owned(), joint))
 }
 
-/// One row of errors.
-fn error_row(name: &str, errors: &ErrorStatistics) -> [String; 10] {
-    let of = |statistics: &Option<Statistics>| statistics.as_ref().map(|statistics| statistics.mean);
-    let Statistics { mean, median, p95, .. } = errors.raw;
-    let [a, b, c] = errors.pck.map(|share| number(100.0 * share, 0));
-    [
-        name.to_owned(),
-        number(mean, 1),
-        number(median, 1),
-        number(p95, 1),
-        number(errors.placed, 1),
-        number(of(&errors.root_aligned), 1),
-        number(of(&errors.procrustes), 1),
-        a,
-        b,
-        c,
-    ]
+/// One row of a table: a name and figures.
+fn row<const N: usize>(name: &str, figures: &[Figure; N]) -> Vec<String> {
+    let cells = figures.iter().map(|(value, digits)| number(*value, *digits));
+    std::iter::once(name.to_owned()).chain(cells).collect()
 }
 
-fn error_table(first: &str) -> Table {
-    let [a, b, c] = PCK_MM.map(|mm| format!("{mm:.0} mm, %"));
-    Table::new([first, "mean", "median", "95 %", "placed", "root-aligned", "Procrustes", &a, &b, &c])
+/// A table with these titles behind the first.
+fn table<T: AsRef<str>>(first: &str, titles: &[T], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let titles = titles.iter().map(|title| title.as_ref().to_owned());
+    Table::of_rows(std::iter::once(first.to_owned()).chain(titles).collect(), rows).to_text()
 }
 
 fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
@@ -165,15 +149,12 @@ fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
             let _ = writeln!(out, "  axes: {}", world_words(&found.world));
         }
         if let Some(overall) = &found.overall {
-            let mut table = error_table("joint error, mm");
-            for (joint, errors) in &found.by_joint {
-                table.row(error_row(joint, errors));
-            }
-            table.row(error_row("all joints", overall));
-            let _ = write!(out, "\n{}", table.to_text());
+            let rows = found.by_joint.iter().map(|(joint, errors)| row(joint, &error_figures(errors)));
+            let rows = rows.chain([row("all joints", &error_figures(overall))]);
+            let _ = write!(out, "\n{}", table("joint error, mm", &error_titles(), rows));
         }
         if !found.angles.is_empty() {
-            let _ = write!(out, "\n{}", angle_table(found).to_text());
+            let _ = write!(out, "\n{}", angle_table(found));
         }
         if found.angles.iter().any(|angle| angle.is_turned) {
             out.push_str("* the reference counts the other way round, and was turned\n");
@@ -182,26 +163,20 @@ fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
         out.push('\n');
     }
     if all.len() > 1 && all.iter().any(|compared| compared.found.overall.is_some()) {
-        let mut table = error_table("all joints, mm");
-        for Compared { reference, found } in all {
-            if let Some(overall) = &found.overall {
-                table.row(error_row(&reference.name, overall));
-            }
-        }
-        out.push_str(&table.to_text());
+        let rows = all.iter().filter_map(|Compared { reference, found }| {
+            Some(row(&reference.name, &error_figures(found.overall.as_ref()?)))
+        });
+        out.push_str(&table("all joints, mm", &error_titles(), rows));
     }
     out.trim_end().to_owned() + "\n"
 }
 
-fn angle_table(found: &TrackComparison) -> Table {
-    let mut table = Table::new(["angle, °", "RMS", "mean difference", "RMS without it", "correlation"]);
-    for angle in &found.angles {
+fn angle_table(found: &TrackComparison) -> String {
+    let rows = found.angles.iter().map(|angle| {
         let name = format!("{}{}", angle.angle.label(), if angle.is_turned { " *" } else { "" });
-        let [rms, offset, without] =
-            [angle.rms, angle.offset, angle.rms_without_offset].map(|value| number(value, 1));
-        table.row([name, rms, offset, without, number(angle.correlation, 3)]);
-    }
-    table
+        row(&name, &angle_figures(angle))
+    });
+    table("angle, °", &ANGLE_TITLES, rows)
 }
 
 /// Overlap by camera, of both where the reference is a track.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{self, TrackExport};
-use backlit_formats::{DiskFiles, TakeFiles, json_text, model_file};
-use backlit_runs::track_summary::{Doubts, IouSummary};
+use backlit_formats::model_file;
+use backlit_runs::track_summary::{Doubts, IouSummary, TrackMaking};
 use backlit_tracking::track::join::{Source, join};
 use backlit_tracking::track::{FrameEstimate, Track};
 use clap::Args;
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &JoinArguments) -> anyhow::Result<()> {
         pieces.push((path.as_path(), piece));
     }
     pieces.sort_by_key(|(_, piece)| piece.track.frames.first_key_value().map(|(frame, _)| *frame));
-    let making = making(pieces[0].0);
+    let making = track_files::making(&track_files::path_in(pieces[0].0));
     let (whole, seams) = join_all(pieces)?;
     let mut not_met = None;
     if arguments.strict
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &JoinArguments) -> anyhow::Result<()> {
             "at frame {frame} the pieces are {apart:.0} mm apart: one of both has lost the body"
         )));
     }
-    let summary = summary(&whole, &seams, &making);
+    let summary = summary(&whole, &seams, making);
     write(&arguments.out, &whole, &summary)?;
     if arguments.json {
         output::print_json(&summary)?;
@@ -117,15 +117,7 @@ fn join_all(pieces: Vec<(&Path, WrittenTrack)>) -> anyhow::Result<(WrittenTrack,
     Ok((whole, seams))
 }
 
-/// How the first piece was made, from the summary beside it: the take is named there.
-fn making(track: &Path) -> Value {
-    let path = track_files::path_in(track).with_file_name(track_files::SUMMARY);
-    let bytes = DiskFiles.read(&path, track_files::MAX_SUMMARY).ok();
-    let summary = bytes.and_then(|bytes| json_text::parse_bytes::<Value>(&path, &bytes).ok());
-    summary.map_or(Value::Null, |summary| summary["made"].clone())
-}
-
-fn summary(whole: &WrittenTrack, seams: &[Seam], making: &Value) -> Value {
+fn summary(whole: &WrittenTrack, seams: &[Seam], making: TrackMaking) -> Value {
     let frames = || whole.track.frames.values();
     let iou = IouSummary::of(&whole.cameras, &whole.track);
     let doubts = Doubts::by_limb(&whole.model, &whole.track);
@@ -138,9 +130,9 @@ fn summary(whole: &WrittenTrack, seams: &[Seam], making: &Value) -> Value {
             "frame": seam.frame, "apart_mm": 1000.0 * seam.distance_m, "meets": seam.meets,
         })).collect::<Vec<_>>(),
     });
-    if !making.is_null() {
-        summary["made"] = making.clone();
-        summary["made"]["command"] = output::command_line().into();
+    // The take is named by how the first piece was made.
+    if making != TrackMaking::default() {
+        summary["made"] = json!(TrackMaking { command: output::command_line(), ..making });
     }
     summary
 }

@@ -7,15 +7,13 @@ use anyhow::{Context, ensure};
 use backlit_document::project::read_project;
 use backlit_document::take_match::match_take;
 use backlit_formats::recording::RecordingOptions;
-use backlit_formats::{DiskFiles, Footage, Take, TakeFiles, atomic, json_text};
+use backlit_formats::{Footage, Take, atomic};
 use backlit_runs::comparison::read_reference;
 use backlit_runs::report::{PICTURES, ReportOptions, ReportSource};
 use backlit_runs::results::is_project;
-use backlit_runs::track_summary::TrackMaking;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::metrics::comparison::ComparisonOptions;
 use clap::Args;
-use serde::Deserialize;
 
 use crate::numbers::within;
 use crate::{interrupt, output, take_options, track_files};
@@ -89,7 +87,7 @@ pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
 /// A track as it was written, with the take that it names if that is still there.
 fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportSource> {
     let written = track_files::read(&arguments.track, arguments.model.as_deref())?;
-    let making = making(track);
+    let making = track_files::making(track);
     let named = Some(making.take.clone()).filter(|take| !take.as_os_str().is_empty());
     let take = match (&arguments.take, named) {
         (Some(take), _) => Some(Take::open_with_model(take, written.model.clone()).context("--take")?),
@@ -120,18 +118,6 @@ fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportS
     }
     let footage = take.map(|take| Arc::new(Footage::new(take_options::told(take))));
     Ok(ReportSource::of_written(written, footage, making))
-}
-
-/// How the track was made, from the summary beside it; nothing where there is none.
-fn making(track: &Path) -> TrackMaking {
-    #[derive(Deserialize)]
-    struct OfMaking {
-        made: Option<TrackMaking>,
-    }
-    let path = track.with_file_name(track_files::SUMMARY);
-    let bytes = DiskFiles.read(&path, track_files::MAX_SUMMARY).ok();
-    let read = bytes.and_then(|bytes| json_text::parse_bytes::<OfMaking>(&path, &bytes).ok());
-    read.and_then(|read| read.made).unwrap_or_default()
 }
 
 /// The poses of a project, with the silhouettes as it steers them.

@@ -20,7 +20,12 @@ impl Table {
     pub(crate) fn of<R>(rows: impl IntoIterator<Item = R>, columns: &[Column<'_, R>]) -> String {
         let titles = columns.iter().map(|(title, _)| (*title).to_owned()).collect();
         let cells = |row: R| columns.iter().map(|(_, cell)| cell(&row)).collect();
-        Self { rows: std::iter::once(titles).chain(rows.into_iter().map(cells)).collect() }.to_text()
+        Self::of_rows(titles, rows.into_iter().map(cells)).to_text()
+    }
+
+    /// A table of titles and rows.
+    pub(crate) fn of_rows(titles: Vec<String>, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        Self { rows: std::iter::once(titles).chain(rows).collect() }
     }
 
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {

@@ -11,6 +11,7 @@ use backlit_formats::export::{self, TrackExport};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
 pub(crate) use backlit_runs::results::{BODY, path_in, read};
 use backlit_runs::track::{EarlierFrames, Smoothing, TakeReader, TrackRun};
+use backlit_runs::track_summary::TrackMaking;
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::track::{FrameEstimate, KalmanOptions, REWOUND_FRAMES};
 use serde::Deserialize;
@@ -221,6 +222,18 @@ fn begun(folder: &Path) -> Option<Begun> {
     let path = folder.join(SUMMARY);
     let bytes = DiskFiles.read(&path, MAX_SUMMARY).ok()?;
     json_text::parse_bytes::<OfBegun>(&path, &bytes).ok()?.begun
+}
+
+/// How the track was made, from the summary beside it; nothing where there is none.
+pub(crate) fn making(track: &Path) -> TrackMaking {
+    #[derive(Deserialize)]
+    struct OfMaking {
+        made: Option<TrackMaking>,
+    }
+    let path = track.with_file_name(SUMMARY);
+    let bytes = DiskFiles.read(&path, MAX_SUMMARY).ok();
+    let read = bytes.and_then(|bytes| json_text::parse_bytes::<OfMaking>(&path, &bytes).ok());
+    read.and_then(|read| read.made).unwrap_or_default()
 }
 
 #[cfg(test)]

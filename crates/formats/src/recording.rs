@@ -23,7 +23,7 @@ const MAX_PLACES: usize = 1 << 25;
 /// Frames a second that a recording may have.
 const RATES: std::ops::RangeInclusive<f64> = 0.01..=100_000.0;
 /// The names' ends that are read, as they are told.
-pub const ENDINGS: &str = "trc, c3d, bvh, mot, csv, npz, npy or json";
+pub const ENDINGS: &str = "trc, c3d, bvh, mot, sto, csv, npz, npy or json";
 
 /// What a file has of a motion.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,6 +49,14 @@ pub struct RecordingOptions {
     pub model: Option<Model>,
 }
 
+/// The anatomical name of a joint that all tools mean alike, of `left_knee` or `Left knee`; `None` for others.
+#[must_use]
+pub fn anatomical_name(text: &str) -> Option<String> {
+    let name = text.trim().replace(['_', '-'], " ").to_lowercase();
+    let (side, joint) = name.split_once(' ')?;
+    (matches!(side, "left" | "right") && joint_names::COMMON.contains(&joint)).then_some(name)
+}
+
 /// Reads a recording.
 ///
 /// # Errors
@@ -59,7 +67,7 @@ pub fn read(path: &Path, options: &RecordingOptions) -> Result<Recording> {
         let found = if ending.is_empty() { "none".to_owned() } else { ending };
         return Err(FileProblem::field("the name's end", found, ENDINGS).at(path, None));
     }
-    if ending == "json" || ending == "bvh" {
+    if ending == "json" {
         return Ok(motion::read_joints(path, options.model.as_ref())?.into());
     }
     parse(path, &DiskFiles.read(path, MAX_BYTES)?, options)

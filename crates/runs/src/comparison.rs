@@ -128,6 +128,46 @@ pub fn world_words(world: &WorldMap) -> String {
     }
 }
 
+/// A figure with its digits behind the point.
+pub type Figure = (Option<f64>, usize);
+
+/// What [`error_figures`] are called.
+#[must_use]
+pub fn error_titles() -> [String; 9] {
+    let [a, b, c] = PCK_MM.map(|mm| format!("{mm:.0} mm, %"));
+    let [mean, median, p95, placed, root, shape] =
+        ["mean", "median", "95 %", "placed", "root-aligned", "Procrustes"].map(str::to_owned);
+    [mean, median, p95, placed, root, shape, a, b, c]
+}
+
+/// Errors as tables have them: millimetres, then the shares of the PCK in per cent.
+#[must_use]
+pub fn error_figures(errors: &ErrorStatistics) -> [Figure; 9] {
+    let mean = |of: &Option<Statistics>| of.as_ref().map(|of| of.mean);
+    let [a, b, c] = errors.pck.map(|share| (Some(100.0 * share), 0));
+    let Statistics { mean: raw, median, p95, .. } = errors.raw;
+    let mm = [
+        Some(raw),
+        Some(median),
+        Some(p95),
+        errors.placed,
+        mean(&errors.root_aligned),
+        mean(&errors.procrustes),
+    ];
+    let [raw, median, p95, placed, root, shape] = mm.map(|mm| (mm, 1));
+    [raw, median, p95, placed, root, shape, a, b, c]
+}
+
+/// What [`angle_figures`] are called.
+pub const ANGLE_TITLES: [&str; 4] = ["RMS", "mean difference", "RMS without it", "correlation"];
+
+/// How an angle agrees, as tables have it: degrees, then the correlation.
+#[must_use]
+pub fn angle_figures(angle: &AngleAgreement) -> [Figure; 4] {
+    let degrees = [angle.rms, angle.offset, angle.rms_without_offset].map(|degrees| (Some(degrees), 1));
+    [degrees[0], degrees[1], degrees[2], (angle.correlation, 3)]
+}
+
 fn statistics(statistics: &Statistics) -> Value {
     let Statistics { mean, median, p95, max, count } = statistics;
     json!({"mean": mean, "median": median, "p95": p95, "max": max, "count": count})

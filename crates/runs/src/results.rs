@@ -9,9 +9,9 @@ use backlit_formats::export::track_read::{self, WrittenTrack};
 use backlit_formats::model_file;
 use backlit_formats::motion::Motion;
 use backlit_tracking::camera::up_of;
-use backlit_tracking::silhouette::Overlap;
-use backlit_tracking::statistics::mean;
 use glam::DVec3;
+
+use crate::track_summary::IouSummary;
 
 /// The body, where it is no built-in one.
 pub const BODY: &str = "body.toml";
@@ -75,11 +75,8 @@ pub fn read_tracked(path: &Path, model: Option<&str>) -> anyhow::Result<TrackedM
         return of_project(path);
     }
     let written = read(path, model)?;
-    let overlap = written.cameras.iter().enumerate().filter_map(|(index, camera)| {
-        let frames = written.track.frames.values().filter_map(|frame| *frame.overlap.get(index)?);
-        Some((camera.clone(), mean(frames.filter_map(|overlap: Overlap| overlap.iou()))?))
-    });
-    let overlap = overlap.collect();
+    let overlap = IouSummary::of(&written.cameras, &written.track).by_camera;
+    let overlap = overlap.into_iter().filter_map(|(camera, iou)| Some((camera, iou?))).collect();
     Ok(TrackedMotion { motion: Motion::of_written(written), up: None, overlap })
 }
 

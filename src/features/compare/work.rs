@@ -45,18 +45,31 @@ pub(super) struct ComparisonInputs {
     motion: Arc<Motion>,
 }
 
-/// The document's parts are shared: as long as one has not changed, it is the same.
 impl PartialEq for ComparisonInputs {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.body, &other.body)
-            && Arc::ptr_eq(&self.estimates, &other.estimates)
-            && Arc::ptr_eq(&self.keys, &other.keys)
-            && self.references.len() == other.references.len()
-            && self.references.iter().zip(&other.references).all(|(a, b)| Arc::ptr_eq(a, b))
+        self.is_of((&other.body, &other.estimates, &other.keys), &other.references)
     }
 }
 
+/// What a document's poses are made of.
+pub(super) type PoseParts<'a> =
+    (&'a Arc<Model>, &'a Arc<BTreeMap<usize, Arc<Estimate>>>, &'a Arc<BTreeMap<usize, Pose>>);
+
 impl ComparisonInputs {
+    /// Whether they are of these parts of a document and these references. Parts are shared: one that has not changed is the same, and
+    /// no pose is looked at.
+    pub(super) fn is_of(
+        &self,
+        (body, estimates, keys): PoseParts<'_>,
+        references: &[Arc<NamedReference>],
+    ) -> bool {
+        Arc::ptr_eq(&self.body, body)
+            && Arc::ptr_eq(&self.estimates, estimates)
+            && Arc::ptr_eq(&self.keys, keys)
+            && self.references.len() == references.len()
+            && self.references.iter().zip(references).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
     pub(super) fn of(document: &Document, take: &Take, references: &[Arc<NamedReference>]) -> Self {
         Self {
             body: document.model.clone(),

@@ -2,12 +2,15 @@
 
 use backlit_formats::motion::Motion;
 use backlit_report::{Cell, Curve, Table};
-use backlit_tracking::metrics::comparison::{ComparisonOptions, ErrorStatistics, PCK_MM, TrackComparison};
+use backlit_tracking::metrics::comparison::{ComparisonOptions, TrackComparison};
 use backlit_tracking::metrics::{JointAngle, Trajectories};
 
 use super::figures::{number, table};
 use super::{ReportSource, frames_poses};
-use crate::comparison::{ComparedReference, clock_words, compare_motion, world_words};
+use crate::comparison::{
+    ANGLE_TITLES, ComparedReference, Figure, angle_figures, clock_words, compare_motion, error_figures,
+    error_titles, world_words,
+};
 
 /// A reference, and what comparing with it has shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,53 +69,30 @@ pub(super) fn tables(source: &ReportSource) -> impl Iterator<Item = Table> {
         .flat_map(|ReportComparison { name, found }| [joints(name, found), angles(name, found)])
 }
 
+fn row<const N: usize>(name: String, figures: [Figure; N]) -> Vec<Cell> {
+    let cells = figures.map(|(value, digits)| Cell::from(number(value, digits)));
+    std::iter::once(Cell::from(name)).chain(cells).collect()
+}
+
 fn joints(name: &str, found: &TrackComparison) -> Table {
-    let row = |joint: &str, errors: &ErrorStatistics| -> Vec<Cell> {
-        let mean = |of: &Option<backlit_tracking::statistics::Statistics>| of.as_ref().map(|of| of.mean);
-        let numbers = [
-            Some(errors.raw.mean),
-            Some(errors.raw.median),
-            Some(errors.raw.p95),
-            errors.placed,
-            mean(&errors.root_aligned),
-            mean(&errors.procrustes),
-        ];
-        let numbers = numbers.map(|mm| Cell::from(number(mm, 1)));
-        let shares = errors.pck.map(|share| Cell::from(number(Some(100.0 * share), 0)));
-        std::iter::once(Cell::from(joint)).chain(numbers).chain(shares).collect()
-    };
-    let mut rows: Vec<Vec<Cell>> = found.by_joint.iter().map(|(joint, errors)| row(joint, errors)).collect();
-    rows.extend(found.overall.as_ref().map(|errors| row("all joints", errors)));
-    let pck = PCK_MM.map(|mm| format!("{mm:.0} mm, %"));
-    let columns = [
-        "joint",
-        "mean",
-        "median",
-        "95 %",
-        "placed",
-        "root-aligned",
-        "Procrustes",
-        &pck[0],
-        &pck[1],
-        &pck[2],
-    ];
+    let rows = found.by_joint.iter().map(|(joint, errors)| row(joint.clone(), error_figures(errors)));
+    let overall = found.overall.iter().map(|errors| row("all joints".to_owned(), error_figures(errors)));
     let note = format!(
         "Millimetres. Clocks: {}. Axes: {}. Placed: without where the tool puts its markers. Root-aligned: without the place of \
          the hips. Procrustes: without place, turn and size of each frame. The last columns: joints within a distance.",
         clock_words(found.clock),
         world_words(&found.world)
     );
-    table(&format!("Beside {name}"), &note, &columns, rows)
+    let titles = error_titles();
+    let columns: Vec<&str> = std::iter::once("joint").chain(titles.iter().map(String::as_str)).collect();
+    table(&format!("Beside {name}"), &note, &columns, rows.chain(overall))
 }
 
 fn angles(name: &str, found: &TrackComparison) -> Table {
-    let row = |angle: &backlit_tracking::metrics::comparison::AngleAgreement| -> Vec<Cell> {
+    let rows = found.angles.iter().map(|angle| {
         let turned = if angle.is_turned { " (reference turned round)" } else { "" };
-        let numbers = [Some(angle.rms), Some(angle.offset), Some(angle.rms_without_offset)];
-        let numbers = numbers.map(|degrees| Cell::from(number(degrees, 1)));
-        let name = Cell::from(format!("{}{turned}", angle.angle.label()));
-        std::iter::once(name).chain(numbers).chain([Cell::from(number(angle.correlation, 3))]).collect()
-    };
-    let columns = ["angle", "RMS", "mean difference", "RMS without it", "correlation"];
-    table(&format!("Angles beside {name}"), "Degrees.", &columns, found.angles.iter().map(row))
+        row(format!("{}{turned}", angle.angle.label()), angle_figures(angle))
+    });
+    let columns: Vec<&str> = std::iter::once("angle").chain(ANGLE_TITLES).collect();
+    table(&format!("Angles beside {name}"), "Degrees.", &columns, rows)
 }

@@ -11,6 +11,8 @@ use crate::statistics::{mean, median};
 
 /// Signals that are compared.
 const SIGNALS: usize = 12;
+/// Frames by which signals are chosen, at most.
+const MOST_JUDGED: usize = 400;
 /// Times of the first that are compared, at most.
 const MOST_TIMES: usize = 1500;
 /// Both must be there for this share of the shorter one.
@@ -124,24 +126,37 @@ impl Signals<'_> {
 
 /// The distances of joints that vary most in the reference, each recording's over its own mean distance.
 fn distances(track: &Trajectories, reference: &Trajectories, joints: &[[usize; 2]]) -> Vec<[Signal; 2]> {
-    let signal = |of: &Trajectories, a: usize, b: usize| -> Signal {
-        of.points.iter().map(|points| Some(points[a]?.distance(points[b]?))).collect()
+    let signal = |of: &Trajectories, a: usize, b: usize, stride: usize| -> Signal {
+        let frames = of.points.iter().step_by(stride);
+        frames.map(|points| Some(points[a]?.distance(points[b]?))).collect()
     };
-    let mut pairs: Vec<[Signal; 2]> = Vec::new();
+    // Some hundred frames tell which pairs vary: of a body with many joints all pairs would fill the memory.
+    let [of_track, of_reference] = [track, reference].map(|of| of.points.len().div_ceil(MOST_JUDGED));
+    let is_there = |signal: &Signal| signal.iter().flatten().nth(1).is_some();
+    let mut varying: Vec<(f64, [[usize; 2]; 2])> = Vec::new();
+    let mut all: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for (first, a) in joints.iter().enumerate() {
         for b in &joints[..first] {
-            pairs.push([signal(track, a[0], b[0]), signal(reference, a[1], b[1])]);
+            let judged = [signal(track, a[0], b[0], of_track), signal(reference, a[1], b[1], of_reference)];
+            if judged.iter().all(is_there) {
+                varying.push((spread(&judged[1]), [*a, *b]));
+            }
+            for (all, judged) in all.iter_mut().zip(judged) {
+                all.extend(mean(judged.into_iter().flatten()));
+            }
         }
     }
-    for side in 0..2 {
-        let all = pairs.iter().flat_map(|pair| pair[side].iter().flatten().copied());
-        let size = mean(all).filter(|size| *size > 0.0).unwrap_or(1.0);
-        pairs.iter_mut().flat_map(|pair| pair[side].iter_mut().flatten()).for_each(|value| *value /= size);
-    }
-    pairs.retain(|pair| pair.iter().all(|signal| signal.iter().flatten().count() > 1));
-    pairs.sort_by(|a, b| spread(&b[1]).total_cmp(&spread(&a[1])));
-    pairs.truncate(SIGNALS);
-    pairs
+    // How large the body is: of all pairs, since those that vary most are long in one recording and short in the other.
+    let sizes = all.map(|all| mean(all).filter(|size| *size > 0.0).unwrap_or(1.0));
+    varying.sort_by(|a, b| b.0.total_cmp(&a.0));
+    varying.truncate(SIGNALS);
+    let scaled = |signal: Signal, size: f64| -> Signal {
+        signal.into_iter().map(|value| value.map(|value| value / size)).collect()
+    };
+    let pair = |(_, [a, b]): &(f64, [[usize; 2]; 2])| {
+        [scaled(signal(track, a[0], b[0], 1), sizes[0]), scaled(signal(reference, a[1], b[1], 1), sizes[1])]
+    };
+    varying.iter().map(pair).collect()
 }
 
 /// The angles that both have, without what they differ by throughout.
