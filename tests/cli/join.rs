@@ -57,11 +57,19 @@ fn pieces_that_do_not_meet_are_told() {
     write(&scene, "a", 0..40, 0.0);
     write(&scene, "far", 30..70, 1.0);
     write(&scene, "later", 50..70, 0.0);
+    let alone = scene.ok("join a --out alone --strict --json");
+    let alone: Value = serde_json::from_str(&alone).unwrap();
+    assert_eq!(
+        (&alone["frames"], &alone["seams"], &alone["doubtful"]),
+        (&40.into(), &Value::Array(vec![]), &Value::Null)
+    );
     let text = scene.ok("join a far --out whole");
+    let summary = fs::read_to_string(scene.path("whole/summary.json")).unwrap();
+    assert!(summary.contains("\"doubtful\": \"at frame"), "{summary}");
     assert!(text.contains("1000.0") && text.contains("no"), "{text}");
     scene.fails("join a far --out whole --strict", 3, &["--strict", "1000 mm apart"]);
     assert!(scene.path("whole/track.json").is_file());
     scene.fails("join a later --out whole", 1, &["a", "later", "no frame in common"]);
-    scene.fails("join a --out whole", 2, &["TRACK"]);
+    scene.fails("join --out whole", 2, &["TRACK"]);
     scene.fails("join a nothing --out whole", 1, &["nothing"]);
 }

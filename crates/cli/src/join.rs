@@ -1,12 +1,13 @@
 //! `backlit join`: tracks of pieces of a take that overlap, as one track.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{self, TrackExport};
 use backlit_formats::model_file;
-use backlit_runs::track_summary::{Doubts, IouSummary, TrackMaking};
+use backlit_runs::track_summary::{Doubts, IouSummary, TrackMaking, why_doubtful};
 use backlit_tracking::track::join::{Source, join};
 use backlit_tracking::track::{FrameEstimate, Track};
 use clap::Args;
@@ -18,7 +19,8 @@ use super::{output, track_files};
 
 const AFTER_HELP: &str = "\
 Each piece is the folder of a backlit track --frames of the same take and body. Where two overlap, the track changes over from the \
-earlier to the later one where both poses are nearest to each other; between them nothing is made up. Writes track.json, the tables \
+earlier to the later one where both poses are nearest to each other; between them nothing is made up. One piece alone is the whole. \
+Writes track.json, the tables \
 and summary.json to the folder of --out, as backlit track does.
 
 Example:
@@ -31,12 +33,13 @@ Example:
 #[command(after_help = AFTER_HELP)]
 pub struct JoinArguments {
     /// Pieces: track.json files that backlit track wrote, or their folders, in any order
-    #[arg(value_name = "TRACK", required = true, num_args = 2..)]
+    #[arg(value_name = "TRACK", required = true)]
     pieces: Vec<PathBuf>,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Exit with 3 where pieces are farther apart than they may be where they meet; the track is written all the same
+    /// Exit with 3 where pieces are farther apart than they may be where they meet, where a frame is lost, or a limb is doubtful in
+    /// more than a tenth of the frames; the track is written all the same
     #[arg(long)]
     strict: bool,
     /// Print the summary as JSON
@@ -61,15 +64,6 @@ pub(crate) fn run(arguments: &JoinArguments) -> anyhow::Result<()> {
     pieces.sort_by_key(|(_, piece)| piece.track.frames.first_key_value().map(|(frame, _)| *frame));
     let making = track_files::making(&track_files::path_in(pieces[0].0));
     let (whole, seams) = join_all(pieces)?;
-    let mut not_met = None;
-    if arguments.strict
-        && let Some(Seam { frame, distance_m, .. }) = seams.iter().find(|seam| !seam.meets)
-    {
-        let apart = 1000.0 * distance_m;
-        not_met = Some(Doubtful(format!(
-            "at frame {frame} the pieces are {apart:.0} mm apart: one of both has lost the body"
-        )));
-    }
     let summary = summary(&whole, &seams, making);
     write(&arguments.out, &whole, &summary)?;
     if arguments.json {
@@ -77,7 +71,24 @@ pub(crate) fn run(arguments: &JoinArguments) -> anyhow::Result<()> {
     } else {
         output::print(&text(&whole, &seams))?;
     }
-    not_met.map_or(Ok(()), |doubtful| Err(doubtful.into()))
+    let doubtful = summary["doubtful"].as_str().filter(|_| arguments.strict);
+    doubtful.map_or(Ok(()), |why| Err(Doubtful(why.to_owned()).into()))
+}
+
+/// Why the whole is not to be trusted, if it is not.
+fn why_whole_doubtful(
+    frames: usize,
+    lost: usize,
+    limbs: &BTreeMap<String, Doubts>,
+    seams: &[Seam],
+) -> Option<String> {
+    if let Some(Seam { frame, distance_m, .. }) = seams.iter().find(|seam| !seam.meets) {
+        let apart = 1000.0 * distance_m;
+        return Some(format!(
+            "at frame {frame} the pieces are {apart:.0} mm apart: one of both has lost the body"
+        ));
+    }
+    why_doubtful(frames, lost, limbs)
 }
 
 /// Joins pieces in the order of their first frames.
@@ -119,17 +130,21 @@ fn join_all(pieces: Vec<(&Path, WrittenTrack)>) -> anyhow::Result<(WrittenTrack,
 
 fn summary(whole: &WrittenTrack, seams: &[Seam], making: TrackMaking) -> Value {
     let frames = || whole.track.frames.values();
+    let (count, lost) = (frames().count(), frames().filter(|one| one.is_lost()).count());
     let iou = IouSummary::of(&whole.cameras, &whole.track);
     let doubts = Doubts::by_limb(&whole.model, &whole.track);
     let mut summary = json!({
-        "frames": frames().count(),
-        "lost": frames().filter(|one| one.is_lost()).count(),
+        "frames": count,
+        "lost": lost,
         "trust": doubts,
         "iou": iou,
         "seams": seams.iter().map(|seam| json!({
             "frame": seam.frame, "apart_mm": 1000.0 * seam.distance_m, "meets": seam.meets,
         })).collect::<Vec<_>>(),
     });
+    if let Some(why) = why_whole_doubtful(count, lost, &doubts, seams) {
+        summary["doubtful"] = why.into();
+    }
     // The take is named by how the first piece was made.
     if making != TrackMaking::default() {
         summary["made"] = json!(TrackMaking { command: output::command_line(), ..making });

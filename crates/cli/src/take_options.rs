@@ -102,8 +102,8 @@ impl FromStr for FrameSpan {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Where to begin")]
 pub(crate) struct StartArguments {
-    /// A backlit-pose file, or the word reference: a pose made from the reference keypoints of the first frame
-    /// [default: the take's own start, else reference, else found from the silhouettes]
+    /// A backlit-pose file; or reference: a pose made from the reference keypoints of the first frame; or search: found from the
+    /// silhouettes [default: the take's own start, else reference, else search]
     #[arg(long, value_name = "POSE")]
     pub(crate) start: Option<PathBuf>,
     /// Noise on the start: an angle for every rotation and a distance for the root, e.g. 5deg,3cm [0 to 180deg, 0 to 100m]
@@ -123,11 +123,12 @@ impl StartArguments {
     /// The pose to begin `frame` with; `None` where the take has nothing to begin with.
     pub(crate) fn known_pose(&self, take: &Take, frame: usize) -> anyhow::Result<Option<Pose>> {
         let pose = match &self.start {
-            Some(path) if path == Path::new("reference") => {
+            Some(word) if word == Path::new("reference") => {
                 from_reference(take, frame).with_context(|| {
                     format!("--start reference: the take has no reference keypoints in frame {frame}")
                 })?
             }
+            Some(word) if word == Path::new("search") => return Ok(None),
             Some(path) => pose_file::read(path, take.model(), Quaternions::Normalised)?,
             None => match take.start().cloned().or_else(|| from_reference(take, frame)) {
                 Some(pose) => pose,

@@ -133,7 +133,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let whom = Whom { footage, frames, start, found: None, out: &arguments.out };
     let (report, _) = track(arguments, whom, earlier, &cancel)?;
     output::print_result(arguments.json, &report.summary(), || report.text())?;
-    let doubtful = if arguments.strict { report.doubtful() } else { None };
+    let doubtful = if arguments.strict { report.summary().doubtful } else { None };
     doubtful.map_or(Ok(()), |why| Err(Doubtful(why).into()))
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_formats::Take;
 use backlit_formats::take::Reference;
-use backlit_runs::track_summary::{Distances, Doubts, ErrorSummary, IouSummary, TrackMaking};
+use backlit_runs::track_summary::{Distances, Doubts, ErrorSummary, IouSummary, TrackMaking, why_doubtful};
 use backlit_tracking::body::Model;
 use backlit_tracking::metrics::{self, JointErrors, MarkerPlacement};
 use backlit_tracking::statistics::Statistics;
@@ -17,8 +17,6 @@ use crate::person::Begun;
 use crate::table::Table;
 use crate::take_options::reference_joints;
 
-/// A limb that is doubtful in a larger share of the frames makes the track doubtful.
-const DOUBTFUL_SHARE: f64 = 0.1;
 /// Limbs that the first line names.
 const NAMED_DOUBTS: usize = 3;
 
@@ -63,6 +61,9 @@ pub(crate) struct TrackSummary {
     /// In how many frames a limb is doubtful or wrong, as far as can be told.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     trust: BTreeMap<String, Doubts>,
+    /// Why the track is not to be trusted as it is, if it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) doubtful: Option<String>,
     pub(crate) iou: IouSummary,
     /// Millimetres; null without reference keypoints.
     pub(crate) joint_error_mm: Option<ErrorSummary>,
@@ -152,12 +153,15 @@ impl TrackReport {
         let frames = || self.track.frames.values();
         let times = Statistics::of(&self.times_ms);
         let unsure = frames().flat_map(|frame| &frame.holds).filter(|hold| hold.is_unsure());
+        let (count, lost) = (frames().count(), frames().filter(|frame| frame.is_lost()).count());
+        let trust = Doubts::by_limb(&self.model, &self.track);
         TrackSummary {
-            frames: frames().count(),
-            lost: frames().filter(|frame| frame.is_lost()).count(),
+            frames: count,
+            lost,
             left_out: counts(frames().flat_map(|frame| &frame.empty_cameras)),
             unsure: counts(unsure.map(|hold| &self.model.limbs()[hold.limb].name)),
-            trust: Doubts::by_limb(&self.model, &self.track),
+            doubtful: why_doubtful(count, lost, &trust),
+            trust,
             iou: IouSummary::of(&self.cameras, &self.track),
             joint_error_mm: ErrorSummary::of(&self.errors, self.placement.as_ref()),
             jitter_mm: self.jitter_mm,
@@ -170,19 +174,6 @@ impl TrackReport {
             made: self.made.clone(),
             partial: self.is_partial,
         }
-    }
-
-    /// Why the track is not to be trusted as it is; `None` where nothing is lost and hardly a limb doubtful.
-    pub(crate) fn doubtful(&self) -> Option<String> {
-        let summary = self.summary();
-        if summary.lost > 0 {
-            return Some(format!("{} of {} frames are lost", summary.lost, summary.frames));
-        }
-        let worst = summary.trust.iter().max_by_key(|(_, counts)| counts.doubtful + counts.wrong)?;
-        let (limb, count) = (worst.0, worst.1.doubtful + worst.1.wrong);
-        let share = count as f64 / summary.frames.max(1) as f64;
-        (share > DOUBTFUL_SHARE)
-            .then(|| format!("{limb} is doubtful in {count} of {} frames", summary.frames))
     }
 
     pub(crate) fn text(&self) -> String {

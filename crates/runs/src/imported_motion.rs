@@ -53,9 +53,10 @@ pub fn read_motion(
     let [first, last] =
         [recorded.times.first(), recorded.times.last()].map(|time| time.copied().unwrap_or(0.0));
     let count = ((last - first) * rate).round() as usize + 1;
+    let moments = recorded.moments();
     let mut poses = BTreeMap::new();
     for frame in 0..count {
-        let points = recorded.points_at(first + frame as f64 / rate);
+        let points = moments.points_at(first + frame as f64 / rate);
         let placed = |joint: &str| Some(scale * (turn * at(&points, joint)?));
         if let Some(pose) = follower.pose(placed) {
             poses.insert(frame, pose);

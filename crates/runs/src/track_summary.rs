@@ -142,6 +142,20 @@ impl Doubts {
     }
 }
 
+/// A limb may be doubtful in this share of a track's frames before the track is.
+const DOUBTFUL_SHARE: f64 = 0.1;
+
+/// Why a track is not to be trusted as it is; `None` where no frame is lost and hardly a limb doubtful.
+pub fn why_doubtful(frames: usize, lost: usize, limbs: &BTreeMap<String, Doubts>) -> Option<String> {
+    if lost > 0 {
+        return Some(format!("{lost} of {frames} frames are lost"));
+    }
+    let (limb, counts) = limbs.iter().max_by_key(|(_, counts)| counts.doubtful + counts.wrong)?;
+    let count = counts.doubtful + counts.wrong;
+    let share = count as f64 / frames.max(1) as f64;
+    (share > DOUBTFUL_SHARE).then(|| format!("{limb} is doubtful in {count} of {frames} frames"))
+}
+
 /// How a track was made, as its summary says it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TrackMaking {

@@ -15,7 +15,7 @@ use crate::statistics::Statistics;
 
 pub use angles::JointAngle;
 pub use placement::{FEWEST_FRAMES, MarkerOffset, MarkerPlacement};
-pub use trajectories::Trajectories;
+pub use trajectories::{Between, Moments, Trajectories};
 
 /// Where a reference says that joints are, in one frame: limb index of the joint's limb (its second joint),
 /// or `None` for the root, and the world position in metres.

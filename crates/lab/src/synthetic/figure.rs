@@ -99,6 +99,17 @@ struct Ball {
     radius: f64,
 }
 
+/// What rays side by side meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Met {
+    /// None of them meets the figure.
+    None,
+    /// All of them meet it.
+    All,
+    /// Some of them may meet it, none before these metres.
+    Some(f64),
+}
+
 /// A posed figure. Cheap to make; [`distance`](Self::distance) is safe to ask from many threads.
 #[derive(Debug, Clone)]
 pub struct Figure {
@@ -121,6 +132,8 @@ pub struct Figure {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layers(pub(super) [f64; 5]);
 
+/// Most steps along a ray.
+const STEPS: usize = 160;
 /// Farther off than anything that is looked at.
 pub(super) const FAR: f64 = 1e3;
 
@@ -219,15 +232,14 @@ impl Figure {
     /// Where a ray (unit `direction`) first meets the figure: metres along it.
     #[must_use]
     pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        const STEPS: usize = 160;
+        self.intersect_from(origin, direction, 0.0)
+    }
+
+    /// Where a ray (unit `direction`) first meets the figure beyond `from` metres along it.
+    pub(super) fn intersect_from(&self, origin: DVec3, direction: DVec3, from: f64) -> Option<f64> {
         const TOUCHING: f64 = 2e-4;
-        let (centre, radius) = self.bounding_ball();
-        let middle = (centre - origin).dot(direction);
-        let half = radius * radius - (centre - origin - direction * middle).length_squared();
-        if half < 0.0 {
-            return None;
-        }
-        let (mut t, end) = ((middle - half.sqrt()).max(0.0), middle + half.sqrt());
+        let (start, end) = self.within_ball(origin, direction, 0.0)?;
+        let mut t = start.max(from);
         for _ in 0..STEPS {
             let distance = self.distance(origin + direction * t);
             if distance < TOUCHING {
@@ -239,6 +251,51 @@ impl Figure {
             }
         }
         None
+    }
+
+    /// What all rays meet from `from` on whose unit directions are within `spread` of this one.
+    pub(super) fn intersect_all(&self, origin: DVec3, direction: DVec3, spread: f64, from: f64) -> Met {
+        // Rays that come as near as this are looked at one by one.
+        const CLEARANCE: f64 = 2e-3;
+        // Most steps within the figure, and the least of each, metres.
+        const INNER_STEPS: usize = 12;
+        const INNER_STEP: f64 = 4e-3;
+        let Some((start, end)) = self.within_ball(origin, direction, spread) else { return Met::None };
+        let mut t = start.max(from);
+        for _ in 0..STEPS {
+            // The ball around this point that is surely empty, without what the rays are apart here.
+            let clear = self.distance(origin + direction * t) * STEP - spread * t - CLEARANCE;
+            if clear < CLEARANCE {
+                break;
+            }
+            t += clear / (1.0 + spread);
+            if t > end {
+                return Met::None;
+            }
+        }
+        // Where the figure is thicker than the rays are apart, all of them meet it.
+        let mut inner = t;
+        for _ in 0..INNER_STEPS {
+            let distance = self.distance(origin + direction * inner);
+            let width = spread * inner + CLEARANCE;
+            if -distance * STEP > width {
+                return Met::All;
+            }
+            if distance > width {
+                break;
+            }
+            inner += (distance.abs() * STEP).max(INNER_STEP);
+        }
+        Met::Some(t)
+    }
+
+    /// From where to where rays within `spread` of this one may be in the ball that holds the figure.
+    fn within_ball(&self, origin: DVec3, direction: DVec3, spread: f64) -> Option<(f64, f64)> {
+        let (centre, radius) = self.bounding_ball();
+        let wide = radius + spread * (origin.distance(centre) + radius);
+        let middle = (centre - origin).dot(direction);
+        let half = wide * wide - (centre - origin - direction * middle).length_squared();
+        (half >= 0.0).then(|| ((middle - half.sqrt()).max(0.0), middle + half.sqrt()))
     }
 
     /// Outward unit normal near the surface.

@@ -26,8 +26,9 @@ const PLATES: usize = 8;
 /// Height of the cameras, and of what they look at, metres.
 const CAMERA_M: f64 = 1.7;
 const TARGET_M: f64 = 0.95;
-/// Room around the motion that the pictures show, metres.
-const AROUND_M: f64 = 1.15;
+/// Half of the height that the pictures show, and the room beside the joints, metres.
+const TALL_M: f64 = 1.15;
+const BESIDE_M: f64 = 0.3;
 /// Nearest that a camera stands, metres.
 const NEAREST_M: f64 = 3.0;
 /// Focal length over the picture's shorter side.
@@ -93,22 +94,39 @@ pub enum FilmError {
     Cancelled,
 }
 
-/// Cameras in a ring that see all of a motion whose joints lie between two corners, metres, z up.
+/// Where a motion takes place: a middle, and how far joints come from the upright line through it, metres, z up.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    middle: DVec3,
+    reach: f64,
+}
+
+impl Extent {
+    /// Of all joints of these poses.
+    pub fn of(model: &Model, poses: &BTreeMap<usize, Pose>) -> Self {
+        let ends = poses.values().flat_map(|pose| Kinematics::new(model, pose).ends().to_vec());
+        let ends: Vec<DVec3> = ends.collect();
+        let corners = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [low, high] = ends.iter().fold(corners, |[low, high], end| [low.min(*end), high.max(*end)]);
+        let middle = (low + high) / 2.0;
+        let reach = ends.iter().map(|end| (end - middle).truncate().length()).fold(0.0, f64::max);
+        Self { middle, reach }
+    }
+}
+
+/// Cameras in a ring that see all of a motion.
 ///
 /// # Errors
 /// A size that no camera can have.
-pub fn ring(
-    count: usize,
-    size_px: [u64; 2],
-    [low, high]: [DVec3; 2],
-) -> Result<Vec<Arc<Camera>>, CameraError> {
-    let centre = ((low + high) / 2.0).with_z(TARGET_M);
-    let half = 0.5 * (high - low).truncate().length() + AROUND_M;
+pub fn ring(count: usize, size_px: [u64; 2], motion: Extent) -> Result<Vec<Arc<Camera>>, CameraError> {
+    let centre = motion.middle.with_z(TARGET_M);
+    let half = motion.reach + BESIDE_M;
     let [width, height] = size_px.map(|side| side as f64);
     let focal = FOCAL * width.min(height);
-    // All of the ground that is walked on, and the body from head to foot, fit into the picture at the nearest end.
-    let away = (focal * 2.0 * half / width).max(focal * 2.0 * AROUND_M / height) + 0.5 * half;
-    let away = away.max(NEAREST_M);
+    // All of the ground that is walked on fits into the picture, and at its nearest end the body from head to foot.
+    let across = (half.powi(2) + (2.0 * focal * half / width).powi(2)).sqrt();
+    let tall = focal * 2.0 * TALL_M / height + motion.reach;
+    let away = across.max(tall).max(NEAREST_M);
     let place = |index: usize| {
         let (sine, cosine) = (std::f64::consts::TAU * (index as f64 + 0.25) / count as f64).sin_cos();
         let from = centre + DVec3::new(away * cosine, away * sine, CAMERA_M - TARGET_M);
@@ -132,9 +150,8 @@ pub fn write(
     mut tell: impl FnMut(usize),
 ) -> Result<(), FilmError> {
     let first = poses.values().next().ok_or(FilmError::Empty)?;
-    let rig = Rig::new(
-        ring(options.cameras, options.size_px, extent(model, poses))?.iter().map(|c| (**c).clone()).collect(),
-    )?;
+    let cameras = ring(options.cameras, options.size_px, Extent::of(model, poses))?;
+    let rig = Rig::new(cameras.iter().map(|camera| (**camera).clone()).collect())?;
     calibration::backlit::write(&folder.join("cameras.json"), &rig)?;
     let digits = (poses.len().max(2) - 1).to_string().len();
     let film = Film { folder, model, rig: &rig, options, digits };
@@ -153,12 +170,6 @@ pub fn write(
         tell(number + 1);
     }
     film.truth(poses, first)
-}
-
-/// The corners between which all joints of a motion lie.
-fn extent(model: &Model, poses: &BTreeMap<usize, Pose>) -> [DVec3; 2] {
-    let ends = poses.values().flat_map(|pose| Kinematics::new(model, pose).ends().to_vec());
-    ends.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], end| [low.min(end), high.max(end)])
 }
 
 struct Film<'a> {
@@ -330,7 +341,7 @@ mod tests {
                 pose.root.x += walk * frame as f64 / 7.0 + 10.0;
                 poses.insert(frame, pose);
             }
-            let cameras = ring(count, size_px, extent(&model, &poses)).unwrap();
+            let cameras = ring(count, size_px, Extent::of(&model, &poses)).unwrap();
             assert_eq!(cameras.len(), count);
             for pose in poses.values() {
                 for end in Kinematics::new(&model, pose).ends() {

@@ -241,6 +241,7 @@ fn statistics(
 
 /// The angles that both recordings have, in enough frames.
 fn agreements(ours: &Trajectories, reference: &Trajectories, offset: f64) -> Vec<AngleAgreement> {
+    let moments = reference.moments();
     let agreement = |angle: JointAngle| {
         let theirs = reference.angle_curve(angle);
         let curves: Vec<[Option<f64>; 2]> = ours
@@ -248,8 +249,8 @@ fn agreements(ours: &Trajectories, reference: &Trajectories, offset: f64) -> Vec
             .iter()
             .enumerate()
             .map(|(frame, time)| {
-                [ours.angle(frame, angle), reference.value_at(&theirs, time + offset)]
-                    .map(|value| value.map(f64::to_degrees))
+                let then = moments.between(time + offset).and_then(|between| between.value(&theirs));
+                [ours.angle(frame, angle), then].map(|value| value.map(f64::to_degrees))
             })
             .collect();
         AngleAgreement::of(angle, curves)

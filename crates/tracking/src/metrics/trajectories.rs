@@ -22,7 +22,7 @@ pub struct Trajectories {
 
 /// A moment between two frames.
 #[derive(Debug, Clone, Copy)]
-struct Between {
+pub struct Between {
     before: usize,
     after: usize,
     share: f64,
@@ -72,36 +72,55 @@ impl Trajectories {
         (0..self.times.len()).map(|frame| self.angle(frame, angle)).collect()
     }
 
-    /// The frames about a time; `None` before the first, after the last, and in gaps longer than `most`, seconds.
-    fn between(&self, time: f64, most: f64) -> Option<Between> {
+    /// The recording at any time.
+    #[must_use]
+    pub fn moments(&self) -> Moments<'_> {
+        Moments { recording: self, period: self.period() }
+    }
+}
+
+/// A recording between its frames: straight from one to the next, and nothing in gaps longer than 2.5 frames.
+#[derive(Debug, Clone, Copy)]
+pub struct Moments<'a> {
+    recording: &'a Trajectories,
+    period: f64,
+}
+
+impl Moments<'_> {
+    /// The frames about a time; `None` before the first, after the last, and in gaps.
+    #[must_use]
+    pub fn between(&self, time: f64) -> Option<Between> {
+        let times = &self.recording.times;
         // Times of files are rounded: what lies a hair outside is the frame.
-        let hair = 1e-3 * self.period();
-        let after = self.times.partition_point(|other| *other < time - hair);
-        let end = *self.times.get(after)?;
+        let hair = 1e-3 * self.period;
+        let after = times.partition_point(|other| *other < time - hair);
+        let end = *times.get(after)?;
         if end <= time + hair {
             return Some(Between { before: after, after, share: 0.0 });
         }
         let before = after.checked_sub(1)?;
-        let length = end - self.times[before];
-        (length <= most).then(|| Between { before, after, share: (time - self.times[before]) / length })
+        let length = end - times[before];
+        let share = (time - times[before]) / length;
+        (length <= 2.5 * self.period).then_some(Between { before, after, share })
     }
 
-    /// The joints at a time, between two frames straight. Nothing is made up in gaps longer than 2.5 frames.
+    /// The joints at a time.
     #[must_use]
     pub fn points_at(&self, time: f64) -> Vec<Option<DVec3>> {
-        let Some(Between { before, after, share }) = self.between(time, 2.5 * self.period()) else {
-            return vec![None; self.joints.len()];
+        let Some(Between { before, after, share }) = self.between(time) else {
+            return vec![None; self.recording.joints.len()];
         };
-        let (a, b) = (&self.points[before], &self.points[after]);
+        let (a, b) = (&self.recording.points[before], &self.recording.points[after]);
         a.iter().zip(b).map(|(a, b)| Some((*a)?.lerp((*b)?, share))).collect()
     }
+}
 
-    /// A value of each frame at a time, in the same way.
+impl Between {
+    /// The value there of a curve that has one a frame.
     #[must_use]
-    pub fn value_at(&self, curve: &[Option<f64>], time: f64) -> Option<f64> {
-        let Between { before, after, share } = self.between(time, 2.5 * self.period())?;
-        let (a, b) = (curve[before]?, curve[after]?);
-        Some(a + share * (b - a))
+    pub fn value(&self, curve: &[Option<f64>]) -> Option<f64> {
+        let (a, b) = (curve[self.before]?, curve[self.after]?);
+        Some(a + self.share * (b - a))
     }
 }
 
@@ -116,12 +135,14 @@ mod tests {
         let times = vec![0.0, 0.1, 0.2, 0.9];
         let points = [0.0, 1.0, 3.0, 5.0].map(at).to_vec();
         let track = Trajectories { joints, times, points, angles: BTreeMap::new() };
-        assert!(track.points_at(0.15)[0].unwrap().distance(2.0 * DVec3::X) < 1e-12);
-        assert_eq!(track.points_at(0.15)[1], None);
-        assert_eq!(track.points_at(0.200_000_01)[0], Some(3.0 * DVec3::X));
-        assert_eq!([0.5, -0.1, 1.0].map(|time| track.points_at(time)[0]), [None; 3]);
+        let moments = track.moments();
+        assert!(moments.points_at(0.15)[0].unwrap().distance(2.0 * DVec3::X) < 1e-12);
+        assert_eq!(moments.points_at(0.15)[1], None);
+        assert_eq!(moments.points_at(0.200_000_01)[0], Some(3.0 * DVec3::X));
+        assert_eq!([0.5, -0.1, 1.0].map(|time| moments.points_at(time)[0]), [None; 3]);
         let curve = [Some(1.0), Some(2.0), None, Some(0.0)];
-        assert_eq!(track.value_at(&curve, 0.05), Some(1.5));
-        assert_eq!(track.value_at(&curve, 0.15), None);
+        let value_at = |time: f64| moments.between(time).and_then(|between| between.value(&curve));
+        assert_eq!(value_at(0.05), Some(1.5));
+        assert_eq!(value_at(0.15), None);
     }
 }

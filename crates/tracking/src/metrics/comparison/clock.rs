@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::super::angles::JointAngle;
-use super::super::trajectories::Trajectories;
+use super::super::trajectories::{Moments, Trajectories};
 use crate::statistics::{mean, median};
 
 /// Signals that are compared.
@@ -37,7 +37,7 @@ type Signal = Vec<Option<f64>>;
 /// Both recordings' signals, in the same order.
 struct Signals<'a> {
     track: &'a Trajectories,
-    reference: &'a Trajectories,
+    reference: Moments<'a>,
     pairs: Vec<[Signal; 2]>,
     /// Frames of the track whose times are compared.
     frames: Vec<usize>,
@@ -62,7 +62,7 @@ pub(super) fn measure(
     let length = |times: &[f64]| times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
     let share = (length(&reference.times) / length(&track.times).max(step)).min(1.0);
     let fewest = ((LEAST_TOGETHER * share * frames.len() as f64) as usize).max(3);
-    let signals = Signals { track, reference, pairs, frames, fewest };
+    let signals = Signals { track, reference: reference.moments(), pairs, frames, fewest };
     let starts = reference.times[0] - track.times[0];
     let steps = (most / step).ceil() as i64;
     // About equal clocks, and about equal beginnings: files that count from 0, or from where the recording was cut.
@@ -88,13 +88,11 @@ impl Signals<'_> {
     fn difference(&self, offset: f64) -> Option<f64> {
         let (mut sum, mut count, mut together) = (0.0, 0, 0);
         for &frame in &self.frames {
-            let time = self.track.times[frame] + offset;
+            let Some(between) = self.reference.between(self.track.times[frame] + offset) else { continue };
             let before = count;
             for [a, b] in &self.pairs {
-                if let Some(difference) =
-                    a[frame].zip(self.reference.value_at(b, time)).map(|(a, b)| (a - b).abs())
-                {
-                    sum += difference;
+                if let Some((a, b)) = a[frame].zip(between.value(b)) {
+                    sum += (a - b).abs();
                     count += 1;
                 }
             }
@@ -194,8 +192,9 @@ pub(super) fn matched(
     if joints.is_empty() {
         return vec![Vec::new(); track.times.len()];
     }
+    let moments = reference.moments();
     let frame = |(time, ours): (&f64, &Vec<Option<DVec3>>)| {
-        let theirs = reference.points_at(time + offset);
+        let theirs = moments.points_at(time + offset);
         joints.iter().map(|[a, b]| Some([ours[*a]?, theirs[*b]?])).collect()
     };
     track.times.iter().zip(&track.points).map(frame).collect()
