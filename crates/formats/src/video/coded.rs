@@ -8,7 +8,7 @@ use image::RgbImage;
 use super::h264::{self, Stream, StreamHeader};
 use super::index::{Codec, Index, Sample};
 use super::jpeg;
-use super::yuv::Planes;
+use super::yuv::{Colour, Planes};
 use super::{FrameRequest, Sink, VideoProblem};
 use crate::files::FileParts;
 use crate::images::{self, reduced};
@@ -70,6 +70,19 @@ impl Coded {
         }
         let (damaged, reason) = (BTreeSet::new(), None);
         Ok(Self { file, path, index, frame_of, decoder, damaged, reason, decoded: 0 })
+    }
+
+    /// The file on the disk.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.file.memory().is_none().then_some(&self.path)
+    }
+
+    /// What an H.264 stream says of its colours.
+    pub(super) fn colour(&self) -> Option<Colour> {
+        match self.decoder {
+            Decoder::H264 { head, .. } => Some(head.colour),
+            Decoder::Jpeg => None,
+        }
     }
 
     /// What was found to be damaged so far.

@@ -1,5 +1,4 @@
-//! Videos that we do not decode ourselves, by the programs `ffprobe` (what is in the file) and `ffmpeg` (its pictures,
-//! as raw RGB through a pipe).
+//! Videos by the programs `ffprobe` (what is in the file) and `ffmpeg` (its pictures, raw through a pipe).
 //!
 //! The programs get the file's path as one argument of its own, never a shell, and may open nothing else: no playlist,
 //! no network. They are killed when the video is dropped, when they stand still, and end by themselves when the pipe
@@ -17,7 +16,9 @@ use image::RgbImage;
 use tempfile::NamedTempFile;
 
 use super::index::Index;
+use super::orientation::Orientation;
 use super::probe::{self, Probed};
+use super::yuv::{Colour, Planes};
 use super::{FrameRequest, Sink, VideoProblem};
 use crate::files::FileParts;
 use crate::images::reduced;
@@ -44,11 +45,68 @@ impl Default for Programs {
     }
 }
 
+/// How pictures come through the pipe.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Raw {
+    /// RGB, turned as the file says.
+    Rgb,
+    /// The decoder's own planes with 2 × 2 luma samples a chroma sample; a picture that is damaged ends the pipe.
+    Planes { size: [usize; 2], colour: Colour, orientation: Orientation },
+}
+
+impl Raw {
+    fn options(self) -> &'static [&'static str] {
+        match self {
+            Self::Rgb => &[],
+            Self::Planes { .. } => &["-threads", "1", "-noautorotate", "-xerror", "-err_detect", "explode"],
+        }
+    }
+
+    fn pixels(self) -> &'static str {
+        match self {
+            Self::Rgb => "rgb24",
+            Self::Planes { colour: Colour { full_range: true, .. }, .. } => "yuvj420p",
+            Self::Planes { .. } => "yuv420p",
+        }
+    }
+
+    /// Bytes of a picture that is `shown` with this size.
+    fn bytes(self, shown: [usize; 2]) -> usize {
+        match self {
+            Self::Rgb => shown.iter().product::<usize>() * 3,
+            Self::Planes { size: [width, height], .. } => {
+                width * height + 2 * width.div_ceil(2) * height.div_ceil(2)
+            }
+        }
+    }
+
+    fn picture(self, bytes: Vec<u8>, shown: [usize; 2], divisor: usize) -> Result<RgbImage, String> {
+        match self {
+            Self::Rgb => {
+                let [width, height] = shown.map(|side| side as u32);
+                Ok(reduced(RgbImage::from_raw(width, height, bytes).unwrap_or_default(), divisor))
+            }
+            Self::Planes { size, colour, orientation } => {
+                let mut luma = bytes;
+                let mut first = luma.split_off(size[0] * size[1]);
+                let second = first.split_off(first.len() / 2);
+                let planes = Planes { size, planes: [luma, first, second], shift: [1; 2], colour };
+                if planes.is_sound() {
+                    Ok(planes.picture(orientation, divisor))
+                } else {
+                    Err("its planes have other sizes".to_owned())
+                }
+            }
+        }
+    }
+}
+
 /// A video that `ffmpeg` decodes.
 #[derive(Debug)]
 pub(super) struct Piped {
     programs: Programs,
     input: OsString,
+    raw: Raw,
     pub(super) probed: Probed,
     pub(super) notes: Vec<String>,
     running: Option<FfmpegOutput>,
@@ -65,6 +123,7 @@ impl Piped {
         path: &Path,
         codec: Option<String>,
         index: Option<&Index>,
+        raw: Raw,
         programs: &Programs,
     ) -> Result<Self, VideoProblem> {
         let failed = |error| VideoProblem::Read { error };
@@ -89,7 +148,16 @@ impl Piped {
             probed.zero -= begins;
             notes.clone_from(&index.notes);
         }
-        Ok(Self { programs: programs.clone(), input, probed, notes, running: None, decoded: 0, _file: file })
+        Ok(Self {
+            programs: programs.clone(),
+            input,
+            raw,
+            probed,
+            notes,
+            running: None,
+            decoded: 0,
+            _file: file,
+        })
     }
 
     pub(super) fn frame(
@@ -103,19 +171,19 @@ impl Piped {
             Some(running) => running,
             None => self.start(request.frame)?,
         };
+        let failed = |reason| VideoProblem::Frame { frame: request.frame, reason };
         loop {
             let frame = running.next;
-            let bytes =
-                running.read().map_err(|reason| VideoProblem::Frame { frame: request.frame, reason })?;
+            let bytes = running.read().map_err(failed)?;
             self.decoded += 1;
-            let [width, height] = self.probed.size.map(|side| side as u32);
-            let picture = RgbImage::from_raw(width, height, bytes).unwrap_or_default();
+            let picture = |bytes| self.raw.picture(bytes, self.probed.size, request.divisor).map_err(failed);
             if frame == request.frame {
+                let picture = picture(bytes)?;
                 self.running = Some(running);
-                return Ok(reduced(picture, request.divisor));
+                return Ok(picture);
             }
             if frame >= request.keep_from {
-                sink(frame, reduced(picture, request.divisor));
+                sink(frame, picture(bytes)?);
             }
         }
     }
@@ -124,7 +192,7 @@ impl Piped {
     /// the time given, here halfway between the frame and the one before it.
     fn start(&self, frame: usize) -> Result<FfmpegOutput, VideoProblem> {
         let mut command = Command::new(&self.programs.ffmpeg);
-        command.args(["-nostdin", "-v", "quiet"]).args(bounds());
+        command.args(["-nostdin", "-v", "quiet"]).args(bounds()).args(self.raw.options());
         if frame > 0 {
             let seconds = &self.probed.seconds;
             let from = (seconds[frame - 1] + seconds[frame]) / 2.0 + self.probed.zero - self.probed.begins;
@@ -132,8 +200,8 @@ impl Piped {
         }
         command.arg("-i").arg(&self.input).args(["-map", "0:V:0"]);
         command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
-        command.args(["-pix_fmt", "rgb24", "-f", "rawvideo", "pipe:1"]);
-        let bytes = self.probed.size.iter().product::<usize>() * 3;
+        command.args(["-pix_fmt", self.raw.pixels(), "-f", "rawvideo", "pipe:1"]);
+        let bytes = self.raw.bytes(self.probed.size);
         FfmpegOutput::new(command, bytes, frame)
             .map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
     }

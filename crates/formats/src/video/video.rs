@@ -9,7 +9,8 @@ use image::RgbImage;
 
 use super::cache::{FrameCache, Key};
 use super::coded::Coded;
-use super::ffmpeg::{Piped, Programs};
+use super::ffmpeg::{Piped, Programs, Raw};
+use super::in_order::InOrder;
 use super::index::{Codec, Container, Index};
 use super::probe::Probed;
 use super::{FrameRequest, Sink, VideoProblem, avi, boxes, mp4};
@@ -56,7 +57,7 @@ struct Inner {
 
 #[derive(Debug)]
 enum VideoDecoder {
-    Coded(Box<Coded>),
+    Coded(Box<InOrder>),
     Piped(Box<Piped>),
 }
 
@@ -106,7 +107,10 @@ impl Video {
             && !matches!(index.codec, Codec::Other(_))
         {
             match Coded::new(parts, path.to_owned(), index.clone()) {
-                Ok(coded) => return Self::of(path, VideoDecoder::Coded(Box::new(coded)), cache),
+                Ok(coded) => {
+                    let coded = InOrder::new(coded, programs);
+                    return Self::of(path, VideoDecoder::Coded(Box::new(coded)), cache);
+                }
                 Err((file, reason)) => {
                     parts = file;
                     why = Some(format!("{} ({reason})", index.codec.name()));
@@ -118,7 +122,7 @@ impl Video {
             let codec = codec.unwrap_or_else(|| "in a format that Backlit does not decode".to_owned());
             return Err(VideoProblem::NeedsProgram { codec, program: "ffmpeg".to_owned() });
         };
-        let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;
+        let piped = Piped::open(parts, path, codec, index.as_ref(), Raw::Rgb, programs)?;
         Self::of(path, VideoDecoder::Piped(Box::new(piped)), cache)
     }
 
@@ -126,7 +130,7 @@ impl Video {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (size, seconds, codec, notes) = match &source {
             VideoDecoder::Coded(coded) => {
-                let index = &coded.index;
+                let index = &coded.coded.index;
                 let seconds = index.frames.iter().map(|frame| frame.seconds).collect();
                 let size = index.orientation.size(index.size);
                 (size, seconds, index.codec.name().to_owned(), index.notes.clone())
@@ -204,7 +208,7 @@ impl Video {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let found = match &*self.0.source() {
-            VideoDecoder::Coded(coded) => coded.note(),
+            VideoDecoder::Coded(coded) => coded.coded.note(),
             VideoDecoder::Piped(_) => None,
         };
         self.0.notes.iter().cloned().chain(found).collect()
@@ -214,7 +218,7 @@ impl Video {
     #[must_use]
     pub fn decoded_count(&self) -> usize {
         match &*self.0.source() {
-            VideoDecoder::Coded(coded) => coded.decoded,
+            VideoDecoder::Coded(coded) => coded.decoded(),
             VideoDecoder::Piped(piped) => piped.decoded,
         }
     }

@@ -1,0 +1,94 @@
+//! A video that we decode, and that `ffmpeg` decodes where it is installed and frames are asked for in order: in a third of the time, and
+//! the same to the bit. What the two do not agree on, or `ffmpeg` finds damaged, is ours to decode.
+
+use image::RgbImage;
+
+use super::coded::Coded;
+use super::ffmpeg::{Piped, Programs, Raw};
+use super::{FrameRequest, Sink, VideoProblem};
+use crate::{DiskFiles, TakeFiles};
+
+/// Pictures that are decoded here before the program is started, which takes as long as some of them.
+const BEFORE: usize = 16;
+/// How far apart frames in order may be: what lies between is decoded by both.
+const MAX_STEP: usize = 48;
+
+/// A video of our decoder, with the program's beside it.
+#[derive(Debug)]
+pub(super) struct InOrder {
+    pub(super) coded: Coded,
+    program: Program,
+    /// The frame that was asked for last.
+    last: usize,
+}
+
+/// Where the program stands.
+#[derive(Debug)]
+enum Program {
+    /// Not asked yet.
+    Waiting(Programs),
+    /// Its first picture was ours.
+    Running(Box<Piped>),
+    /// It is not installed, or of another opinion.
+    Unused,
+}
+
+impl InOrder {
+    pub(super) fn new(coded: Coded, programs: Option<&Programs>) -> Self {
+        let program = programs.cloned().map_or(Program::Unused, Program::Waiting);
+        Self { coded, program, last: usize::MAX }
+    }
+
+    /// Pictures decoded so far.
+    pub(super) fn decoded(&self) -> usize {
+        let Program::Running(piped) = &self.program else { return self.coded.decoded };
+        self.coded.decoded + piped.decoded
+    }
+
+    /// A frame's picture. Others that are decoded on the way go to `sink`.
+    pub(super) fn frame(
+        &mut self,
+        request: FrameRequest,
+        sink: &mut Sink<'_>,
+    ) -> Result<RgbImage, VideoProblem> {
+        let step = request.frame.wrapping_sub(std::mem::replace(&mut self.last, request.frame));
+        if self.coded.decoded < BEFORE || !(1..=MAX_STEP).contains(&step) {
+            return self.coded.frame(request, sink);
+        }
+        match std::mem::replace(&mut self.program, Program::Unused) {
+            Program::Unused => self.coded.frame(request, sink),
+            Program::Running(mut piped) => match piped.frame(request, sink) {
+                Ok(picture) => {
+                    self.program = Program::Running(piped);
+                    Ok(picture)
+                }
+                Err(_) => self.coded.frame(request, sink),
+            },
+            Program::Waiting(programs) => {
+                let ours = self.coded.frame(request, sink)?;
+                let theirs = self.piped(&programs).and_then(|mut piped| {
+                    let picture = piped.frame(request, sink).ok()?;
+                    Some((picture, piped))
+                });
+                if let Some((picture, piped)) = theirs
+                    && picture == ours
+                {
+                    self.program = Program::Running(Box::new(piped));
+                }
+                Ok(ours)
+            }
+        }
+    }
+
+    /// The video as the program sees it, if it sees the same frames in a file of the disk.
+    fn piped(&self, programs: &Programs) -> Option<Piped> {
+        let (path, index) = (self.coded.path()?, &self.coded.index);
+        let raw =
+            Raw::Planes { size: index.size, colour: self.coded.colour()?, orientation: index.orientation };
+        let parts = DiskFiles.parts(path).ok()?;
+        let piped = Piped::open(parts, path, None, Some(index), raw, programs).ok()?;
+        let same = piped.probed.seconds.len() == index.frames.len()
+            && piped.probed.size == index.orientation.size(index.size);
+        same.then_some(piped)
+    }
+}
