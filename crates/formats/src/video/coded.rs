@@ -85,6 +85,16 @@ impl Coded {
         }
     }
 
+    /// How many pictures have to be decoded for a frame, as far as the container knows.
+    pub(super) fn decodes_for(&self, frame: usize) -> usize {
+        let target = self.index.frames[frame].sample;
+        let Decoder::H264 { state, .. } = &self.decoder else { return 1 };
+        let key = self.index.key_before(target);
+        let next = state.as_ref().filter(|state| state.next <= target && key <= state.next);
+        let is_waiting = state.as_ref().is_some_and(|state| state.waiting.contains_key(&frame));
+        if is_waiting { 0 } else { target + 1 - next.map_or(key, |state| state.next) }
+    }
+
     /// What was found to be damaged so far.
     pub(super) fn note(&self) -> Option<String> {
         let (first, last) = (self.damaged.first()?, self.damaged.last()?);

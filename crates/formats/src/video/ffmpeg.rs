@@ -160,16 +160,21 @@ impl Piped {
         })
     }
 
+    /// Whether the program runs, and will soon have this frame.
+    pub(super) fn comes_to(&self, frame: usize) -> bool {
+        let running = self.running.as_ref();
+        running.is_some_and(|running| (running.next..=running.next + MAX_SKIPPED).contains(&frame))
+    }
+
     pub(super) fn frame(
         &mut self,
         request: FrameRequest,
         sink: &mut Sink<'_>,
     ) -> Result<RgbImage, VideoProblem> {
-        let near =
-            |running: &FfmpegOutput| (running.next..=running.next + MAX_SKIPPED).contains(&request.frame);
-        let mut running = match self.running.take().filter(near) {
-            Some(running) => running,
-            None => self.start(request.frame)?,
+        let comes = self.comes_to(request.frame);
+        let mut running = match self.running.take() {
+            Some(running) if comes => running,
+            _ => self.start(request.frame)?,
         };
         let failed = |reason| VideoProblem::Frame { frame: request.frame, reason };
         loop {

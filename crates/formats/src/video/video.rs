@@ -9,8 +9,8 @@ use image::RgbImage;
 
 use super::cache::{FrameCache, Key};
 use super::coded::Coded;
+use super::decoder::FasterOfTwo;
 use super::ffmpeg::{Piped, Programs, Raw};
-use super::in_order::InOrder;
 use super::index::{Codec, Container, Index};
 use super::probe::Probed;
 use super::{FrameRequest, Sink, VideoProblem, avi, boxes, mp4};
@@ -57,7 +57,7 @@ struct Inner {
 
 #[derive(Debug)]
 enum VideoDecoder {
-    Coded(Box<InOrder>),
+    Coded(Box<FasterOfTwo>),
     Piped(Box<Piped>),
 }
 
@@ -108,7 +108,7 @@ impl Video {
         {
             match Coded::new(parts, path.to_owned(), index.clone()) {
                 Ok(coded) => {
-                    let coded = InOrder::new(coded, programs);
+                    let coded = FasterOfTwo::new(coded, programs);
                     return Self::of(path, VideoDecoder::Coded(Box::new(coded)), cache);
                 }
                 Err((file, reason)) => {

@@ -1,5 +1,5 @@
-//! A video that we decode, and that `ffmpeg` decodes where it is installed and frames are asked for in order: in a third of the time, and
-//! the same to the bit. What the two do not agree on, or `ffmpeg` finds damaged, is ours to decode.
+//! A video that we decode, and that `ffmpeg` decodes where it is installed and many pictures are to be decoded: in a third of the time,
+//! and the same to the bit. What the two do not agree on, or `ffmpeg` finds damaged, is ours to decode.
 
 use image::RgbImage;
 
@@ -8,16 +8,16 @@ use super::ffmpeg::{Piped, Programs, Raw};
 use super::{FrameRequest, Sink, VideoProblem};
 use crate::{DiskFiles, TakeFiles};
 
-/// Pictures that are decoded here before the program is started, which takes as long as some of them.
-const BEFORE: usize = 16;
-/// How far apart frames in order may be: what lies between is decoded by both.
-const MAX_STEP: usize = 48;
+/// To start the program takes as long as to decode so many pictures here.
+const START: usize = 12;
 
 /// A video of our decoder, with the program's beside it.
 #[derive(Debug)]
-pub(super) struct InOrder {
+pub(super) struct FasterOfTwo {
     pub(super) coded: Coded,
     program: Program,
+    /// Pictures that were decoded here for frames in order.
+    spent: usize,
     /// The frame that was asked for last.
     last: usize,
 }
@@ -33,10 +33,10 @@ enum Program {
     Unused,
 }
 
-impl InOrder {
+impl FasterOfTwo {
     pub(super) fn new(coded: Coded, programs: Option<&Programs>) -> Self {
         let program = programs.cloned().map_or(Program::Unused, Program::Waiting);
-        Self { coded, program, last: usize::MAX }
+        Self { coded, program, spent: 0, last: usize::MAX }
     }
 
     /// Pictures decoded so far.
@@ -51,8 +51,11 @@ impl InOrder {
         request: FrameRequest,
         sink: &mut Sink<'_>,
     ) -> Result<RgbImage, VideoProblem> {
-        let step = request.frame.wrapping_sub(std::mem::replace(&mut self.last, request.frame));
-        if self.coded.decoded < BEFORE || !(1..=MAX_STEP).contains(&step) {
+        let follows = request.frame.checked_sub(1) == Some(std::mem::replace(&mut self.last, request.frame));
+        let cost = self.coded.decodes_for(request.frame);
+        self.spent = cost + if follows { self.spent } else { 0 };
+        let comes = matches!(&self.program, Program::Running(piped) if piped.comes_to(request.frame));
+        if !comes && self.spent < START {
             return self.coded.frame(request, sink);
         }
         match std::mem::replace(&mut self.program, Program::Unused) {
