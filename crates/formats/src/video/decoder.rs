@@ -8,7 +8,7 @@ use super::ffmpeg::{Piped, Programs, Raw};
 use super::{FrameRequest, Sink, VideoProblem};
 use crate::{DiskFiles, TakeFiles};
 
-/// To start the program takes as long as to decode so many pictures here.
+/// Starting the program takes as long as decoding this many pictures here.
 const START: usize = 12;
 
 /// A video of our decoder, with the program's beside it.
