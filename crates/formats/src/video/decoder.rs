@@ -27,8 +27,8 @@ pub(super) struct FasterOfTwo {
 enum Program {
     /// Not asked yet.
     Waiting(Programs),
-    /// Its first picture was ours.
-    Running(Box<Piped>),
+    /// Its first picture of this reduction was ours.
+    Running { piped: Box<Piped>, divisor: usize },
     /// It is not installed, or of another opinion.
     Unused,
 }
@@ -41,7 +41,7 @@ impl FasterOfTwo {
 
     /// Pictures decoded so far.
     pub(super) fn decoded(&self) -> usize {
-        let Program::Running(piped) = &self.program else { return self.coded.decoded };
+        let Program::Running { piped, .. } = &self.program else { return self.coded.decoded };
         self.coded.decoded + piped.decoded
     }
 
@@ -54,33 +54,29 @@ impl FasterOfTwo {
         let follows = request.frame.checked_sub(1) == Some(std::mem::replace(&mut self.last, request.frame));
         let cost = self.coded.decodes_for(request.frame);
         self.spent = cost + if follows { self.spent } else { 0 };
-        let comes = matches!(&self.program, Program::Running(piped) if piped.comes_to(request.frame));
+        let comes = matches!(&self.program, Program::Running { piped, .. } if piped.comes_to(request));
         if !comes && self.spent < START {
             return self.coded.frame(request, sink);
         }
-        match std::mem::replace(&mut self.program, Program::Unused) {
-            Program::Unused => self.coded.frame(request, sink),
-            Program::Running(mut piped) => match piped.frame(request, sink) {
-                Ok(picture) => {
-                    self.program = Program::Running(piped);
-                    Ok(picture)
-                }
-                Err(_) => self.coded.frame(request, sink),
-            },
-            Program::Waiting(programs) => {
-                let ours = self.coded.frame(request, sink)?;
-                let theirs = self.piped(&programs).and_then(|mut piped| {
-                    let picture = piped.frame(request, sink).ok()?;
-                    Some((picture, piped))
-                });
-                if let Some((picture, piped)) = theirs
-                    && picture == ours
-                {
-                    self.program = Program::Running(Box::new(piped));
-                }
-                Ok(ours)
+        let mut piped = match std::mem::replace(&mut self.program, Program::Unused) {
+            Program::Unused => None,
+            Program::Waiting(programs) => self.piped(&programs).map(Box::new),
+            Program::Running { mut piped, divisor } if divisor == request.divisor => {
+                let Ok(picture) = piped.frame(request, sink) else { return self.coded.frame(request, sink) };
+                self.program = Program::Running { piped, divisor };
+                return Ok(picture);
             }
+            Program::Running { piped, .. } => Some(piped),
+        };
+        let ours = self.coded.frame(request, sink)?;
+        // Other sizes come by other code of the program: each is compared once.
+        let theirs = piped.as_mut().and_then(|piped| piped.frame(request, &mut |_, _| ()).ok());
+        if let Some(piped) = piped
+            && theirs.is_some_and(|theirs| theirs == ours)
+        {
+            self.program = Program::Running { piped, divisor: request.divisor };
         }
+        Ok(ours)
     }
 
     /// The video as the program sees it, if it sees the same frames in a file of the disk.

@@ -62,37 +62,73 @@ impl Raw {
         }
     }
 
-    fn pixels(self) -> &'static str {
+    /// How many times smaller the program makes the pictures, so that fewer bytes go through the pipe: planes by the whole divisor,
+    /// where their averages are those of [`Planes::picture`] to the bit.
+    fn reduction(self, divisor: usize) -> usize {
         match self {
-            Self::Rgb => "rgb24",
-            Self::Planes { colour: Colour { full_range: true, .. }, .. } => "yuvj420p",
-            Self::Planes { .. } => "yuv420p",
+            Self::Planes { size, .. }
+                if divisor.is_multiple_of(2) && size.iter().all(|side| side.is_multiple_of(divisor)) =>
+            {
+                divisor
+            }
+            _ => 1,
         }
+    }
+
+    /// The options for pictures at a part of their size.
+    fn output(self, reduction: usize) -> Vec<String> {
+        let [mut layout, mut full_range] = ["yuv420p", "yuvj420p"];
+        let mut options = Vec::new();
+        let pixels = match self {
+            Self::Rgb => "rgb24",
+            Self::Planes { size, colour, .. } => {
+                if reduction > 1 {
+                    // Chroma is then as large as luma.
+                    [layout, full_range] = ["yuv444p", "yuvj444p"];
+                    let [width, height] = size.map(|side| side / reduction);
+                    let scale = format!("scale={width}:{height}:flags=area+accurate_rnd+bitexact");
+                    options = ["-filter_threads", "1", "-vf"].map(str::to_owned).into();
+                    options.push(scale);
+                }
+                if colour.full_range { full_range } else { layout }
+            }
+        };
+        options.extend(["-pix_fmt", pixels].map(str::to_owned));
+        options
     }
 
     /// Bytes of a picture that is `shown` with this size.
-    fn bytes(self, shown: [usize; 2]) -> usize {
+    fn bytes(self, shown: [usize; 2], reduction: usize) -> usize {
         match self {
             Self::Rgb => shown.iter().product::<usize>() * 3,
-            Self::Planes { size: [width, height], .. } => {
+            Self::Planes { size: [width, height], .. } if reduction == 1 => {
                 width * height + 2 * width.div_ceil(2) * height.div_ceil(2)
             }
+            Self::Planes { size, .. } => 3 * size.iter().map(|side| side / reduction).product::<usize>(),
         }
     }
 
-    fn picture(self, bytes: Vec<u8>, shown: [usize; 2], divisor: usize) -> Result<RgbImage, String> {
+    fn picture(
+        self,
+        bytes: Vec<u8>,
+        shown: [usize; 2],
+        divisor: usize,
+        reduction: usize,
+    ) -> Result<RgbImage, String> {
         match self {
             Self::Rgb => {
                 let [width, height] = shown.map(|side| side as u32);
                 Ok(reduced(RgbImage::from_raw(width, height, bytes).unwrap_or_default(), divisor))
             }
             Self::Planes { size, colour, orientation } => {
+                let size = size.map(|side| side / reduction);
                 let mut luma = bytes;
                 let mut first = luma.split_off(size[0] * size[1]);
                 let second = first.split_off(first.len() / 2);
-                let planes = Planes { size, planes: [luma, first, second], shift: [1; 2], colour };
+                let shift = if reduction == 1 { [1; 2] } else { [0; 2] };
+                let planes = Planes { size, planes: [luma, first, second], shift, colour };
                 if planes.is_sound() {
-                    Ok(planes.picture(orientation, divisor))
+                    Ok(planes.picture(orientation, divisor / reduction))
                 } else {
                     Err("its planes have other sizes".to_owned())
                 }
@@ -160,10 +196,12 @@ impl Piped {
         })
     }
 
-    /// Whether the program runs, and will soon have this frame.
-    pub(super) fn comes_to(&self, frame: usize) -> bool {
-        let running = self.running.as_ref();
-        running.is_some_and(|running| (running.next..=running.next + MAX_SKIPPED).contains(&frame))
+    /// Whether the program runs, and will soon have this frame in this size.
+    pub(super) fn comes_to(&self, request: FrameRequest) -> bool {
+        self.running.as_ref().is_some_and(|running| {
+            running.reduction == self.raw.reduction(request.divisor)
+                && (running.next..=running.next + MAX_SKIPPED).contains(&request.frame)
+        })
     }
 
     pub(super) fn frame(
@@ -171,17 +209,19 @@ impl Piped {
         request: FrameRequest,
         sink: &mut Sink<'_>,
     ) -> Result<RgbImage, VideoProblem> {
-        let comes = self.comes_to(request.frame);
+        let comes = self.comes_to(request);
         let mut running = match self.running.take() {
             Some(running) if comes => running,
-            _ => self.start(request.frame)?,
+            _ => self.start(request)?,
         };
+        let reduction = running.reduction;
         let failed = |reason| VideoProblem::Frame { frame: request.frame, reason };
         loop {
             let frame = running.next;
             let bytes = running.read().map_err(failed)?;
             self.decoded += 1;
-            let picture = |bytes| self.raw.picture(bytes, self.probed.size, request.divisor).map_err(failed);
+            let picture =
+                |bytes| self.raw.picture(bytes, self.probed.size, request.divisor, reduction).map_err(failed);
             if frame == request.frame {
                 let picture = picture(bytes)?;
                 self.running = Some(running);
@@ -193,9 +233,10 @@ impl Piped {
         }
     }
 
-    /// Starts `ffmpeg` so that `frame` comes first: it decodes from the key before and leaves out what is shown before
+    /// Starts `ffmpeg` so that the frame comes first: it decodes from the key before and leaves out what is shown before
     /// the time given, here halfway between the frame and the one before it.
-    fn start(&self, frame: usize) -> Result<FfmpegOutput, VideoProblem> {
+    fn start(&self, FrameRequest { frame, divisor, .. }: FrameRequest) -> Result<FfmpegOutput, VideoProblem> {
+        let reduction = self.raw.reduction(divisor);
         let mut command = Command::new(&self.programs.ffmpeg);
         command.args(["-nostdin", "-v", "quiet"]).args(bounds()).args(self.raw.options());
         if frame > 0 {
@@ -205,9 +246,9 @@ impl Piped {
         }
         command.arg("-i").arg(&self.input).args(["-map", "0:V:0"]);
         command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
-        command.args(["-pix_fmt", self.raw.pixels(), "-f", "rawvideo", "pipe:1"]);
-        let bytes = self.raw.bytes(self.probed.size);
-        FfmpegOutput::new(command, bytes, frame)
+        command.args(self.raw.output(reduction)).args(["-f", "rawvideo", "pipe:1"]);
+        let bytes = self.raw.bytes(self.probed.size, reduction);
+        FfmpegOutput::new(command, bytes, reduction, frame)
             .map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
     }
 }
@@ -266,13 +307,15 @@ impl Drop for Process {
 struct FfmpegOutput {
     /// The frame that comes next.
     next: usize,
+    /// How many times smaller its pictures are.
+    reduction: usize,
     frames: Option<Receiver<Vec<u8>>>,
     process: Option<Process>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl FfmpegOutput {
-    fn new(command: Command, bytes: usize, next: usize) -> std::io::Result<Self> {
+    fn new(command: Command, bytes: usize, reduction: usize, next: usize) -> std::io::Result<Self> {
         let (process, mut output) = Process::start(command)?;
         let (sender, frames) = sync_channel(AHEAD);
         let thread = std::thread::Builder::new().name("video".to_owned()).spawn(move || {
@@ -283,7 +326,7 @@ impl FfmpegOutput {
                 }
             }
         })?;
-        Ok(Self { next, frames: Some(frames), process: Some(process), thread: Some(thread) })
+        Ok(Self { next, reduction, frames: Some(frames), process: Some(process), thread: Some(thread) })
     }
 
     fn read(&mut self) -> Result<Vec<u8>, String> {
@@ -356,7 +399,7 @@ mod tests {
         // Any program that would run for long will do.
         let mut command = Command::new("sleep");
         command.arg("1000");
-        let Ok(running) = FfmpegOutput::new(command, 3, 0) else { return };
+        let Ok(running) = FfmpegOutput::new(command, 3, 1, 0) else { return };
         let before = std::time::Instant::now();
         drop(running);
         assert!(before.elapsed() < Duration::from_secs(10));

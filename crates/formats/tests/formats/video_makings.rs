@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use backlit_formats::video::Video;
+use backlit_formats::{DiskFiles, TakeFiles};
 
 use crate::videos::{has_ffmpeg, skipped};
 
@@ -59,6 +60,23 @@ fn check(folder: &Path, file: &str, tolerance: u8) {
     let anywhere = Video::open(&folder.join(file)).unwrap();
     (0..12).map(|k| (frames.len() - 1) * (k * 5 % 12) / 11).for_each(|frame| agrees(&anywhere, frame));
     assert!(video.notes().is_empty(), "{file}: {:?}", video.notes());
+    smaller_pictures_are_ours(&folder.join(file));
+}
+
+/// `ffmpeg` makes pictures smaller before they go through its pipe: they are those that our own decoder gives.
+fn smaller_pictures_are_ours(path: &Path) {
+    let Ok(ours) = Video::decoded_here(DiskFiles.parts(path).unwrap(), path) else { return };
+    let both = Video::open(path).unwrap();
+    for divisor in [4, 2, 3, 8, 1] {
+        for frame in 0..ours.frame_count() {
+            let [ours, both] = [&ours, &both].map(|video| video.frame_reduced(frame, divisor).unwrap());
+            assert!(ours == both, "{}: frame {frame} at 1/{divisor}", path.display());
+        }
+    }
+    // Without key frames it shows others where it begins in the middle, and it rounds other layouts differently; JPEGs are ours.
+    let is_ours = ["refresh.mp4", "ten.mp4", "half.mp4"].iter().any(|name| path.ends_with(name));
+    let is_ours = is_ours || ours.codec() != "H.264";
+    assert_eq!(both.decoded_count() > ours.decoded_count(), !is_ours, "{}", path.display());
 }
 
 /// When `ffprobe` says that frames are shown.
