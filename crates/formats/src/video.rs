@@ -22,7 +22,7 @@ mod samples;
 mod video;
 mod yuv;
 
-pub use cache::{DEFAULT_CACHE_MB, FrameCache};
+pub use cache::FrameCache;
 pub use video::Video;
 
 use backlit_tracking::camera::MAX_PIXELS;

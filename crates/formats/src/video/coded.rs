@@ -95,6 +95,12 @@ impl Coded {
         if is_waiting { 0 } else { target + 1 - next.map_or(key, |state| state.next) }
     }
 
+    /// The frame that is shown `count` after the key that a frame is decoded from, or the frame where that is earlier.
+    pub(super) fn frame_after_key(&self, frame: usize, count: usize) -> usize {
+        let key = self.index.key_before(self.index.frames[frame].sample);
+        self.frame_of[key].map_or(frame, |key| frame.min(key + count))
+    }
+
     /// What was found to be damaged so far.
     pub(super) fn note(&self) -> Option<String> {
         let (first, last) = (self.damaged.first()?, self.damaged.last()?);

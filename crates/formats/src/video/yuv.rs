@@ -115,13 +115,8 @@ impl Planes {
         for row in 0..height {
             if row & ((1 << self.shift[1]) - 1) == 0 {
                 let from = (row >> self.shift[1]) * chroma_width;
-                let chroma = u[from..from + chroma_width].iter().zip(&v[from..]);
-                for (block, (&u, &v)) in chroma.enumerate() {
-                    let columns = block << self.shift[0]..(block + 1) << self.shift[0];
-                    for (terms, term) in terms.iter_mut().zip(matrix.chroma(u, v)) {
-                        terms[columns.clone()].fill(term);
-                    }
-                }
+                let chroma = [u, v].map(|plane| &plane[from..from + chroma_width]);
+                matrix.terms(chroma, self.shift[0], &mut terms);
             }
             let luma = &y[row * width..(row + 1) * width];
             matrix.row(luma, &terms, &mut out[row * width * 3..(row + 1) * width * 3]);
@@ -168,6 +163,23 @@ impl Matrix {
         let (u, v) = (i16::from(u) - 128, i16::from(v) - 128);
         let green = product(u, self.green[0]) + product(v, self.green[1]);
         [product(v, self.red_v), green, product(u, self.blue_u)]
+    }
+
+    /// What a row of chroma adds, a term a pixel: each sample stands for its block.
+    fn terms(&self, [u, v]: [&[u8]; 2], shift: u32, [red, green, blue]: &mut [Vec<i16>; 3]) {
+        let samples = u.iter().zip(v).map(|(&u, &v)| self.chroma(u, v));
+        if shift == 0 {
+            for (((red, green), blue), terms) in red.iter_mut().zip(green).zip(blue).zip(samples) {
+                [*red, *green, *blue] = terms;
+            }
+            return;
+        }
+        for (block, terms) in samples.enumerate() {
+            let columns = block << shift..(block + 1) << shift;
+            for (all, term) in [&mut *red, green, blue].into_iter().zip(terms) {
+                all[columns.clone()].fill(term);
+            }
+        }
     }
 
     /// A row of pixels.

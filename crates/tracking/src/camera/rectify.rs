@@ -10,6 +10,7 @@
 
 use glam::DVec2;
 use image::RgbImage;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::Camera;
 
@@ -80,24 +81,11 @@ impl Rectification {
             return Some(image.clone());
         }
         let mut out = RgbImage::new(image.width(), image.height());
-        let pixels = image.as_raw();
-        for (mixed, source) in out.chunks_exact_mut(3).zip(&self.sources) {
-            if source.corner == NOWHERE {
-                continue;
-            }
-            let corner = 3 * source.corner as usize;
-            // A neighbour beyond the edge has no weight: any pixel will do for it.
-            let right = if source.right > 0 { 3 } else { 0 };
-            let down = if source.down > 0 { 3 * self.width } else { 0 };
-            let (wx, wy) = (u32::from(source.right), u32::from(source.down));
-            let weights = [(STEPS - wx) * (STEPS - wy), wx * (STEPS - wy), (STEPS - wx) * wy, wx * wy];
-            let mut sums = [STEPS * STEPS / 2; 3];
-            for (weight, offset) in weights.into_iter().zip([0, right, down, down + right]) {
-                let neighbour = &pixels[corner + offset..][..3];
-                sums.iter_mut().zip(neighbour).for_each(|(sum, &level)| *sum += weight * u32::from(level));
-            }
-            mixed.iter_mut().zip(sums).for_each(|(value, sum)| *value = (sum / (STEPS * STEPS)) as u8);
-        }
+        let mut pixels = Vec::with_capacity(image.len() + READ_BYTES);
+        pixels.extend_from_slice(image.as_raw());
+        pixels.extend([0; READ_BYTES]);
+        let mix = Mix { sources: &self.sources, pixels: &pixels, row: 3 * self.width, out: &mut out };
+        Arch::new().dispatch(mix);
         Some(out)
     }
 
@@ -122,6 +110,74 @@ impl Rectification {
         };
         Some(self.sources.iter().map(at).collect())
     }
+}
+
+/// Pixels that are mixed together, as vectors do it.
+const LANES: usize = 16;
+/// Bytes that are read for a pixel and its right neighbour; the picture is longer by as many.
+const READ_BYTES: usize = 8;
+
+/// Mixes each pixel from its four; `row` is the length of a row in bytes.
+struct Mix<'a> {
+    sources: &'a [MixedPixel],
+    pixels: &'a [u8],
+    row: usize,
+    out: &'a mut [u8],
+}
+
+impl WithSimd for Mix<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (sources, rest) = self.sources.as_chunks::<LANES>();
+        let (out, last) = self.out.as_chunks_mut::<{ 3 * LANES }>();
+        for (sources, out) in sources.iter().zip(out) {
+            *out = mixed(self.pixels, self.row, sources);
+        }
+        let mut sources = [MixedPixel { corner: NOWHERE, right: 0, down: 0 }; LANES];
+        sources[..rest.len()].copy_from_slice(rest);
+        last.copy_from_slice(&mixed(self.pixels, self.row, &sources)[..last.len()]);
+    }
+}
+
+/// The pixels of some sources. A neighbour beyond the edge has no weight: any pixel will do for it.
+#[inline(always)]
+fn mixed(pixels: &[u8], row: usize, sources: &[MixedPixel; LANES]) -> [u8; 3 * LANES] {
+    let [mut left, mut right, mut below_left, mut below_right] = [[0_u32; LANES]; 4];
+    let pair = |at: usize| {
+        let bytes = pixels.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; READ_BYTES]);
+        let levels = u64::from_le_bytes(bytes);
+        [levels as u32, (levels >> 24) as u32]
+    };
+    for (k, source) in sources.iter().enumerate() {
+        if source.corner != NOWHERE {
+            let corner = 3 * source.corner as usize;
+            let below = if source.down > 0 { corner + row } else { corner };
+            [left[k], right[k]] = pair(corner);
+            [below_left[k], below_right[k]] = pair(below);
+        }
+    }
+    let (across, down) =
+        (sources.map(|source| source.right.into()), sources.map(|source| source.down.into()));
+    let mut levels = [0_u32; LANES];
+    for k in 0..LANES {
+        let between = |a: u32, b: u32, step: u32| a * (STEPS - step) + b * step;
+        let channel = |bits: u32| {
+            let [left, right, below_left, below_right] =
+                [left[k], right[k], below_left[k], below_right[k]].map(|levels| (levels >> bits) & 0xff);
+            let [above, below] =
+                [between(left, right, across[k]), between(below_left, below_right, across[k])];
+            (between(above, below, down[k]) + STEPS * STEPS / 2) / (STEPS * STEPS) << bits
+        };
+        levels[k] = channel(0) | channel(8) | channel(16);
+    }
+    let mut out = [0; 3 * LANES];
+    for (out, levels) in out.as_chunks_mut().0.iter_mut().zip(levels) {
+        let [red, green, blue, _] = levels.to_le_bytes();
+        *out = [red, green, blue];
+    }
+    out
 }
 
 fn source(camera: &Camera, ideal: DVec2) -> MixedPixel {
@@ -189,6 +245,28 @@ mod tests {
         }
         assert!(seen > 5000, "only {seen} pixels have data");
         assert_eq!(rectification.rectify(&RgbImage::new(10, 10)), None);
+    }
+
+    #[test]
+    fn a_mixed_pixel_is_the_weighted_sum_of_its_four() {
+        let camera = bent_camera();
+        let rectification = Rectification::new(&camera);
+        let level = |x: u32, y: u32, channel: u32| ((x * 37 + y * 91 + channel * 53) % 256) as u8;
+        let picture = RgbImage::from_fn(96, 64, |x, y| Rgb([0, 1, 2].map(|channel| level(x, y, channel))));
+        let ideal = rectification.rectify(&picture).unwrap();
+        for (source, pixel) in rectification.sources.iter().zip(ideal.pixels()) {
+            let (x, y) = (source.corner % 96, source.corner / 96);
+            let [right, down] = [source.right, source.down].map(u32::from);
+            let mut sums = [STEPS * STEPS / 2; 3];
+            for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let weight = [STEPS - right, right][dx as usize] * [STEPS - down, down][dy as usize];
+                if source.corner != NOWHERE && weight > 0 {
+                    let levels = picture.get_pixel(x + dx, y + dy).0;
+                    sums.iter_mut().zip(levels).for_each(|(sum, level)| *sum += weight * u32::from(level));
+                }
+            }
+            assert_eq!(pixel.0, sums.map(|sum| (sum / (STEPS * STEPS)) as u8), "{source:?}");
+        }
     }
 
     #[test]
