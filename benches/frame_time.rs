@@ -1,8 +1,8 @@
 //! What a frame of the window costs the processor, and how soon a drag shows: the real app without a display.
 //!
-//! `BACKLIT_DATA=… cargo bench -p backlit --bench frame_time`
+//! `BACKLIT_DATA=… cargo bench -p backlit --bench frame_time [-- TAKE]`
 //!
-//! Four views of the real footage (272 × 480); without `BACKLIT_DATA` the built-in take. 1600 × 1000 points. A frame's own
+//! Without a take four views of the real footage (272 × 480); without `BACKLIT_DATA` the built-in take. 1600 × 1000 points. A frame's own
 //! work is everything from input to triangles: panels, edits, requests to the worker, layout, tessellation; it is the
 //! processor's time of the window's thread. The worker has threads of its own, as in the window: how long a frame takes
 //! by the clock, while they share the machine, stands beside that.
@@ -35,9 +35,11 @@ const PATIENCE: Duration = Duration::from_secs(60);
 fn main() {
     let data = std::env::var_os("BACKLIT_DATA").map(PathBuf::from);
     let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing");
-    let source = match data.filter(|data| data.join("balancing").is_dir()) {
-        Some(_) => TakeSource::Path(take),
-        None => TakeSource::BuiltIn,
+    let given = std::env::args_os().skip(1).find(|argument| argument != "--bench");
+    let source = match (given, data.filter(|data| data.join("balancing").is_dir())) {
+        (Some(given), _) => TakeSource::Path(given.into()),
+        (None, Some(_)) => TakeSource::Path(take),
+        (None, None) => TakeSource::BuiltIn,
     };
     println!("\n{source:?}, {} × {} points, {FRAMES} frames each", SIZE.x, SIZE.y);
     println!("{:<46} {:<29} by the clock", "", "own work");
@@ -74,10 +76,15 @@ impl Window {
         let context = egui::Context::default();
         let look = Settings { layout, ..Settings::default() };
         let opening = Some(Opening::Take(source.clone()));
+        let began = Instant::now();
         let app = App::new(context.clone(), AppOptions { settings: look, opening, ..AppOptions::default() })
             .unwrap();
         let mut window = Self { context, app, frames: 0 };
+        window.frame(Vec::new());
+        let first = 1e3 * began.elapsed().as_secs_f64();
         window.settle();
+        let settled = 1e3 * began.elapsed().as_secs_f64();
+        println!("{layout:?}: first frame after {first:.0} ms, all views drawn after {settled:.0} ms");
         window
     }
 
@@ -177,6 +184,18 @@ impl Window {
             }
             behind.push(f64::from(frames));
         }
+        // The same without the display's pace.
+        let mut waits = Vec::new();
+        for index in 0..FRAMES / 3 {
+            let angle = index as f32 * 0.05;
+            let began = Instant::now();
+            self.frame(vec![Event::PointerMoved(from + 14.0 * vec2(angle.sin(), angle.cos() - 1.0))]);
+            while self.app.inspector.state.session.is_stale {
+                std::thread::sleep(Duration::from_micros(500));
+                self.frame(Vec::new());
+            }
+            waits.push(1e3 * began.elapsed().as_secs_f64());
+        }
         let to = from;
         self.frame(vec![button(false, to)]);
         self.settle();
@@ -185,6 +204,9 @@ impl Window {
         let dragged = moved.iter().filter(|moved| **moved).count();
         assert!(dragged > FRAMES / 2, "the hand holds nothing: the pose moved in {dragged} frames");
         print_behind("  pose drawn in that frame, silhouettes after", &mut behind);
+        waits.sort_by(f64::total_cmp);
+        let [median, most] = [0.5, 0.95].map(|share| waits[((waits.len() - 1) as f64 * share) as usize]);
+        println!("{:<44} median {median:.1}, 95 % {most:.1} ms", "  at no pace, silhouettes after");
     }
 
     /// The scene turned in every frame; and how far its picture is behind.

@@ -168,7 +168,7 @@ fn mixed(pixels: &[u8], row: usize, sources: &[MixedPixel; LANES]) -> [u8; 3 * L
                 [left[k], right[k], below_left[k], below_right[k]].map(|levels| (levels >> bits) & 0xff);
             let [above, below] =
                 [between(left, right, across[k]), between(below_left, below_right, across[k])];
-            (between(above, below, down[k]) + STEPS * STEPS / 2) / (STEPS * STEPS) << bits
+            ((between(above, below, down[k]) + STEPS * STEPS / 2) / (STEPS * STEPS)) << bits
         };
         levels[k] = channel(0) | channel(8) | channel(16);
     }
