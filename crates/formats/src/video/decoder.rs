@@ -10,7 +10,7 @@ use crate::{DiskFiles, TakeFiles};
 
 /// Starting the program takes as long as decoding this many pictures here.
 const START: usize = 12;
-/// Frames behind a key frame that the decoders are compared in: it is made from others.
+/// The decoders are compared in the frame that is shown this many after a key frame: it is made from others.
 const COMPARED: usize = 3;
 
 /// A video of our decoder, with the program's beside it.

@@ -62,8 +62,8 @@ impl Raw {
         }
     }
 
-    /// How many times smaller the program makes the pictures, so that fewer bytes go through the pipe: planes by the whole divisor,
-    /// where their averages are those of [`Planes::picture`] to the bit.
+    /// How many times smaller the program makes the pictures, so that fewer bytes go through the pipe. It averages planes as
+    /// [`Planes::picture`] does, to the bit, where the divisor fits the size.
     fn reduction(self, divisor: usize) -> usize {
         match self {
             Self::Planes { size, .. }
