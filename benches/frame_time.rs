@@ -2,8 +2,8 @@
 //!
 //! `BACKLIT_DATA=… cargo bench -p backlit --bench frame_time [-- TAKE]`
 //!
-//! Without a take four views of the real footage (272 × 480); without `BACKLIT_DATA` the built-in take. 1600 × 1000 points. A frame's own
-//! work is everything from input to triangles: panels, edits, requests to the worker, layout, tessellation; it is the
+//! Without a take four views of the real footage (272 × 480); without `BACKLIT_DATA` the built-in take. 1600 × 1000
+//! points. A frame's own work is everything from input to triangles: panels, edits, requests to the worker, layout, tessellation; it is the
 //! processor's time of the window's thread. The worker has threads of its own, as in the window: how long a frame takes
 //! by the clock, while they share the machine, stands beside that.
 
@@ -194,19 +194,16 @@ impl Window {
                 std::thread::sleep(Duration::from_micros(500));
                 self.frame(Vec::new());
             }
-            waits.push(1e3 * began.elapsed().as_secs_f64());
+            waits.push((1e4 * began.elapsed().as_secs_f64()).round() / 10.0);
         }
-        let to = from;
-        self.frame(vec![button(false, to)]);
+        self.frame(vec![button(false, from)]);
         self.settle();
         print_row(&format!("{layout}: dragging, the pointer moves"), &moving);
         print_row(&format!("{layout}: dragging, silhouettes follow"), &showing);
         let dragged = moved.iter().filter(|moved| **moved).count();
         assert!(dragged > FRAMES / 2, "the hand holds nothing: the pose moved in {dragged} frames");
-        print_behind("  pose drawn in that frame, silhouettes after", &mut behind);
-        waits.sort_by(f64::total_cmp);
-        let [median, most] = [0.5, 0.95].map(|share| waits[((waits.len() - 1) as f64 * share) as usize]);
-        println!("{:<44} median {median:.1}, 95 % {most:.1} ms", "  at no pace, silhouettes after");
+        print_behind("  pose drawn in that frame, silhouettes after", &mut behind, "frames");
+        print_behind("  without the display's pace, after", &mut waits, "ms");
     }
 
     /// The scene turned in every frame; and how far its picture is behind.
@@ -235,7 +232,7 @@ impl Window {
         self.settle();
         print_row(&format!("{layout}: turning the scene"), &times);
         assert!(behind.len() > FRAMES / 2, "the scene was drawn {} times", behind.len());
-        print_behind("  picture of the scene", &mut behind);
+        print_behind("  picture of the scene", &mut behind, "frames");
     }
 
     /// Space in every frame: steps are made beside the frames.
@@ -304,8 +301,8 @@ fn print_row(name: &str, times: &[Spent]) {
     println!("{name:<44} {median:>9.2} {most:>9.2} {max:>9.2} {:>9.2} {:>9.2}", clock(0.95), clock(1.0));
 }
 
-fn print_behind(name: &str, frames: &mut [f64]) {
-    frames.sort_by(f64::total_cmp);
-    let at = |share: f64| frames[((frames.len() - 1) as f64 * share) as usize];
-    println!("{name:<44} median {}, 95 % {}, max {} frames", at(0.5), at(0.95), at(1.0));
+fn print_behind(name: &str, waits: &mut [f64], unit: &str) {
+    waits.sort_by(f64::total_cmp);
+    let at = |share: f64| waits[((waits.len() - 1) as f64 * share) as usize];
+    println!("{name:<44} median {}, 95 % {}, max {} {unit}", at(0.5), at(0.95), at(1.0));
 }

@@ -1,9 +1,9 @@
 //! Videos: any frame of a file, exactly, as RGB.
 //!
-//! MP4 and MOV files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything
-//! else, and H.264 that is read in order, by the programs `ffmpeg` and `ffprobe`, where they are installed. Frames are counted in the order in which they
-//! are shown, each has its own time, and the picture is turned as the file says. What is cut or damaged gives the frames
-//! that are there, and a [note](Video::notes).
+//! MP4 and MOV files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything else, and
+//! H.264 of which many pictures are to be decoded, by the programs `ffmpeg` and `ffprobe`, where they are installed. Frames
+//! are counted in the order in which they are shown, each has its own time, and the picture is turned as the file says.
+//! What is cut or damaged gives the frames that are there, and a [note](Video::notes).
 
 mod avi;
 mod boxes;

@@ -10,7 +10,7 @@ use image::RgbImage;
 pub struct FrameCache(Mutex<CachedFrames>);
 
 /// Megabytes that are kept unless something else is set.
-pub(super) const DEFAULT_CACHE_MB: usize = 256;
+const DEFAULT_CACHE_MB: usize = 256;
 
 /// A frame of a video at a divisor of its size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -29,7 +29,7 @@ pub(super) struct FasterOfTwo {
 enum Program {
     /// Not asked yet.
     Waiting(Programs),
-    /// Its first picture of this reduction was ours.
+    /// A picture of it, reduced by this divisor, was ours.
     Running { piped: Box<Piped>, divisor: usize },
     /// It is not installed, or of another opinion.
     Unused,
@@ -78,20 +78,15 @@ impl FasterOfTwo {
             ..=START => request,
             _ => FrameRequest { frame: self.coded.frame_after_key(request.frame, COMPARED), ..request },
         };
-        let ours = self.coded.frame(compared, sink)?;
-        let theirs = piped.frame(compared, &mut |_, _| ()).ok();
-        let agree = theirs.is_some_and(|theirs| theirs == ours);
-        if compared.frame == request.frame {
-            if agree {
-                self.program = Program::Running { piped, divisor: request.divisor };
-            }
-            return Ok(ours);
-        }
-        if agree && let Ok(picture) = piped.frame(request, sink) {
+        let ours = self.coded.frame(compared, sink);
+        let theirs = piped.frame(compared, &mut |_, _| ());
+        if let (Ok(ours), Ok(theirs)) = (&ours, theirs)
+            && *ours == theirs
+        {
             self.program = Program::Running { piped, divisor: request.divisor };
-            return Ok(picture);
         }
-        self.coded.frame(request, sink)
+        // It is known now who decodes: a frame beside the request may be damaged, and the request not.
+        if compared.frame == request.frame { ours } else { self.frame(request, sink) }
     }
 
     /// The video as the program sees it, if it sees the same frames in a file of the disk.

@@ -75,26 +75,21 @@ impl Raw {
         }
     }
 
-    /// The options for pictures at a part of their size.
-    fn output(self, reduction: usize) -> Vec<String> {
-        let [mut layout, mut full_range] = ["yuv420p", "yuvj420p"];
-        let mut options = Vec::new();
+    /// Tells the program how pictures are written.
+    fn output(self, reduction: usize, command: &mut Command) {
         let pixels = match self {
             Self::Rgb => "rgb24",
-            Self::Planes { size, colour, .. } => {
-                if reduction > 1 {
-                    // Chroma is then as large as luma.
-                    [layout, full_range] = ["yuv444p", "yuvj444p"];
-                    let [width, height] = size.map(|side| side / reduction);
-                    let scale = format!("scale={width}:{height}:flags=area+accurate_rnd+bitexact");
-                    options = ["-filter_threads", "1", "-vf"].map(str::to_owned).into();
-                    options.push(scale);
-                }
-                if colour.full_range { full_range } else { layout }
+            Self::Planes { size, colour, .. } if reduction > 1 => {
+                let [width, height] = size.map(|side| side / reduction);
+                let scale = format!("scale={width}:{height}:flags=area+accurate_rnd+bitexact");
+                command.args(["-filter_threads", "1", "-vf", &scale]);
+                // Chroma is then as large as luma.
+                if colour.full_range { "yuvj444p" } else { "yuv444p" }
             }
+            Self::Planes { colour: Colour { full_range: true, .. }, .. } => "yuvj420p",
+            Self::Planes { .. } => "yuv420p",
         };
-        options.extend(["-pix_fmt", pixels].map(str::to_owned));
-        options
+        command.args(["-pix_fmt", pixels, "-f", "rawvideo", "pipe:1"]);
     }
 
     /// Bytes of a picture that is `shown` with this size.
@@ -246,7 +241,7 @@ impl Piped {
         }
         command.arg("-i").arg(&self.input).args(["-map", "0:V:0"]);
         command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
-        command.args(self.raw.output(reduction)).args(["-f", "rawvideo", "pipe:1"]);
+        self.raw.output(reduction, &mut command);
         let bytes = self.raw.bytes(self.probed.size, reduction);
         FfmpegOutput::new(command, bytes, reduction, frame)
             .map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))

@@ -141,3 +141,43 @@ fn edits_and_uneven_times_are_as_ffmpeg_has_them() {
     ffmpeg(&uneven, &source, "uneven.mp4", folder.path()).unwrap();
     check(folder.path(), "uneven.mp4", 0);
 }
+
+/// The decoders are compared near a key frame. What is damaged there says nothing of a later frame that is asked for.
+#[test]
+fn a_damaged_frame_near_a_key_leaves_later_ones_whole() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = ["-f", "lavfi", "-i", "testsrc2=size=96x64:rate=30:duration=1.2"];
+    let x264 = "-c:v libx264 -g 40 -bf 3 -pix_fmt yuv420p -x264-params b-pyramid=none:b-adapt=0:scenecut=0";
+    if ffmpeg(x264, &source, "whole.mp4", folder.path()).is_none() {
+        skipped("damage", "this ffmpeg has no libx264");
+        return;
+    }
+    let mut command = Command::new("ffprobe");
+    command.current_dir(folder.path()).args(["-v", "error", "-select_streams", "v:0"]);
+    command.args(["-show_entries", "packet=pts,pos,size", "-of", "csv=p=0", "whole.mp4"]);
+    let text = String::from_utf8(command.output().unwrap().stdout).unwrap();
+    let number = |text: &str| text.parse::<usize>().unwrap();
+    let mut packets: Vec<[usize; 3]> = text
+        .lines()
+        .map(|line| line.trim_end_matches(',').split(',').map(number).collect::<Vec<_>>())
+        .map(|fields| fields.try_into().unwrap())
+        .collect();
+    packets.sort_unstable();
+    // No picture is made from the third one shown after the key.
+    let [_, size, place] = packets[3];
+    let path = folder.path().join("damaged.mp4");
+    let mut bytes = std::fs::read(folder.path().join("whole.mp4")).unwrap();
+    // The length of its first part is larger than the sample.
+    bytes[place..place + 4].copy_from_slice(&(size as u32 * 2).to_be_bytes());
+    std::fs::write(&path, bytes).unwrap();
+    let frame_of = |video: Video, frame: usize| video.frame(frame).ok();
+    let here = || Video::decoded_here(DiskFiles.parts(&path).unwrap(), &path).unwrap();
+    assert!(frame_of(here(), 3).is_none() && frame_of(here(), 30).is_some());
+    for frame in [3, 13, 20, 30] {
+        let both = Video::open(&path).unwrap();
+        assert!(frame_of(both, frame) == frame_of(here(), frame), "frame {frame}");
+    }
+}
