@@ -185,7 +185,7 @@ impl Window {
             behind.push(f64::from(frames));
         }
         // The same without the display's pace.
-        let mut waits = Vec::new();
+        let (mut waits, mut drawing) = (Vec::new(), Vec::new());
         for index in 0..FRAMES / 3 {
             let angle = index as f32 * 0.05;
             let began = Instant::now();
@@ -194,7 +194,8 @@ impl Window {
                 std::thread::sleep(Duration::from_micros(500));
                 self.frame(Vec::new());
             }
-            waits.push((1e4 * began.elapsed().as_secs_f64()).round() / 10.0);
+            waits.push(tenths_ms(began.elapsed().as_secs_f64()));
+            drawing.extend(self.app.inspector.state.session.predict_seconds.map(tenths_ms));
         }
         self.frame(vec![button(false, from)]);
         self.settle();
@@ -204,6 +205,7 @@ impl Window {
         assert!(dragged > FRAMES / 2, "the hand holds nothing: the pose moved in {dragged} frames");
         print_behind("  pose drawn in that frame, silhouettes after", &mut behind, "frames");
         print_behind("  without the display's pace, after", &mut waits, "ms");
+        print_behind("  of it the worker's drawing", &mut drawing, "ms");
     }
 
     /// The scene turned in every frame; and how far its picture is behind.
@@ -299,6 +301,10 @@ fn print_row(name: &str, times: &[Spent]) {
     let (own, clock) = (sorted(|spent| spent.own), sorted(|spent| spent.clock));
     let [median, most, max] = [0.5, 0.95, 1.0].map(own);
     println!("{name:<44} {median:>9.2} {most:>9.2} {max:>9.2} {:>9.2} {:>9.2}", clock(0.95), clock(1.0));
+}
+
+fn tenths_ms(seconds: f64) -> f64 {
+    (1e4 * seconds).round() / 10.0
 }
 
 fn print_behind(name: &str, waits: &mut [f64], unit: &str) {

@@ -12,9 +12,11 @@ use std::sync::Arc;
 
 use backlit_formats::Footage;
 use backlit_take::demonstration::Demonstration;
+use backlit_take::motion::is_motion;
 use backlit_take::source::TakeSource;
 use backlit_tracking::body::Pose;
 use backlit_tracking::observability::JointUncertainty;
+use backlit_ui::drawing::ViewedPicture;
 
 pub(crate) use backlit_formats::footage::FrameData;
 pub(crate) use frames::SegmentedFrames;
@@ -45,6 +47,8 @@ pub struct Session {
     pub(crate) last_frame: Option<Arc<FrameData>>,
     /// Since when a frame that was read waits for its prediction.
     pub(crate) waits_since: Option<f64>,
+    /// What the views show, by camera: whoever predicts makes these pictures too.
+    pub(crate) viewed: Arc<Vec<Vec<ViewedPicture>>>,
     /// Changes with the pictures on the screen.
     pub(crate) generation: u64,
     /// Where the subject is over the whole take, by camera.
@@ -52,7 +56,7 @@ pub struct Session {
     /// What a Kalman filter believed of frames' joints, by frame.
     pub(crate) beliefs: BTreeMap<usize, BelievedJoints>,
     /// Time of the last prediction, in seconds.
-    pub(crate) predict_seconds: Option<f64>,
+    pub predict_seconds: Option<f64>,
 }
 
 /// What a Kalman filter believed of a pose's joints.
@@ -74,9 +78,9 @@ impl Session {
         self.source.as_ref()?.demonstration()
     }
 
-    /// The file of the take that is open, if it is one.
+    /// The file of the take that is open, if it has one.
     pub(crate) fn take_path(&self) -> Option<&PathBuf> {
-        if let Some(TakeSource::Path(path)) = &self.source { Some(path) } else { None }
+        self.source.as_ref().and_then(TakeSource::path).filter(|path| !is_motion(path))
     }
 
     /// Number of frames of the take, zero without one.

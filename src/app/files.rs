@@ -9,6 +9,7 @@ use backlit_document::history::Version;
 use backlit_document::project::{ProjectError, write_project};
 use backlit_formats::atomic;
 use backlit_jobs::{Outbox, Task, once, one_step};
+use backlit_take::motion;
 use backlit_take::source::TakeSource;
 use backlit_ui::style::format;
 
@@ -35,6 +36,7 @@ const OPENER: &str = if cfg!(target_os = "macos") {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asked {
     Take,
+    Motion,
     FindTake,
     Project,
     SaveAs,
@@ -76,6 +78,7 @@ impl Files {
         match command {
             FileCommand::NewTake => inspector.new_take(Vec::new()),
             FileCommand::OpenTake => self.ask(&mut inspector.state, Asked::Take),
+            FileCommand::OpenMotion => self.ask(&mut inspector.state, Asked::Motion),
             FileCommand::OpenBuiltIn => self.open(inspector, Opening::Take(TakeSource::BuiltIn)),
             FileCommand::OpenProject => self.ask(&mut inspector.state, Asked::Project),
             FileCommand::FindTake => self.ask(&mut inspector.state, Asked::FindTake),
@@ -119,6 +122,7 @@ impl Files {
         let name = take.map_or("project", |take| take.take().name());
         let dialog = match asked {
             Asked::Take => ("Open take", DialogKind::Folder),
+            Asked::Motion => ("Play a motion", DialogKind::File(&motion::ENDINGS)),
             Asked::FindTake => ("Find take", DialogKind::Folder),
             Asked::Project => ("Open project", DialogKind::File(&[PROJECT_EXTENSION])),
             Asked::SaveAs => {
@@ -135,7 +139,7 @@ impl Files {
         self.take_in_written(&mut inspector.state);
         for (asked, path) in self.dialogs.answers() {
             match asked {
-                Asked::Take | Asked::Project => self.open(inspector, Opening::of(&path)),
+                Asked::Take | Asked::Motion | Asked::Project => self.open(inspector, Opening::of(&path)),
                 Asked::FindTake => self.find_take(inspector, &path),
                 Asked::SaveAs if path.extension().is_none() => {
                     self.save_to(&inspector.state, &path.with_extension(PROJECT_EXTENSION));

@@ -35,7 +35,7 @@ impl Inspector {
         self.features.laboratory.begin_with(self.state.session.demonstration());
         self.state.keep_own_tiles();
         self.state.status = None;
-        let path = self.state.session.take_path().cloned();
+        let path = self.state.session.source.as_ref().and_then(TakeSource::path).cloned();
         if let Some(path) = &path {
             self.state.preferences.remember(path.clone());
         }
@@ -122,6 +122,7 @@ fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
     let mut document = Document::new((**footage.take().model()).clone());
     document.take = source;
     document.start = Arc::new(footage.start());
+    document.keys = footage.take().poses().clone();
     document.measurement = Arc::new(footage.take().measurement().to_vec());
     let camera = |camera: &Arc<backlit_tracking::camera::Camera>| CameraUse {
         name: camera.name().to_owned(),
@@ -136,10 +137,6 @@ fn document_of(footage: &Footage, source: Option<TakeSource>) -> Document {
         let cues = if which == Demonstration::Cues { CueChoice::Keypoints } else { CueChoice::None };
         document.tracking =
             TrackingChoices { search: WhenToSearch::Never, prior: TrackPrior::None, cues, ..tracking };
-        if which.begins_posed() {
-            let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
-            document.keys = Arc::new(truths.collect());
-        }
         cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
     }
     document.cameras = Arc::new(cameras);

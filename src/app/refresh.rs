@@ -12,7 +12,7 @@ use backlit_tracking::segment::SegmentOptions;
 use super::Inspector;
 use super::survey_job::SurveyJob;
 use crate::context::priority;
-use crate::session::prediction::{PosedInputs, Predicted};
+use crate::session::prediction::{FitInputs, PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
 /// A frame that was read waits for its prediction for at most so many seconds.
@@ -26,6 +26,8 @@ type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<Follo
 pub(crate) struct Refresh {
     pub(crate) frame: Task<(usize, MadeWith), Arc<FrameData>, { priority::FRAME }>,
     pub(crate) prediction: Task<PosedInputs, Arc<Predicted>, { priority::PREDICTION }>,
+    /// The prediction before the one on the screen, while a drag goes on: the next is drawn in its memory.
+    spare: Option<Arc<Predicted>>,
     pub(crate) survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>, { priority::SURVEY }>,
     replaced: Task<Replacements, Arc<Footage>, { priority::CALIBRATION }>,
 }
@@ -45,7 +47,7 @@ impl Inspector {
             if let Some(drawn) = predicted.scene.frame.as_ref().filter(|drawn| drawn.frame == frame) {
                 session.show(drawn.clone());
             }
-            session.predicted = Some(predicted);
+            refresh.spare = session.predicted.replace(predicted);
             session.generation += 1;
         }
         for extents in notices.outputs("Looking through the whole take", &mut refresh.survey) {
@@ -84,7 +86,16 @@ impl Inspector {
                     .ask(pool, measurement, |measurement| SurveyJob::new(take, measurement.clone()));
             }
         }
+        self.follow_views();
         self.refresh_prediction();
+    }
+
+    /// Keeps what the views show where predictions are made.
+    fn follow_views(&mut self) {
+        let views = self.features.camera_views.pictures(&self.context());
+        if *self.state.session.viewed != views {
+            self.state.session.viewed = Arc::new(views);
+        }
     }
 
     fn read_frame(&mut self, take: &Arc<Footage>, frame: usize) {
@@ -173,27 +184,40 @@ impl Inspector {
         let pose = self.shown_pose().clone();
         let shown = self.state.session.predicted.clone();
         self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&inputs, &pose));
-        if self.state.session.is_stale {
+        if !self.state.egui.input(|input| input.pointer.any_down()) {
+            self.refresh.spare = None;
+        }
+        if self.state.session.is_stale && !self.draws_a_pose_of(&inputs) {
             let posed = PosedInputs { inputs, pose };
-            let views = self.features.camera_views.pictures(&self.context());
+            let views = self.state.session.viewed.clone();
+            let spare = &mut self.refresh.spare;
             let predict = |posed: &PosedInputs| {
-                let posed = posed.clone();
+                let (posed, spare) = (posed.clone(), spare.take());
                 once(move |_| {
-                    let predicted = Predicted::new(&posed.inputs, &posed.pose, shown.as_deref());
-                    Arc::new(predicted.with_pictures(&views))
+                    let spare = spare.and_then(Arc::into_inner);
+                    Arc::new(Predicted::with_pictures(&posed, &views, shown.as_deref(), spare))
                 })
             };
             self.refresh.prediction.need(&self.state.pool, posed, predict);
         }
     }
+
+    /// Whether a pose of the same scene is being drawn. It is let be: a hand that never rests would else never see anything.
+    fn draws_a_pose_of(&self, inputs: &FitInputs) -> bool {
+        let drawn = self.refresh.prediction.inputs().filter(|_| self.refresh.prediction.is_busy());
+        drawn.is_some_and(|drawn| drawn.inputs.is(inputs) && drawn.inputs.derivatives == inputs.derivatives)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::app::testing::{Breaks, open, open_take};
+    use crate::app::testing::{Breaks, TestWindow, open, open_take};
     use crate::context::preferences::Layout;
     use backlit_document::edit::Edit;
     use backlit_take::demonstration::Demonstration;
+    use backlit_ui::drawing::{ViewMode, ViewedPicture};
+
+    use crate::session::prediction::{PosedInputs, Predicted};
 
     #[test]
     fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
@@ -201,7 +225,7 @@ mod tests {
         let mut pose = app.shown_pose().clone();
         pose.root.x += 0.01;
         app.state.edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
-        let posed = super::PosedInputs { inputs: app.context().fit_inputs().unwrap(), pose: pose.clone() };
+        let posed = PosedInputs { inputs: app.context().fit_inputs().unwrap(), pose: pose.clone() };
         app.break_down(|all, pool| all.refresh.prediction.begin(pool, posed, |_| Breaks));
         assert!(app.refresh.prediction.failure().is_some() && app.state.session.is_stale);
         assert_eq!(app.errors().len(), 1, "it is said once");
@@ -224,6 +248,73 @@ mod tests {
         app.settle();
         assert_eq!(app.context().pictured(), (1, &poses[1]));
         assert_eq!(app.state.session.predicted.as_ref().unwrap().pose, poses[1]);
+    }
+
+    /// In every mode of the views, from pose to pose, with derivatives and without.
+    #[test]
+    fn predictions_in_used_memory_are_as_in_new() {
+        let app = open_take(Demonstration::Spheres, Layout::Pose);
+        let mut inputs = app.context().fit_inputs().unwrap();
+        let mut spare = None;
+        for (index, shift) in [0.0, 0.15, -0.2, -0.2, 0.4, 9.0, 0.1].into_iter().enumerate() {
+            inputs.derivatives.gradient = index > 2;
+            inputs.derivatives.column = (index > 3).then_some(index);
+            let mut pose = app.shown_pose().clone();
+            pose.root.x += shift;
+            let posed = PosedInputs { inputs: inputs.clone(), pose };
+            let modes = ViewMode::ALL
+                .map(|mode| [true, false].map(|is_over| ViewedPicture { mode, is_over_footage: is_over }));
+            let views = vec![modes.concat(); inputs.cameras.len()];
+            let new = Predicted::with_pictures(&posed, &views, None, None);
+            let used = Predicted::with_pictures(&posed, &views, None, spare.take());
+            assert_eq!((used.mismatch, used.rms, used.iou()), (new.mismatch, new.rms, new.iou()));
+            assert_eq!(used.mismatch_by_limb, new.mismatch_by_limb);
+            for (used, new) in used.cameras.iter().zip(&new.cameras) {
+                assert_eq!((&used.prediction, &used.outlines), (&new.prediction, &new.outlines));
+                assert_eq!((&used.gradient, &used.jacobian), (&new.gradient, &new.jacobian));
+            }
+            for (used, new) in used.pictures.iter().flatten().zip(new.pictures.iter().flatten()) {
+                assert!(used.image == new.image, "{:?}, pose {index}", new.shows);
+            }
+            assert_eq!(used.pictures.concat().len(), views.concat().len());
+            assert_eq!(used.mismatch, inputs.measure(&posed.pose).mismatch);
+            spare = Some(used);
+        }
+    }
+
+    #[test]
+    fn the_mismatch_is_the_weighted_sum_over_all_pixels() {
+        let app = open(Layout::Pose);
+        let predicted = app.state.session.predicted.clone().unwrap();
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (camera, used) in predicted.cameras.iter().zip(predicted.scene.uses.iter()) {
+            let data = camera.data.as_ref().unwrap().measurement();
+            let pixels = data.values().iter().zip(data.weights()).zip(&camera.prediction.lambda);
+            for ((value, pixel_weight), lambda) in pixels {
+                let pixel_weight = used.weight * f64::from(*pixel_weight);
+                sum += pixel_weight * (f64::from(*value) - f64::from(*lambda)).powi(2);
+                weight += pixel_weight;
+            }
+        }
+        assert!(sum > 0.0 && (predicted.mismatch / sum - 1.0).abs() < 1e-12, "{} {sum}", predicted.mismatch);
+        assert!((predicted.rms.unwrap() / (sum / weight).sqrt() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_hand_that_never_rests_sees_what_its_pose_predicts() {
+        let mut app = open(Layout::Pose);
+        let move_on = |app: &mut TestWindow| {
+            let mut pose = app.shown_pose().clone();
+            pose.root.x += 0.01;
+            app.state.edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
+            app.refresh();
+            pose
+        };
+        let first = move_on(&mut app);
+        move_on(&mut app);
+        app.state.pool.turn();
+        app.take_in_refreshed();
+        assert_eq!(app.state.session.predicted.as_ref().unwrap().pose, first);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use backlit_document::history::Gesture;
 use backlit_tracking::body::Model;
-use backlit_ui::drawing::{DragEvent, JointId, ModeComparison, ViewMode};
+use backlit_ui::drawing::{DragEvent, JointId, ModeComparison, ViewMode, ViewedPicture};
 use backlit_ui::widgets::{Framing, ViewTransform};
 pub use overlays::Ellipses;
 pub(crate) use pane::TilePlace;
@@ -15,7 +15,7 @@ use crate::context::marks::PictureAlone;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::view_settings::ViewSettings;
-use crate::session::prediction::{Derivatives, ViewedPicture};
+use crate::session::prediction::Derivatives;
 use crate::session::selection::Selection;
 
 mod comparison;

@@ -137,7 +137,7 @@ impl Feature for Offsets {
         }
         let is_built_in = context.session.take_path().is_none();
         let is_one = context.session.take.as_ref().is_some_and(|take| Self::full_cameras(take).len() < 2);
-        let built_in = "This take comes with the program and cannot be changed: open one of your own";
+        let built_in = "This take has no take.toml that could be changed: open one of your own";
         no_take(context)
             .or(because(is_built_in, built_in))
             .or(because(is_one, "The take has one camera only"))

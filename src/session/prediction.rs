@@ -9,17 +9,22 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Fit, FitOptions, FitView};
 use backlit_tracking::optimize::Iteration;
-use backlit_tracking::render::{BodyMotion, DrawOptions, Prediction, Ramp, View, draw, prediction};
-use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_ui::drawing::{
-    Derivative, PictureInput, ViewMode, body_outline, compose, compose_over_footage, limb_colours,
+use backlit_tracking::render::{
+    BodyMotion, DrawOptions, Drawing, Footprint, Prediction, Ramp, View, draw, draw_over, prediction,
 };
+use backlit_tracking::silhouette::{Mask, Overlap};
+use backlit_ui::drawing::{Derivative, PictureInput, ViewedPicture, body_outline, limb_colours};
 use egui::{Color32, ColorImage};
 use glam::DVec2;
 
 use rayon::prelude::*;
 
 use crate::session::FrameData;
+
+mod mismatch;
+
+use mismatch::Mismatch;
+pub(crate) use mismatch::{ComparedData, Measured};
 
 /// All that a prediction depends on, but the pose.
 #[derive(Debug, Clone)]
@@ -96,7 +101,7 @@ pub(crate) struct CameraPrediction {
     /// What it was drawn from: says what a single pixel sees.
     pub(crate) view: View,
     /// D as the last stage looks at it.
-    pub(crate) data: Option<Arc<Measurement>>,
+    pub(crate) data: Option<Arc<ComparedData>>,
     /// Body with hard edges against silhouette, whatever the ramp.
     pub(crate) overlap: Option<Overlap>,
     /// How strongly each pixel pulls, if that was asked for.
@@ -107,19 +112,13 @@ pub(crate) struct CameraPrediction {
     pub(crate) outlines: Vec<Vec<DVec2>>,
 }
 
-/// What a view shows of a frame and a prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ViewedPicture {
-    pub(crate) mode: ViewMode,
-    /// It lies over the footage at its full size.
-    pub(crate) is_over_footage: bool,
-}
-
-/// The picture of that.
+/// A picture that a view shows.
 #[derive(Debug, Clone)]
 pub struct ComposedPicture {
     pub(crate) shows: ViewedPicture,
     pub(crate) image: Arc<ColorImage>,
+    /// Outside of these pixels it is as if there were no body.
+    footprint: Footprint,
 }
 
 /// What a pose predicts in every camera.
@@ -143,26 +142,64 @@ pub struct Predicted {
 }
 
 impl Predicted {
-    /// Predicts and compares. `data` is reused from an earlier prediction of the same scene.
+    /// Predicts and compares. The data of an earlier prediction of the same scene are used again.
     pub(crate) fn new(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>) -> Self {
+        Self::draw(scene, pose, earlier, Vec::new())
+    }
+
+    /// The same with the pictures that views show, by camera, so that the window need not make them. The memory of `spare`,
+    /// at which nobody looks any more, is used again: of the same scene, only pixels that a body touches are made.
+    pub(crate) fn with_pictures(
+        posed: &PosedInputs,
+        views: &[Vec<ViewedPicture>],
+        earlier: Option<&Self>,
+        spare: Option<Self>,
+    ) -> Self {
+        let is_alike =
+            |scene: &FitInputs| scene.is(&posed.inputs) && scene.derivatives == posed.inputs.derivatives;
+        let spare = spare.filter(|spare| is_alike(&spare.scene));
+        let start = Instant::now();
+        let (cameras, mut pictures) =
+            spare.map_or_else(Default::default, |spare| (spare.cameras, spare.pictures));
+        let drawings = cameras.into_iter().map(CameraPrediction::into_drawing).collect();
+        let predicted = Self::draw(&posed.inputs, &posed.pose, earlier, drawings);
+        let colours = limb_colours(&predicted.scene.model);
+        pictures.resize_with(views.len(), Vec::new);
+        let compose = |((camera, views), spares): ((usize, &Vec<ViewedPicture>), Vec<ComposedPicture>)| {
+            let Some(input) = predicted.picture(camera, &colours) else { return Vec::new() };
+            let footprint = predicted.cameras[camera].prediction.footprint;
+            let mut spares = spares;
+            let compose = |shows: &ViewedPicture| {
+                let spare = spares.iter().position(|spare| spare.shows == *shows);
+                let spare = spare.map(|place| spares.swap_remove(place));
+                ComposedPicture::over(spare, *shows, &input, footprint)
+            };
+            views.iter().map(compose).collect()
+        };
+        let pictures = views.par_iter().enumerate().zip(pictures).map(compose).collect();
+        Self { pictures, seconds: start.elapsed().as_secs_f64(), ..predicted }
+    }
+
+    fn draw(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>, mut drawings: Vec<Drawing>) -> Self {
         let start = Instant::now();
         let kinematics = Kinematics::new(&scene.model, pose);
         let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
-        let look = |index: usize| {
+        let look = |(index, drawing): (usize, Drawing)| {
             let data = match reusable {
                 Some(earlier) => earlier.cameras[index].data.clone(),
-                None => scene.data(index),
+                None => scene.data(index).map(Arc::new),
             };
-            let camera = CameraPrediction::new(scene, &kinematics, index, data);
+            let camera = CameraPrediction::new(scene, &kinematics, index, (data, drawing));
             let used = scene.uses.get(index).filter(|used| used.used);
             let mismatch = used.zip(camera.data.as_deref()).map(|(used, data)| {
                 Mismatch::between(&camera.prediction, data, used.weight, scene.model.limbs().len())
             });
             (camera, mismatch)
         };
+        drawings.resize_with(scene.cameras.len(), Drawing::default);
         // Cameras side by side, sums in their order.
         let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
-            (0..scene.cameras.len()).into_par_iter().map(look).collect();
+            drawings.into_par_iter().enumerate().map(look).collect();
         let measured = Measured::of(looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()));
         let mut mismatch_by_limb = vec![0.0; scene.model.limbs().len()];
         for mismatch in looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()) {
@@ -181,19 +218,6 @@ impl Predicted {
         }
     }
 
-    /// Makes the pictures that views show, by camera, so that the window need not.
-    pub(crate) fn with_pictures(self, views: &[Vec<ViewedPicture>]) -> Self {
-        let colours = limb_colours(&self.scene.model);
-        let compose = |(camera, views): (usize, &Vec<ViewedPicture>)| -> Vec<ComposedPicture> {
-            let Some(input) = self.picture(camera, &colours) else { return Vec::new() };
-            let compose =
-                |shows: &ViewedPicture| ComposedPicture { shows: *shows, image: shows.compose(&input) };
-            views.iter().map(compose).collect()
-        };
-        let pictures = views.par_iter().enumerate().map(compose).collect();
-        Self { pictures, ..self }
-    }
-
     /// What there is to see in a camera, with its frame; `None` without one.
     pub(crate) fn picture<'a>(
         &'a self,
@@ -206,7 +230,7 @@ impl Predicted {
             size: [of.width(), of.height()],
             frame: pictures.image.as_deref(),
             mask: pictures.mask.as_deref(),
-            data: predicted.data.as_deref(),
+            data: predicted.data.as_ref().map(|data| data.measurement()),
             prediction: Some(&predicted.prediction),
             view: Some(&predicted.view),
             gradient: predicted.gradient.as_ref(),
@@ -249,17 +273,33 @@ impl Predicted {
     }
 }
 
-impl ViewedPicture {
-    pub(crate) fn compose(self, input: &PictureInput<'_>) -> Arc<ColorImage> {
-        Arc::new(match self.is_over_footage {
-            true => compose_over_footage(self.mode, input),
-            false => compose(self.mode, input),
-        })
+impl ComposedPicture {
+    /// Composes a picture of a body in this box of pixels, in the memory of an earlier one of the same frame and data.
+    fn over(
+        earlier: Option<Self>,
+        shows: ViewedPicture,
+        input: &PictureInput<'_>,
+        footprint: Footprint,
+    ) -> Self {
+        let earlier = earlier.and_then(|earlier| Some((Arc::into_inner(earlier.image)?, earlier.footprint)));
+        let image = match earlier {
+            Some((mut image, stale)) => {
+                shows.compose_part(input, stale.union(footprint), &mut image);
+                image
+            }
+            None => shows.compose(input),
+        };
+        Self { shows, image: Arc::new(image), footprint }
     }
 }
 
 impl CameraPrediction {
-    fn new(scene: &FitInputs, kinematics: &Kinematics, index: usize, data: Option<Arc<Measurement>>) -> Self {
+    fn new(
+        scene: &FitInputs,
+        kinematics: &Kinematics,
+        index: usize,
+        (data, memory): (Option<Arc<ComparedData>>, Drawing),
+    ) -> Self {
         let camera = &scene.cameras[index];
         let view = View::new(&scene.model, kinematics, camera, scene.fit.renderer, scene.fit.final_ramp());
         let columns = Parameters::Tangent.columns(scene.model.rotation_count());
@@ -270,16 +310,16 @@ impl CameraPrediction {
             BodyMotion::along(kinematics, camera, Parameters::Tangent, &direction)
         });
         let gradient = scene.derivatives.gradient;
-        let drawing = draw(&view, DrawOptions { gradient, motion: motion.as_ref() });
+        let drawing = draw_over(memory, &view, DrawOptions { gradient, motion: motion.as_ref() });
         let prediction = drawing.prediction;
         let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
-        let covered = || {
+        let overlap = |mask: Arc<Mask>| {
             let hard = View::new(&scene.model, kinematics, camera, scene.fit.renderer, Ramp::Half);
-            prediction::covered(&hard)
+            prediction::overlap(&hard, &mask).ok()
         };
         Self {
-            overlap: mask.and_then(|mask| Overlap::of_covered(&mask, &covered()).ok()),
-            outlines: body_outline(&prediction.lambda, prediction.width, prediction.height),
+            overlap: mask.and_then(overlap),
+            outlines: body_outline(&prediction),
             gradient: gradient.then(|| Derivative::new(drawing.gradient)),
             jacobian: motion.map(|_| Derivative::new(drawing.change)),
             prediction,
@@ -287,51 +327,15 @@ impl CameraPrediction {
             data,
         }
     }
-}
 
-/// How far a pose is from the data: one measure for fits, tracks, searches and what is on the screen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Measured {
-    /// Σ w (D − Λ)² over the cameras that count, squared grey levels.
-    pub(crate) mismatch: f64,
-    /// Root of its mean, grey levels.
-    pub(crate) rms: Option<f64>,
-}
-
-impl Measured {
-    /// Sums of cameras, in their order.
-    fn of<'a>(cameras: impl Iterator<Item = &'a Mismatch>) -> Self {
-        let (mut mismatch, mut weight) = (0.0, 0.0);
-        for camera in cameras {
-            mismatch += camera.sum;
-            weight += camera.weight;
+    /// Its memory, for another drawing.
+    fn into_drawing(self) -> Drawing {
+        let values = |derivative: Option<Derivative>| derivative.map_or_else(Vec::new, |one| one.values);
+        Drawing {
+            prediction: self.prediction,
+            gradient: values(self.gradient),
+            change: values(self.jacobian),
         }
-        Self { mismatch, rms: (weight > 0.0).then(|| (mismatch / weight).sqrt()) }
-    }
-}
-
-/// Σ w (D − Λ)² of a camera.
-struct Mismatch {
-    sum: f64,
-    weight: f64,
-    by_limb: Vec<f64>,
-}
-
-impl Mismatch {
-    fn between(prediction: &Prediction, data: &Measurement, camera_weight: f64, limbs: usize) -> Self {
-        let mut result = Self { sum: 0.0, weight: 0.0, by_limb: vec![0.0; limbs] };
-        let pixels = prediction.lambda.iter().zip(&prediction.owner).zip(data.values()).zip(data.weights());
-        for (((lambda, owner), value), pixel_weight) in pixels {
-            let pixel_weight = f64::from(*pixel_weight) * camera_weight;
-            let residual = f64::from(*value) - f64::from(*lambda);
-            let cost = pixel_weight * residual * residual;
-            result.weight += pixel_weight;
-            result.sum += cost;
-            if let Some(limb) = result.by_limb.get_mut(usize::from(*owner)) {
-                *limb += cost;
-            }
-        }
-        result
     }
 }
 
@@ -351,7 +355,7 @@ impl FitInputs {
     }
 
     /// D of a camera, as the last stage looks at it.
-    pub(crate) fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
+    pub(crate) fn data(&self, camera: usize) -> Option<ComparedData> {
         let frame = self.frame.as_ref()?.cameras.get(camera)?;
         let stage = self.fit.stages.last()?;
         let view = FitView {
@@ -359,6 +363,6 @@ impl FitInputs {
             evidence: frame.evidence(stage.data)?,
             weight: 1.0,
         };
-        Some(view.data(stage, frame.distance().as_deref()))
+        Some(ComparedData::new(view.data(stage, frame.distance().as_deref()), frame.mask.as_deref()))
     }
 }

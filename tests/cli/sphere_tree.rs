@@ -89,7 +89,8 @@ fn a_skinned_mesh_becomes_a_body_of_spheres() {
         let spheres = covered(&body, &bent(&body, elbow), own);
         let label = |is_body: &bool| if *is_body { Label::Subject } else { Label::Background };
         let mask = Mask::new(320, 320, capsules.iter().map(label).collect()).unwrap();
-        let iou = Overlap::of_covered(&mask, &spheres).unwrap().iou().unwrap();
+        let levels: Vec<f32> = spheres.iter().map(|is_body| if *is_body { 0.0 } else { 255.0 }).collect();
+        let iou = Overlap::between(&mask, &levels).unwrap().iou().unwrap();
         // Spheres cover the whole surface, so they stand out a little everywhere.
         assert!(iou > 0.92, "bent by {bend} rad: IoU {iou}");
     }

@@ -106,7 +106,7 @@ impl Scene {
                 let checker = if (x / 17 + y / 20) % 2 == 0 { 30 } else { 0 };
                 Rgb([(90 + y / 3) as u8 + checker, (100 + x / 4) as u8 + checker, 120 + checker])
             }),
-            outlines: body_outline(&prediction.lambda, SIZE[0], SIZE[1]),
+            outlines: body_outline(&prediction),
             posed: BodyMarks {
                 joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
                 ..plain.clone()
@@ -167,6 +167,7 @@ impl Scene {
             doubts: &[],
             keypoints: &[],
             composed: &[],
+            has_unknown_and_shadow: None,
             is_behind: false,
             steered: SteeredSilhouette::default(),
             shows_hover_card: false,

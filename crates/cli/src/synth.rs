@@ -8,6 +8,7 @@ use backlit_formats::recording::RecordingOptions;
 use backlit_lab::synthetic::take::{self, FilmError, FilmOptions, Filmed};
 use backlit_lab::synthetic::{Build, Sensor};
 use backlit_runs::imported_motion::read_motion;
+use backlit_take::motion::FollowOptions;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use indicatif::ProgressBar;
@@ -110,7 +111,8 @@ pub struct SynthArguments {
 pub(crate) fn run(arguments: &SynthArguments) -> anyhow::Result<()> {
     let model = model_file::resolve(&arguments.model)?;
     let reading = RecordingOptions { frame_rate: arguments.motion_rate, ..RecordingOptions::default() };
-    let mut motion = read_motion(&arguments.motion, &reading, &model, arguments.up, arguments.frame_rate)?;
+    let options = FollowOptions { up: arguments.up, frame_rate: arguments.frame_rate };
+    let mut motion = read_motion(&arguments.motion, &reading, &model, options)?;
     if let Some(FrameSpan { first, past }) = arguments.frames {
         motion.poses.retain(|frame, _| *frame >= first && past.is_none_or(|past| *frame < past));
         ensure!(!motion.poses.is_empty(), "--frames: the motion has none of these frames");

@@ -13,6 +13,7 @@ use backlit_tracking::render::Ramp;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use take::joints_of;
 pub use take::{SINGLE_LIMB_OFFSET_MM, single_limb_start};
 
 /// A demonstration, named in files and on the command line as its experiment is.
@@ -220,11 +221,6 @@ impl Demonstration {
     /// Whether it can be shown here: the real footage does not come with the program.
     pub fn is_available(self) -> bool {
         self != Self::RealFootage || real::is_there()
-    }
-
-    /// Whether the document begins with the true poses as key poses.
-    pub fn begins_posed(self) -> bool {
-        self == Self::Spheres
     }
 
     /// What its pictures are: grey levels D as they are, or masks.

@@ -3,6 +3,8 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::motion::is_motion;
+
 /// Bytes of a file that are looked at.
 const HEAD: u64 = 4096;
 
@@ -11,7 +13,7 @@ const HEAD: u64 = 4096;
 pub enum Dropped {
     /// A take is made of footage and a calibration.
     New(Vec<PathBuf>),
-    /// A take or a project is opened.
+    /// A take, a project or a motion is opened.
     Open(PathBuf),
     /// Its cameras replace the take's.
     Calibration(PathBuf),
@@ -58,6 +60,9 @@ impl Dropped {
                 paths.first().map_or_else(String::new, |path| name(path)),
             ),
             Self::Open(path) if ending(path) == "backlit" => ("Open this project".to_owned(), name(path)),
+            Self::Open(path) if is_motion(path) => {
+                ("Play this motion without footage".to_owned(), name(path))
+            }
             Self::Open(path) => ("Open this take".to_owned(), name(path)),
             Self::Calibration(path) => ("Replace the take’s cameras with these".to_owned(), name(path)),
             Self::Masks(paths) => {
@@ -119,8 +124,9 @@ fn of_one(path: &Path) -> Dropped {
         "txt" | "xml" | "qca" if head.trim_start_matches('\u{feff}').trim_start().starts_with('<') => {
             Dropped::Calibration(path.to_owned())
         }
+        _ if is_motion(path) => Dropped::Open(path.to_owned()),
         "jpg" | "jpeg" => unknown("silhouettes are PNGs; pictures belong to a take"),
-        _ => unknown("expected a take, project, calibration, silhouettes, pose or body"),
+        _ => unknown("expected a take, project, motion, calibration, silhouettes, pose or body"),
     }
 }
 

@@ -3,4 +3,5 @@
 pub mod builtin;
 pub mod demonstration;
 pub mod dropped;
+pub mod motion;
 pub mod source;

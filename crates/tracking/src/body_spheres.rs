@@ -216,7 +216,7 @@ fn overlap(model: &Model, frames: &[PosedViews], renderer: RendererKind) -> Opti
         let of_view = |view: &FitView| {
             let Evidence::Mask(mask) = &view.evidence else { return None };
             let drawn = View::new(model, &kinematics, &view.camera, renderer, Ramp::Half);
-            Overlap::of_covered(mask, &prediction::covered(&drawn)).ok()
+            prediction::overlap(&drawn, mask).ok()
         };
         frame.views.iter().filter_map(of_view).reduce(Overlap::merge)
     };

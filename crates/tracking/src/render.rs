@@ -33,10 +33,10 @@ pub(crate) use kernels::scalar::RowWinners;
 pub(crate) use primitive::Primitive;
 pub(crate) use wrench::JointBlock;
 
-pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_plainly, predict};
+pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_over, draw_plainly, predict};
 pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along};
 pub use prediction::Prediction;
-pub use primitive::sphere_fractions;
+pub use primitive::{Footprint, sphere_fractions};
 pub use ramp::{BACKGROUND, Ramp};
 pub use renderer::{MAX_SPHERES, ParseError, RendererKind};
 pub use view::{PixelPull, SeenLimb, View};

@@ -22,7 +22,7 @@ pub use bodies::{
     automatic_factor, farthest_limb, joint_ellipses, limbs_elsewhere, rival_opacity,
 };
 pub use calibration::{CalibrationMarks, SightRay, point_at, project_segment, sight_ray};
-pub use compose::{Derivative, compose, compose_over_footage, limb_chains, limb_colours, shows_footage};
+pub use compose::{Derivative, ViewedPicture, compose, limb_chains, limb_colours, shows_footage};
 pub use input::{PictureInput, Sample};
 pub use joints::{Drag, DragEvent, JointMark, draggable_joints, joint_position, project_joints};
 pub use limbs::{

@@ -12,7 +12,7 @@ use crate::context::preferences::Layout;
 
 groups! {
     /// Takes and projects.
-    FileCommand { NewTake, OpenTake, OpenBuiltIn, OpenProject, FindTake, Save, SaveAs, Quit }
+    FileCommand { NewTake, OpenTake, OpenBuiltIn, OpenMotion, OpenProject, FindTake, Save, SaveAs, Quit }
 
     /// The document's past.
     HistoryCommand { Undo, Redo }

@@ -50,6 +50,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::File, File(FileCommand::NewTake), "New take…", "Make a take from footage and a calibration, or from another tool’s project", &[ctrl(Key::N)]),
     row(Menu::File, File(FileCommand::OpenTake), "Open take…", "Open a folder with a take.toml", &[ctrl(Key::O)]),
     row(Menu::File, File(FileCommand::OpenBuiltIn), "Open built-in take", "A synthetic figure before four cameras, with known truth", &[]),
+    row(Menu::File, File(FileCommand::OpenMotion), "Play a motion…", "Move the body by a BVH, TRC, C3D, CSV or NumPy file, without footage", &[]),
     row(Menu::File, File(FileCommand::OpenProject), "Open project…", "Open saved work, a .backlit file", &[ctrl_shift(Key::O)]),
     row(Menu::File, File(FileCommand::FindTake), "Find take…", "Open the project whose take was missing: say where the take is now", &[]),
     row(Menu::File, File(FileCommand::Save), "Save", "Save poses, sizes and settings to the project file", &[ctrl(Key::S)]),

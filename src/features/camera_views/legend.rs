@@ -136,6 +136,9 @@ fn further_entries(input: &TileInput<'_>, has_gutter: bool) -> Vec<(String, Swat
 
 /// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.
 fn hatches(ui: &Ui, input: &TileInput<'_>) -> [bool; 2] {
+    if let Some(known) = input.has_unknown_and_shadow {
+        return known;
+    }
     let id = ui.scope_id().with("hatches");
     let known = ui.data(|data| data.get_temp::<(u64, [bool; 2])>(id));
     if let Some((_, known)) = known.filter(|(generation, _)| *generation == input.generation) {

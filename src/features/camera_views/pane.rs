@@ -1,5 +1,7 @@
 //! The view of a camera: what its tile is given of the document and the session, and its picture alone for an export.
 
+use std::sync::Arc;
+
 use backlit_document::told::Told;
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
@@ -28,7 +30,7 @@ use crate::context::marks::{PictureAlone, ReferenceMark};
 use crate::context::pane::Pane;
 use crate::context::{Context, FeatureRequest, Requests, ShellRequest};
 use crate::session::Session;
-use crate::session::prediction::ComposedPicture;
+use crate::session::prediction::{ComposedPicture, Predicted};
 
 /// The report's ramp is half grey at this many radii.
 const THESIS_HALF: f64 = 1.118_034;
@@ -131,6 +133,9 @@ impl<'a> CameraPane<'a> {
             subject_px: subject(session, index),
             picture: self.picture(),
             composed: self.composed(),
+            has_unknown_and_shadow: self.predicted_of_frame().and_then(|predicted| {
+                Some(predicted.cameras.get(index)?.data.as_ref()?.has_unknown_and_shadow)
+            }),
             full: None,
             generation: egui::util::hash((session.generation, context.pictured().0)),
             camera: Some(self.camera),
@@ -169,17 +174,27 @@ impl<'a> CameraPane<'a> {
         [self.camera.width(), self.camera.height()]
     }
 
+    /// The prediction, if the posed body is shown.
+    fn predicted(&self) -> Option<&Arc<Predicted>> {
+        self.context.session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none())
+    }
+
+    /// The same, where it is of the frame on the screen.
+    fn predicted_of_frame(&self) -> Option<&Arc<Predicted>> {
+        let (session, frame) = (self.context.session, self.context.selection.frame);
+        self.predicted().filter(|predicted| session.is_of_shown_frame(predicted, frame))
+    }
+
     fn picture(&self) -> PictureInput<'_> {
         let (session, frame) = (self.context.session, self.context.selection.frame);
-        let predicted = session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none());
-        let of_frame = predicted.filter(|predicted| session.is_of_shown_frame(predicted, frame));
+        let of_frame = self.predicted_of_frame();
         if let Some(picture) =
             of_frame.and_then(|predicted| predicted.picture(self.index, &self.limb_colours))
         {
             return picture;
         }
         let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
-        let predicted = predicted.and_then(|predicted| predicted.cameras.get(self.index));
+        let predicted = self.predicted().and_then(|predicted| predicted.cameras.get(self.index));
         PictureInput {
             frame: pictures.and_then(|frame| frame.image.as_deref()),
             mask: pictures.and_then(|frame| frame.mask.as_deref()),
@@ -194,9 +209,7 @@ impl<'a> CameraPane<'a> {
 
     /// Pictures that were made beside the prediction, where it is of the frame on the screen.
     fn composed(&self) -> &[ComposedPicture] {
-        let (session, frame) = (self.context.session, self.context.selection.frame);
-        let predicted = session.predicted.as_ref().filter(|_| self.marks.ghosts.is_none());
-        let of_frame = predicted.filter(|predicted| session.is_of_shown_frame(predicted, frame));
+        let of_frame = self.predicted_of_frame();
         of_frame.and_then(|predicted| predicted.pictures.get(self.index)).map_or(&[], Vec::as_slice)
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_ui::drawing::{CalibrationMarks, JointId, ViewMode, shows_footage};
+use backlit_ui::drawing::{CalibrationMarks, JointId, ViewMode, ViewedPicture, shows_footage};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, GHOST, JOINT, PICTURE_GROUND, WHITE};
 use backlit_ui::style::theme::{Theme, size};
@@ -20,7 +20,6 @@ use super::pointer::{Grips, PointerInput};
 use super::tile::{TileLayout, TileState};
 use super::{TileEvent, TileInput, hand, legend, overlays};
 use crate::context::marks::whole_percent;
-use crate::session::prediction::ViewedPicture;
 
 /// Circles of spheres: width in points, and opacity.
 const SPHERE_WIDTH: f32 = 1.0;
@@ -117,7 +116,7 @@ impl ShownPicture<'_> {
         let key = (input.generation, mode, shows.is_over_footage);
         let texture = cached_texture(ctx, id.with("texture"), key, is_crisp, || {
             let made = input.composed.iter().find(|made| made.shows == shows);
-            made.map_or_else(|| shows.compose(&input.picture), |made| made.image.clone())
+            made.map_or_else(|| Arc::new(shows.compose(&input.picture)), |made| made.image.clone())
         });
         paint_picture(&overlay.painter, &overlay.view, size_px, &texture);
         if mode.has_outline() {

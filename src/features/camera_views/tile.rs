@@ -83,6 +83,8 @@ pub struct TileInput<'a> {
     pub picture: PictureInput<'a>,
     /// Pictures of it that are made already.
     pub composed: &'a [ComposedPicture],
+    /// Whether some pixel is unknown, and whether some pixel is shadow, where that was looked up beside the prediction.
+    pub has_unknown_and_shadow: Option<[bool; 2]>,
     /// The footage at its full size, where `picture` has a part of it.
     pub full: Option<&'a Arc<ColorImage>>,
     /// Changes whenever anything in `picture` does. Textures are made again only then.

@@ -7,8 +7,9 @@ use backlit_document::run::{RunEnding, RunStep};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{Fit, FitError, FitOptions, Stage};
+use backlit_ui::drawing::ViewedPicture;
 
-use crate::session::prediction::{FitInputs, Predicted};
+use crate::session::prediction::{FitInputs, PosedInputs, Predicted};
 
 #[derive(Debug)]
 pub(super) enum FitMessage {
@@ -30,6 +31,8 @@ pub(super) struct FitStart {
     pub(super) free: Option<Vec<bool>>,
     /// Whose ramp and data its steps are measured by, where that is not its own last stage.
     pub(super) measured_by: Option<Stage>,
+    /// The pictures that are made of every step, by camera.
+    pub(super) views: Arc<Vec<Vec<ViewedPicture>>>,
 }
 
 /// A fit between two steps: damping and stage go on where they were.
@@ -39,7 +42,10 @@ pub(super) struct PausedFit {
     inputs: FitInputs,
     /// What its steps are measured by, where it is not that.
     measure: Option<FitInputs>,
+    views: Arc<Vec<Vec<ViewedPicture>>>,
     last: Arc<Predicted>,
+    /// The prediction before that: the next is drawn in its memory.
+    before: Option<Arc<Predicted>>,
 }
 
 #[derive(Debug)]
@@ -53,7 +59,8 @@ pub(super) struct FitJob {
 
 impl FitJob {
     fn pause(&mut self, out: &Outbox<FitMessage>, ending: Option<RunEnding>) -> Turn {
-        let fit = self.fit.take().filter(|paused| paused.fit.termination.is_none());
+        let mut fit = self.fit.take().filter(|paused| paused.fit.termination.is_none());
+        fit.iter_mut().for_each(|paused| paused.before = None);
         out.send(FitMessage::Paused(ending, fit));
         Turn::Done
     }
@@ -61,15 +68,16 @@ impl FitJob {
 
 impl FitStart {
     fn begin(self, out: &Outbox<FitMessage>) -> Result<PausedFit, FitError> {
-        let Self { inputs, pose, options, free, measured_by } = self;
+        let Self { inputs, pose, options, free, measured_by, views } = self;
         let fit = Fit::with_free_rotations(inputs.model.clone(), inputs.views(), pose, options, free)?;
-        let last = Arc::new(Predicted::new(&inputs, fit.pose(), None));
+        let posed = PosedInputs { inputs: inputs.clone(), pose: fit.pose().clone() };
+        let last = Arc::new(Predicted::with_pictures(&posed, &views, None, None));
         let first = last.start_of(&fit);
         let measure = measured_by.map(|stage| {
             let fit = FitOptions { stages: vec![stage], ..(*inputs.fit).clone() };
             FitInputs { fit: Arc::new(fit), ..inputs.clone() }
         });
-        let running = PausedFit { fit, inputs, measure, last };
+        let running = PausedFit { fit, inputs, measure, views, last, before: None };
         running.send(first, out);
         Ok(running)
     }
@@ -112,7 +120,10 @@ impl Job<FitMessage> for FitJob {
         };
         let seconds = began.elapsed().as_secs_f64();
         if record.accepted {
-            running.last = Arc::new(Predicted::new(&running.inputs, &record.point, Some(&running.last)));
+            let posed = PosedInputs { inputs: running.inputs.clone(), pose: record.point.clone() };
+            let spare = running.before.take().and_then(Arc::into_inner);
+            let new = Predicted::with_pictures(&posed, &running.views, Some(&running.last), spare);
+            running.before = Some(std::mem::replace(&mut running.last, Arc::new(new)));
         }
         let step = running.last.step_of(record, seconds);
         running.send(step, out);

@@ -286,7 +286,8 @@ impl Fit {
             is_over: false,
             is_comparison,
         });
-        let start = Some(FitStart { inputs, pose, options, free, measured_by });
+        let views = context.session.viewed.clone();
+        let start = Some(FitStart { inputs, pose, options, free, measured_by, views });
         self.task.begin(context.pool, (), |()| FitJob { start, fit: None, left: new.steps });
     }
 

@@ -113,7 +113,7 @@ impl StepJob {
 /// Where data or model are in a camera.
 fn extent(camera: &CameraPrediction) -> Option<Extent> {
     let width = camera.prediction.width.max(1);
-    let data = camera.data.as_ref().map_or(&[][..], |data| data.values());
+    let data = camera.data.as_ref().map_or(&[][..], |data| data.measurement().values());
     let mut found: Option<Extent> = None;
     for (index, level) in camera.prediction.lambda.iter().enumerate() {
         if level.min(*data.get(index).unwrap_or(&BACKGROUND)) < NEARLY_BACKGROUND {

@@ -116,7 +116,7 @@ impl Observed {
     pub(crate) fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
         let view = |camera: usize| {
             let weight = inputs.uses.get(camera).map_or(1.0, |used| used.weight);
-            let evidence = Evidence::Measurement(inputs.data(camera)?);
+            let evidence = Evidence::Measurement(inputs.data(camera)?.shared());
             Some(FitView { camera: inputs.cameras[camera].clone(), evidence, weight })
         };
         let views: Vec<Option<FitView>> = (0..inputs.cameras.len()).map(view).collect();

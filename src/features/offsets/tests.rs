@@ -14,7 +14,7 @@ fn refused(app: &TestWindow) -> Option<&'static str> {
 #[test]
 fn what_is_no_file_has_no_offsets_to_write() {
     let app = open(Layout::Pose);
-    assert!(refused(&app).is_some_and(|why| why.contains("comes with the program")));
+    assert!(refused(&app).is_some_and(|why| why.contains("has no take.toml")));
 }
 
 #[test]

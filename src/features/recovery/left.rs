@@ -189,7 +189,7 @@ impl Thumbnail {
         let input = PictureInput {
             frame: Some(frame),
             mask: data.mask.as_deref(),
-            data: shown.data.as_deref(),
+            data: shown.data.as_ref().map(|data| data.measurement()),
             prediction: Some(&shown.prediction),
             ..PictureInput::empty([frame.width() as usize, frame.height() as usize])
         };

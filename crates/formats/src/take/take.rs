@@ -1,5 +1,6 @@
 //! A parsed take; its pictures are read on demand.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -50,6 +51,7 @@ pub struct Take {
     pub(super) footage: Vec<CameraFootage>,
     pub(super) frame_count: usize,
     pub(super) start: Option<Pose>,
+    poses: Arc<BTreeMap<usize, Pose>>,
     pub(super) reference: Option<Reference>,
     pub(super) measurement: Vec<SegmentOptions>,
     /// One of several people.
@@ -150,6 +152,7 @@ impl Take {
             footage: films.cameras,
             frame_count: films.frame_count,
             start,
+            poses: Arc::default(),
             reference,
             measurement,
             person: None,
@@ -226,6 +229,18 @@ impl Take {
     #[must_use]
     pub fn start(&self) -> Option<&Pose> {
         self.start.as_ref()
+    }
+
+    /// Poses of frames that came with the take: those of a motion or a simulation.
+    #[must_use]
+    pub const fn poses(&self) -> &Arc<BTreeMap<usize, Pose>> {
+        &self.poses
+    }
+
+    /// The same take with these poses.
+    #[must_use]
+    pub fn with_poses(self, poses: Arc<BTreeMap<usize, Pose>>) -> Self {
+        Self { poses, ..self }
     }
 
     /// Keypoints to compare with, if the take has any.

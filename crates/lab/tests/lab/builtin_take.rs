@@ -68,8 +68,9 @@ fn the_segmentation_finds_the_person_where_the_truth_is() {
             let pose = motion::pose(take.model(), frame as f64);
             let figure = Figure::new(take.model(), &pose, Build::default()).unwrap();
             let exact = silhouette(&figure, &ideal).unwrap();
-            let subject: Vec<bool> = exact.labels().iter().map(|label| *label == Label::Subject).collect();
-            let iou = Overlap::of_covered(&mask, &subject).unwrap().iou().unwrap();
+            let level = |label: &Label| if *label == Label::Subject { 0.0 } else { 255.0 };
+            let levels: Vec<f32> = exact.labels().iter().map(level).collect();
+            let iou = Overlap::between(&mask, &levels).unwrap().iou().unwrap();
             let missed = joints_outside(&take, &mask, &ideal, frame);
             if iou < 0.9 || missed > 1 {
                 failures

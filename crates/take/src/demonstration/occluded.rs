@@ -45,7 +45,7 @@ pub(super) fn take(name: &str, tell: &mut dyn FnMut(usize, usize)) -> anyhow::Re
             keypoints: frames.iter().map(people).collect(),
         }
     });
-    let joints = joints_of(&model, &truths);
+    let joints = joints_of(&model, truths.iter().enumerate());
     assemble(name, DRAWN_RATE / EVERY as f64, &model, &start, films.collect(), Some(joints))
 }
 

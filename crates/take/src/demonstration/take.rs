@@ -89,8 +89,10 @@ impl Demonstration {
             anyhow::Ok(CameraFilm::of(&camera, pictures))
         };
         let films = cameras.into_iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
-        let joints = joints_of(&model, &truths);
-        assemble(self.name(), frame_rate, &model, &start, films, Some(joints))
+        let joints = joints_of(&model, truths.iter().enumerate());
+        let take = assemble(self.name(), frame_rate, &model, &start, films, Some(joints))?;
+        let is_posed = self == Self::Spheres;
+        Ok(if is_posed { take.with_poses(Arc::new(truths.into_iter().enumerate().collect())) } else { take })
     }
 
     /// The true pose of a frame; nobody knows that of real footage.
@@ -175,9 +177,9 @@ impl Demonstration {
 }
 
 /// The true joints, as a take reads them.
-pub(super) fn joints_of(model: &Model, truths: &[Pose]) -> String {
+pub(crate) fn joints_of<'a>(model: &Model, truths: impl IntoIterator<Item = (usize, &'a Pose)>) -> String {
     let mut text = "frame,joint,x,y,z\n".to_owned();
-    for (frame, truth) in truths.iter().enumerate() {
+    for (frame, truth) in truths {
         let kinematics = Kinematics::new(model, truth);
         for (limb, end) in model.limbs().iter().zip(kinematics.ends()) {
             text += &format!("{frame},{},{},{},{}\n", limb.name, end.x, end.y, end.z);

@@ -14,7 +14,7 @@ use super::jacobian::BodyMotion;
 use super::kernels::lanes;
 use super::kernels::scalar::RowWinners;
 use super::prediction::{NO_OWNER, Prediction};
-use super::primitive::Primitive;
+use super::primitive::{Footprint, Primitive};
 use super::ramp::BACKGROUND;
 use super::wrench::Wrench;
 use super::{Ramp, RendererKind, View};
@@ -78,43 +78,66 @@ impl Prediction {
 
 /// Draws a view as fast as may be.
 pub fn draw(view: &View, wanted: DrawOptions<'_>) -> Drawing {
-    if !view.suits_lanes() {
-        return draw_plainly(view, wanted);
+    draw_over(Drawing::default(), view, wanted)
+}
+
+/// The same in the memory of an earlier drawing. Where that has the same pictures of the same size, nothing is written
+/// but the pixels that either body may touch.
+pub fn draw_over(mut earlier: Drawing, view: &View, wanted: DrawOptions<'_>) -> Drawing {
+    let stale = earlier.begin(view, wanted);
+    if view.suits_lanes() {
+        lanes::draw(view, wanted, &mut earlier, stale);
+    } else {
+        earlier.draw_plainly(view, wanted, stale);
     }
-    let mut drawing = Drawing::empty(view, wanted);
-    lanes::draw(view, wanted, &mut drawing);
-    drawing
+    earlier
 }
 
 /// Draws a view by the reference kernel.
 pub fn draw_plainly(view: &View, wanted: DrawOptions<'_>) -> Drawing {
-    let mut drawing = Drawing::empty(view, wanted);
-    drawing.strips(PLAIN_ROWS).into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
-        for y in strip.rows() {
-            winners.find(view, y, 1, 0);
-            strip.row(y).background(0..0);
-            for x in winners.touched() {
-                let Some(winner) = winners.winner(x) else { continue };
-                strip.put(view, wanted, (x, y), Some((&view.primitives[winner], winners.level(x))));
-            }
-        }
-    });
+    let mut drawing = Drawing::default();
+    let stale = drawing.begin(view, wanted);
+    drawing.draw_plainly(view, wanted, stale);
     drawing
 }
 
 impl Drawing {
-    /// Pictures of the view's size, of zeros: memory that nobody has touched yet, so that threads share that too.
-    fn empty(view: &View, wanted: DrawOptions<'_>) -> Self {
+    /// Makes pictures of the view's size, if these are not: of zeros, memory that nobody has touched yet, so that threads
+    /// share that too. Says which pixels are not background yet.
+    fn begin(&mut self, view: &View, wanted: DrawOptions<'_>) -> Footprint {
         let [width, height] = view.size;
         let pixels = width * height;
-        let prediction = Prediction { width, height, lambda: vec![0.0; pixels], owner: vec![0; pixels] };
-        let numbers = |is_wanted: bool| vec![0.0; if is_wanted { pixels } else { 0 }];
-        let (gradient, change) = (numbers(wanted.gradient), numbers(wanted.motion.is_some()));
-        Self { prediction, gradient, change }
+        let [gradient, change] =
+            [wanted.gradient, wanted.motion.is_some()].map(|is_wanted| if is_wanted { pixels } else { 0 });
+        let footprint = view.footprint();
+        let Prediction { lambda, owner, .. } = &self.prediction;
+        let has = [lambda.len(), owner.len(), self.gradient.len(), self.change.len()];
+        let is_of_this_size = [self.prediction.width, self.prediction.height] == view.size;
+        if is_of_this_size && has == [pixels, pixels, gradient, change] {
+            return std::mem::replace(&mut self.prediction.footprint, footprint);
+        }
+        let (lambda, owner) = (vec![0.0; pixels], vec![0; pixels]);
+        let prediction = Prediction { width, height, lambda, owner, footprint };
+        *self = Self { prediction, gradient: vec![0.0; gradient], change: vec![0.0; change] };
+        Footprint::whole(view.size)
     }
 
-    /// All pictures cut into strips of `rows` rows.
-    pub(in crate::render) fn strips(&mut self, rows: usize) -> Vec<Strip<'_>> {
+    fn draw_plainly(&mut self, view: &View, wanted: DrawOptions<'_>, stale: Footprint) {
+        let strips = self.strips(PLAIN_ROWS, stale);
+        strips.into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
+            for y in strip.rows() {
+                winners.find(view, y, 1, 0);
+                strip.clear(y, 0..0);
+                for x in winners.touched() {
+                    let Some(winner) = winners.winner(x) else { continue };
+                    strip.put(view, wanted, (x, y), Some((&view.primitives[winner], winners.level(x))));
+                }
+            }
+        });
+    }
+
+    /// All pictures cut into strips of `rows` rows. `stale` are the pixels that are not background yet.
+    pub(in crate::render) fn strips(&mut self, rows: usize, stale: Footprint) -> Vec<Strip<'_>> {
         let width = self.prediction.width;
         let entries = rows.max(1) * width;
         if entries == 0 {
@@ -127,7 +150,8 @@ impl Drawing {
         let strip = |(index, (lambda, owner))| {
             let gradient = gradients.next().unwrap_or_default();
             let change = changes.next().unwrap_or_default();
-            Strip { first_row: index * rows, width, pixels: Pixels { lambda, owner, gradient, change } }
+            let pixels = Pixels { lambda, owner, gradient, change };
+            Strip { first_row: index * rows, width, stale, pixels }
         };
         parts.map(strip).collect()
     }
@@ -138,6 +162,7 @@ impl Drawing {
 pub(in crate::render) struct Strip<'a> {
     first_row: usize,
     width: usize,
+    stale: Footprint,
     pixels: Pixels<'a>,
 }
 
@@ -148,17 +173,6 @@ pub(in crate::render) struct Pixels<'a> {
     pub(in crate::render) owner: &'a mut [u16],
     pub(in crate::render) gradient: &'a mut [f32],
     pub(in crate::render) change: &'a mut [f32],
-}
-
-impl Pixels<'_> {
-    /// Paints background everywhere but in these columns.
-    #[inline(always)]
-    pub(in crate::render) fn background(&mut self, but: Range<usize>) {
-        for outside in [0..but.start, but.end..self.lambda.len()] {
-            self.lambda[outside.clone()].fill(BACKGROUND as f32);
-            self.owner[outside].fill(NO_OWNER);
-        }
-    }
 }
 
 impl Strip<'_> {
@@ -178,6 +192,22 @@ impl Strip<'_> {
             owner: &mut owner[row.clone()],
             gradient: gradient.get_mut(row.clone()).unwrap_or_default(),
             change: change.get_mut(row).unwrap_or_default(),
+        }
+    }
+
+    /// Paints background where a row is not yet, but for these columns.
+    #[inline(always)]
+    pub(in crate::render) fn clear(&mut self, y: usize, but: Range<usize>) {
+        if !self.stale.is_on_row(y) {
+            return;
+        }
+        let [from, to] = self.stale.columns;
+        let row = self.row(y);
+        for outside in [from..to.min(but.start), from.max(but.end)..to] {
+            row.lambda.get_mut(outside.clone()).unwrap_or_default().fill(BACKGROUND as f32);
+            row.owner.get_mut(outside.clone()).unwrap_or_default().fill(NO_OWNER);
+            row.gradient.get_mut(outside.clone()).unwrap_or_default().fill(0.0);
+            row.change.get_mut(outside).unwrap_or_default().fill(0.0);
         }
     }
 

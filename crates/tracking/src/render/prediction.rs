@@ -3,8 +3,9 @@
 use super::View;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
-use super::primitive::SolidShape;
+use super::primitive::{Footprint, SolidShape};
 use super::ramp::BACKGROUND;
+use crate::silhouette::{Label, Mask, Overlap, OverlapError};
 
 /// The owner of a pixel that no limb is near.
 pub const NO_OWNER: u16 = u16::MAX;
@@ -21,6 +22,8 @@ pub struct Prediction {
     pub lambda: Vec<f32>,
     /// Index of the limb that wins the pixel, or [`NO_OWNER`].
     pub owner: Vec<u16>,
+    /// Pixels outside this box are background.
+    pub footprint: Footprint,
 }
 
 /// λ alone, as pictures hold it: for overlaps.
@@ -31,29 +34,59 @@ pub fn lambda(view: &View) -> Vec<f32> {
 /// λ/255 of the lanes this near to a half is looked at again in f64. Their error is a hundredth of it.
 const DOUBT: f32 = 2e-3;
 
-/// Which pixels the model covers: where λ of the view is below a half. For overlaps.
+/// Which pixels the model covers: where λ of the view is below a half.
+pub fn covered(view: &View) -> Vec<bool> {
+    let mut covered = vec![false; view.size[0] * view.size[1]];
+    visit_covered(view, |pixel| covered[pixel] = true);
+    covered
+}
+
+/// How the pixels that the model covers overlap with a mask.
+///
+/// # Errors
+/// If the mask has another size than the view.
+pub fn overlap(view: &View, mask: &Mask) -> Result<Overlap, OverlapError> {
+    let (labels, pixels) = (mask.labels(), view.size[0] * view.size[1]);
+    if labels.len() != pixels {
+        return Err(OverlapError { expected: labels.len(), found: pixels });
+    }
+    let mut counts = Overlap::default();
+    visit_covered(view, |pixel| match labels[pixel] {
+        Label::Subject => counts.agreement += 1,
+        Label::Background => counts.spurious += 1,
+        Label::Unknown => counts.unknown += 1,
+    });
+    Ok(Overlap { missing: mask.count(Label::Subject) - counts.agreement, ..counts })
+}
+
+/// Calls `visit` with every pixel that the model covers, row by row.
 ///
 /// The pixels of [`lambda`], but found by the fast kernel where that can: pixels about which f32 might be wrong are
 /// decided by the plain one.
-pub fn covered(view: &View) -> Vec<bool> {
+fn visit_covered(view: &View, mut visit: impl FnMut(usize)) {
     let [width, height] = view.size;
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
     let has_caps = view.primitives.iter().any(|primitive| primitive.solid.shape == SolidShape::Cylinder);
     if has_caps || !view.suits_lanes() {
-        return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
+        let mut row = RowWinners::default();
+        for y in 0..height {
+            row.find(view, y, 1, 0);
+            row.touched().filter(|&x| row.level(x) < 0.5).for_each(|x| visit(y * width + x));
+        }
+        return;
     }
-    let mut covered = vec![false; width * height];
     let is_dark = |x: usize, y: usize| {
         let ray = view.ray(x, y);
         let mut near = view.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y));
         near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
     };
     Lanes::default().look(view, |y, from, levels| {
-        for ((x, covered), &level) in (from..).zip(&mut covered[y * width + from..]).zip(levels) {
-            *covered = if (level - 0.5).abs() < DOUBT { is_dark(x, y) } else { level < 0.5 };
+        for (x, &level) in (from..).zip(levels) {
+            if if (level - 0.5).abs() < DOUBT { is_dark(x, y) } else { level < 0.5 } {
+                visit(y * width + x);
+            }
         }
     });
-    covered
 }
 
 /// λ alone, in f64: for files that others compare.
@@ -101,6 +134,10 @@ mod tests {
                         levels(&view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
                     seen += expected.iter().filter(|&&is_covered| is_covered).count();
                     assert!(covered(&view) == expected, "{kind} from {distance} m, {lens:?}");
+                    let labels = [Label::Background, Label::Subject, Label::Unknown];
+                    let label = |pixel: usize| labels[(seed + pixel / 7) % 3];
+                    let mask = Mask::new(64, 80, (0..64 * 80).map(label).collect()).unwrap();
+                    assert_eq!(overlap(&view, &mask), Overlap::between(&mask, &lambda(&view)));
                 }
             }
         }

@@ -78,7 +78,7 @@ pub(crate) struct Primitive {
 
 /// A rectangle of pixels, ends excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Footprint {
+pub struct Footprint {
     /// First column, and one past the last.
     pub columns: [usize; 2],
     /// First row, and one past the last.
@@ -208,12 +208,12 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
 
 impl Footprint {
     /// The whole picture.
-    pub(crate) fn whole([width, height]: [usize; 2]) -> Self {
+    pub fn whole([width, height]: [usize; 2]) -> Self {
         Self { columns: [0, width], rows: [0, height] }
     }
 
     /// Whether a pixel is in it.
-    pub(crate) fn contains(&self, x: usize, y: usize) -> bool {
+    pub fn contains(&self, x: usize, y: usize) -> bool {
         (self.columns[0]..self.columns[1]).contains(&x) && self.is_on_row(y)
     }
 
@@ -222,8 +222,17 @@ impl Footprint {
         (self.rows[0]..self.rows[1]).contains(&y)
     }
 
+    /// The smallest rectangle that holds both.
+    pub fn union(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return if self.is_empty() { other } else { self };
+        }
+        let both = |[from, to]: [usize; 2], other: [usize; 2]| [from.min(other[0]), to.max(other[1])];
+        Self { columns: both(self.columns, other.columns), rows: both(self.rows, other.rows) }
+    }
+
     /// Whether it holds no pixel.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.pixels() == 0
     }
 

@@ -126,6 +126,11 @@ impl View {
         }
     }
 
+    /// The pixels that the body may touch: all others are background.
+    pub fn footprint(&self) -> Footprint {
+        self.primitives.iter().map(|primitive| primitive.bounds).fold(Footprint::default(), Footprint::union)
+    }
+
     /// Leaves out the limbs for which `drawn` is false: as if the body did not have them, until it is prepared again.
     ///
     /// `drawn` has one entry a limb; what is missing is left out.

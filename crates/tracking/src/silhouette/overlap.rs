@@ -34,29 +34,17 @@ impl Overlap {
     /// # Errors
     /// If the prediction has another number of pixels than the mask.
     pub fn between(mask: &Mask, prediction: &[f32]) -> Result<Self, OverlapError> {
-        Self::count(mask, prediction, |&lambda| lambda < SUBJECT_BELOW)
-    }
-
-    /// Compares a mask with the pixels that a model covers, row by row.
-    ///
-    /// # Errors
-    /// If there is not one entry for each pixel of the mask.
-    pub fn of_covered(mask: &Mask, covered: &[bool]) -> Result<Self, OverlapError> {
-        Self::count(mask, covered, |&is_covered| is_covered)
-    }
-
-    fn count<T>(mask: &Mask, predicted: &[T], is_subject: impl Fn(&T) -> bool) -> Result<Self, OverlapError> {
         let expected = mask.labels().len();
-        if predicted.len() != expected {
-            return Err(OverlapError { expected, found: predicted.len() });
+        if prediction.len() != expected {
+            return Err(OverlapError { expected, found: prediction.len() });
         }
         let mut counts = Self::default();
         // Runs that a byte can count: many of them are counted at once.
         const RUN: usize = u8::MAX as usize;
-        for (labels, predicted) in mask.labels().chunks(RUN).zip(predicted.chunks(RUN)) {
+        for (labels, predicted) in mask.labels().chunks(RUN).zip(prediction.chunks(RUN)) {
             let [mut agreement, mut missing, mut spurious, mut unknown] = [0_u8; 4];
             for (&label, predicted) in labels.iter().zip(predicted) {
-                let predicted = is_subject(predicted);
+                let predicted = *predicted < SUBJECT_BELOW;
                 agreement += u8::from(label == Label::Subject) & u8::from(predicted);
                 missing += u8::from(label == Label::Subject) & u8::from(!predicted);
                 spurious += u8::from(label == Label::Background) & u8::from(predicted);

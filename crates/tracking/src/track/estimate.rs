@@ -127,7 +127,7 @@ pub fn overlaps(
     let of_view = |view: &FitView| match &view.evidence {
         Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => {
             let drawn = View::new(model, &kinematics, &view.camera, renderer, Ramp::Half);
-            Overlap::of_covered(mask, &prediction::covered(&drawn)).ok()
+            prediction::overlap(&drawn, mask).ok()
         }
         _ => None,
     };

@@ -3,7 +3,7 @@
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, Distortion};
 use backlit_tracking::render::{BodyMotion, MOST_ERROR, draw_plainly, jacobian_along};
-use backlit_tracking::render::{DrawOptions, Drawing, Prediction, Ramp, RendererKind, View, draw};
+use backlit_tracking::render::{DrawOptions, Drawing, Prediction, Ramp, RendererKind, View, draw, draw_over};
 use backlit_tracking::search::start;
 use glam::DVec3;
 
@@ -206,6 +206,30 @@ fn only_what_is_wanted_is_drawn_and_threads_change_no_bit() {
         let bare = draw(&case.view, DrawOptions::default());
         assert!(bare.gradient.is_empty() && bare.change.is_empty());
         assert_eq!(bare.prediction, whole.prediction);
+    }
+}
+
+/// An earlier drawing's memory changes nothing: of another pose, size, or other pictures, by either kernel.
+#[test]
+fn drawings_in_used_memory_are_as_in_new() {
+    let model = builtin::upper_body();
+    let mut used = Drawing::default();
+    let lens = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 0.0, p2: 0.0, k3: 0.0 };
+    for renderer in renderers() {
+        for (seed, distance) in [3.0, 2.0, 6.0, 0.05, 2.5, 4.0, 3.0].into_iter().enumerate() {
+            let size = if seed == 4 { [61, 80] } else { [80, 61] };
+            let lens = if seed == 5 { lens } else { Distortion::None };
+            let camera = camera(size, 0.7 * seed as f64, distance, lens);
+            let case = Case::new(&model, seed as u64, &camera, renderer, Ramp::Half);
+            let options = [case.wanted(), case.wanted(), DrawOptions::default()][seed % 3];
+            used = draw_over(used, &case.view, options);
+            assert_eq!(used, draw(&case.view, options), "{} {seed}", case.name);
+            let footprint = used.prediction.footprint;
+            let width = used.prediction.width;
+            for at in (0..80 * 61).filter(|at| !footprint.contains(at % width, at / width)) {
+                assert_eq!((used.prediction.lambda[at], used.prediction.owner[at]), (255.0, u16::MAX));
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 //! hues, the report's overlay, owner limbs, and derivatives.
 
 use backlit_tracking::body::Model;
+use backlit_tracking::render::Footprint;
 use backlit_tracking::render::prediction::NO_OWNER;
 use backlit_tracking::silhouette::Label;
 use egui::{Color32, ColorImage};
@@ -14,36 +15,18 @@ use crate::style::theme::data_colours::{
 };
 use crate::style::theme::{gradient_colour, residual_colour};
 
+/// What a view shows of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViewedPicture {
+    /// What its pixels mean.
+    pub mode: ViewMode,
+    /// It is laid over the footage, which is shown at a size of its own: premultiplied colours.
+    pub is_over_footage: bool,
+}
+
 /// The picture of a view mode. What `input` lacks for it is said by [`PictureInput::shown`].
 pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
-    let input = &input.fitting();
-    match input.shown(mode) {
-        ViewMode::Footage => input.map(|x, y, _| input.footage(x, y).unwrap_or(PICTURE_GROUND)),
-        ViewMode::Data => input.map(|x, y, index| {
-            hatched(input, [x, y, index], PICTURE_GROUND, |level| Color32::from_gray(level.round() as u8))
-        }),
-        ViewMode::Prediction => {
-            input.map(|_, _, index| Color32::from_gray(input.lambda(index).round() as u8))
-        }
-        ViewMode::ReportOverlay => input.map(|x, y, index| {
-            let grey = |level| Color32::from_gray(report_grey(level, input.lambda(index)));
-            hatched(input, [x, y, index], Color32::from_gray(REPORT_GROUND), grey)
-        }),
-        ViewMode::Tinted => tinted::compose(input),
-        ViewMode::Residual => input.map(|x, y, index| {
-            let colour = |level| residual_colour(level - input.lambda(index));
-            hatched(input, [x, y, index], PICTURE_GROUND, colour)
-        }),
-        ViewMode::OwnerLimb => input.map(|_, _, index| {
-            let owner = input.prediction.map_or(NO_OWNER, |p| p.owner[index]);
-            let colour = input.limb_colours.get(usize::from(owner));
-            colour.map_or(PICTURE_GROUND, |colour| {
-                mix(PICTURE_GROUND, *colour, 1.0 - input.lambda(index).clamp(0.0, 255.0) / 255.0)
-            })
-        }),
-        ViewMode::Gradient => derivative(input, input.gradient, gradient_colour),
-        ViewMode::JacobianColumn => derivative(input, input.jacobian, |share| residual_colour(share * 255.0)),
-    }
+    ViewedPicture { mode, is_over_footage: false }.compose(input)
 }
 
 /// Whether a mode shows footage as it is or tinted, so that it can lie over a larger picture of the same.
@@ -51,12 +34,51 @@ pub fn shows_footage(mode: ViewMode, input: &PictureInput<'_>) -> bool {
     input.frame.is_some() && matches!(input.fitting().shown(mode), ViewMode::Footage | ViewMode::Tinted)
 }
 
-/// What such a mode lays over the footage, as premultiplied colours.
-pub fn compose_over_footage(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
-    let input = input.fitting();
-    match input.shown(mode) {
-        ViewMode::Tinted => tinted::compose_over_footage(&input),
-        _ => ColorImage::filled(input.size, Color32::TRANSPARENT),
+impl ViewedPicture {
+    /// The whole picture.
+    pub fn compose(self, input: &PictureInput<'_>) -> ColorImage {
+        let mut picture = ColorImage::filled(input.size, Color32::TRANSPARENT);
+        self.compose_part(input, Footprint::whole(input.size), &mut picture);
+        picture
+    }
+
+    /// Composes some pixels of a picture of the input's size.
+    pub fn compose_part(self, input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
+        let input = &input.fitting();
+        match input.shown(self.mode) {
+            ViewMode::Tinted if self.is_over_footage => tinted::compose_over_footage(input, part, picture),
+            _ if self.is_over_footage => input.paint(part, picture, |_, _, _| Color32::TRANSPARENT),
+            ViewMode::Footage => {
+                input.paint(part, picture, |x, y, _| input.footage(x, y).unwrap_or(PICTURE_GROUND));
+            }
+            ViewMode::Data => input.paint(part, picture, |x, y, index| {
+                hatched(input, [x, y, index], PICTURE_GROUND, |level| Color32::from_gray(level.round() as u8))
+            }),
+            ViewMode::Prediction => input
+                .paint(part, picture, |_, _, index| Color32::from_gray(input.lambda(index).round() as u8)),
+            ViewMode::ReportOverlay => input.paint(part, picture, |x, y, index| {
+                let grey = |level| Color32::from_gray(report_grey(level, input.lambda(index)));
+                hatched(input, [x, y, index], Color32::from_gray(REPORT_GROUND), grey)
+            }),
+            ViewMode::Tinted => tinted::compose(input, part, picture),
+            ViewMode::Residual => input.paint(part, picture, |x, y, index| {
+                let colour = |level| residual_colour(level - input.lambda(index));
+                hatched(input, [x, y, index], PICTURE_GROUND, colour)
+            }),
+            ViewMode::OwnerLimb => input.paint(part, picture, |_, _, index| {
+                let owner = input.prediction.map_or(NO_OWNER, |p| p.owner[index]);
+                let colour = input.limb_colours.get(usize::from(owner));
+                colour.map_or(PICTURE_GROUND, |colour| {
+                    mix(PICTURE_GROUND, *colour, 1.0 - input.lambda(index).clamp(0.0, 255.0) / 255.0)
+                })
+            }),
+            ViewMode::Gradient => {
+                derivative(input, part, picture, (input.gradient, gradient_colour));
+            }
+            ViewMode::JacobianColumn => {
+                derivative(input, part, picture, (input.jacobian, |share| residual_colour(share * 255.0)));
+            }
+        }
     }
 }
 
@@ -168,20 +190,20 @@ impl Derivative {
 /// A derivative by its colour map. Pixels of the ramp without one have two diagonals of every six, rising to the right.
 fn derivative(
     input: &PictureInput<'_>,
-    derivative: Option<&Derivative>,
-    colour: impl Fn(f32) -> Color32,
-) -> ColorImage {
-    let Some(derivative) = derivative else { return ColorImage::filled(input.size, PICTURE_GROUND) };
+    part: Footprint,
+    picture: &mut ColorImage,
+    (derivative, colour): (Option<&Derivative>, impl Fn(f32) -> Color32),
+) {
     let [width, period] = mark::NO_GRADIENT_HATCH.map(|px| px as usize);
-    input.map(|x, y, index| {
-        let share = derivative.values[index] / derivative.scale;
+    input.paint(part, picture, |x, y, index| {
+        let share = derivative.map_or(0.0, |derivative| derivative.values[index] / derivative.scale);
         let lambda = input.lambda(index);
         match (share.abs() > ZERO_SHARE, lambda > 0.0 && lambda < 255.0) {
             (true, _) => colour(share),
             (false, true) if (x + y) % period < width => NO_GRADIENT,
             (false, _) => PICTURE_GROUND,
         }
-    })
+    });
 }
 
 #[cfg(test)]

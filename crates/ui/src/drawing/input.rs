@@ -1,7 +1,7 @@
 //! What there is to look at in one camera.
 
 use backlit_tracking::render::prediction::NO_OWNER;
-use backlit_tracking::render::{Prediction, View};
+use backlit_tracking::render::{Footprint, Prediction, View};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use egui::{Color32, ColorImage};
 use image::RgbImage;
@@ -143,16 +143,20 @@ impl<'a> PictureInput<'a> {
         }
     }
 
-    /// Makes a picture pixel by pixel; `colour` is given x, y and the index of the pixel.
-    pub fn map(&self, mut colour: impl FnMut(usize, usize, usize) -> Color32) -> ColorImage {
-        let [width, height] = self.size;
-        let mut pixels = Vec::with_capacity(width * height);
-        for y in 0..height {
-            for x in 0..width {
-                pixels.push(colour(x, y, y * width + x));
+    /// Paints some pixels of a picture of this size; `colour` is given x, y and the index of the pixel.
+    pub(super) fn paint(
+        &self,
+        part: Footprint,
+        picture: &mut ColorImage,
+        mut colour: impl FnMut(usize, usize, usize) -> Color32,
+    ) {
+        let [from, to] = part.columns;
+        for y in part.rows[0]..part.rows[1] {
+            let start = y * self.size[0];
+            for (x, pixel) in (from..to).zip(&mut picture.pixels[start + from..start + to]) {
+                *pixel = colour(x, y, start + x);
             }
         }
-        ColorImage::new(self.size, pixels)
     }
 
     /// The footage at a pixel of a [`fitting`](Self::fitting) input.
@@ -210,7 +214,9 @@ pub(crate) mod tests {
 
     /// One row of a prediction.
     pub(crate) fn prediction(lambda: &[f32], owner: &[u16]) -> Prediction {
-        Prediction { width: lambda.len(), height: 1, lambda: lambda.to_vec(), owner: owner.to_vec() }
+        let width = lambda.len();
+        let footprint = Footprint::whole([width, 1]);
+        Prediction { width, height: 1, lambda: lambda.to_vec(), owner: owner.to_vec(), footprint }
     }
 
     /// A camera by the size of its picture, focal length and principal point in pixels, where it stands and looks, and

@@ -4,6 +4,7 @@
 //! Between four pixel centres the line crosses each edge whose ends lie on both sides of the level, where linear
 //! interpolation says. A saddle is cut by the mean of its corners. Beyond the picture everything is background.
 
+use backlit_tracking::render::{Footprint, Prediction};
 use glam::DVec2;
 
 use super::input::HALF;
@@ -15,13 +16,9 @@ const TOLERANCE_PX: f64 = 0.05;
 const NONE: usize = usize::MAX;
 
 /// Closed polylines in pixel coordinates around the pixels with Λ < 127.5, the body on the right as seen on the
-/// screen. The last point joins the first and does not repeat it. `lambda` that is not `width` × `height` long
-/// has no outline.
-pub fn body_outline(lambda: &[f32], width: usize, height: usize) -> Vec<Vec<DVec2>> {
-    if width == 0 || lambda.len() != width * height {
-        return Vec::new();
-    }
-    let lines = Grid::around_subject(lambda, width).map_or_else(Vec::new, |grid| grid.trace());
+/// screen. The last point joins the first and does not repeat it.
+pub fn body_outline(prediction: &Prediction) -> Vec<Vec<DVec2>> {
+    let lines = Grid::around_subject(prediction).map_or_else(Vec::new, |grid| grid.trace());
     lines.iter().map(|line| simplified_closed(line, TOLERANCE_PX)).collect()
 }
 
@@ -36,11 +33,15 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    fn around_subject(lambda: &'a [f32], picture_width: usize) -> Option<Self> {
+    fn around_subject(prediction: &'a Prediction) -> Option<Self> {
+        let (lambda, picture_width) = (&prediction.lambda, prediction.width);
+        let Footprint { columns: [from, to], rows } = prediction.footprint;
         let mut bounds: Option<[usize; 4]> = None;
-        for (y, row) in lambda.chunks_exact(picture_width).enumerate() {
+        for y in rows[0]..rows[1] {
+            let row = &lambda[y * picture_width + from..y * picture_width + to];
             let Some(first) = row.iter().position(|level| *level < HALF) else { continue };
             let last = row.iter().rposition(|level| *level < HALF).unwrap_or(first);
+            let [first, last] = [first, last].map(|column| from + column);
             let [left, top, right, _] = bounds.unwrap_or([first, y, last, y]);
             bounds = Some([left.min(first), top, right.max(last), y]);
         }
@@ -79,50 +80,46 @@ impl<'a> Grid<'a> {
         DVec2::new(f64::from(x), f64::from(y))
     }
 
-    /// For each edge, the edge that the line crosses next.
-    fn successors(&self) -> Vec<usize> {
-        let mut next = vec![NONE; 2 * self.width * self.height];
+    /// Whether each point of a row of the grid is subject.
+    fn is_subject(&self, row: usize, points: &mut Vec<bool>) {
+        points.clear();
+        points.resize(self.width, false);
+        let Ok(y) = usize::try_from(row as isize + self.corner[1]) else { return };
+        let Some(levels) = self.lambda.get(y * self.picture_width..(y + 1) * self.picture_width) else {
+            return;
+        };
+        // The first column of the grid is one left of the subject, the last one right of it.
+        let first = (self.corner[0] + 1) as usize;
+        for (point, level) in points[1..].iter_mut().zip(&levels[first..]) {
+            *point = *level < HALF;
+        }
+    }
+
+    /// For each edge that the line crosses, in their order, the edge that it crosses next.
+    fn successors(&self) -> Vec<(usize, usize)> {
+        let mut next = Vec::new();
+        let (mut above, mut below) = (Vec::new(), Vec::new());
+        self.is_subject(0, &mut above);
         for row in 0..self.height - 1 {
+            self.is_subject(row + 1, &mut below);
             for column in 0..self.width - 1 {
-                let corners = [
-                    self.level(column, row),
-                    self.level(column + 1, row),
-                    self.level(column + 1, row + 1),
-                    self.level(column, row + 1),
-                ];
+                let is_subject = [above[column], above[column + 1], below[column + 1], below[column]];
+                if is_subject == [is_subject[0]; 4] {
+                    continue;
+                }
                 let edges = [
                     self.edge(column, row, false),
                     self.edge(column + 1, row, true),
                     self.edge(column, row + 1, false),
                     self.edge(column, row, true),
                 ];
-                self.link_cell(corners, edges, &mut next);
+                let centre = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| self.level(column + x, row + y));
+                link_cell(is_subject, centre.iter().sum::<f32>() / 4.0 < HALF, edges, &mut next);
             }
+            std::mem::swap(&mut above, &mut below);
         }
+        next.sort_unstable();
         next
-    }
-
-    /// Corners and edges run clockwise from the upper left corner and the upper edge. With the subject on the
-    /// right, the line enters a cell where, clockwise, subject turns into background, and leaves where it turns
-    /// back.
-    fn link_cell(&self, corners: [f32; 4], edges: [usize; 4], next: &mut [usize]) {
-        let is_subject = corners.map(|level| level < HALF);
-        let is_saddle = is_subject[0] == is_subject[2] && is_subject[1] == is_subject[3];
-        let centre_is_subject = corners.iter().sum::<f32>() / 4.0 < HALF;
-        for exit in 0..4 {
-            if is_subject[exit] || !is_subject[(exit + 1) % 4] {
-                continue;
-            }
-            // The line goes round the subject's corners behind the exit. In a saddle whose centre is subject,
-            // the two corners are one region and the line goes round the background's corner instead.
-            let entry = if is_saddle && centre_is_subject {
-                (exit + 3) % 4
-            } else {
-                let mut behind = (1..4).map(|step| (exit + step) % 4);
-                behind.find(|&e| is_subject[e] && !is_subject[(e + 1) % 4]).unwrap_or(exit)
-            };
-            next[edges[entry]] = edges[exit];
-        }
     }
 
     fn trace(&self) -> Vec<Vec<DVec2>> {
@@ -130,16 +127,44 @@ impl<'a> Grid<'a> {
         let mut outlines = Vec::new();
         for start in 0..next.len() {
             let mut outline = Vec::new();
-            let mut edge = start;
-            while next[edge] != NONE {
-                outline.push(self.crossing(edge));
-                edge = std::mem::replace(&mut next[edge], NONE);
+            let mut place = Some(start);
+            while let Some((edge, after)) =
+                place.and_then(|place| next.get_mut(place)).filter(|(_, after)| *after != NONE)
+            {
+                outline.push(self.crossing(*edge));
+                let after = std::mem::replace(after, NONE);
+                place = next.binary_search_by_key(&after, |(edge, _)| *edge).ok();
             }
             if !outline.is_empty() {
                 outlines.push(outline);
             }
         }
         outlines
+    }
+}
+
+/// Corners and edges run clockwise from the upper left corner and the upper edge. With the subject on the right, the line
+/// enters a cell where, clockwise, subject turns into background, and leaves where it turns back.
+fn link_cell(
+    is_subject: [bool; 4],
+    centre_is_subject: bool,
+    edges: [usize; 4],
+    next: &mut Vec<(usize, usize)>,
+) {
+    let is_saddle = is_subject[0] == is_subject[2] && is_subject[1] == is_subject[3];
+    for exit in 0..4 {
+        if is_subject[exit] || !is_subject[(exit + 1) % 4] {
+            continue;
+        }
+        // The line goes round the subject's corners behind the exit. In a saddle whose centre is subject, the two corners
+        // are one region and the line goes round the background's corner instead.
+        let entry = if is_saddle && centre_is_subject {
+            (exit + 3) % 4
+        } else {
+            let mut behind = (1..4).map(|step| (exit + step) % 4);
+            behind.find(|&e| is_subject[e] && !is_subject[(e + 1) % 4]).unwrap_or(exit)
+        };
+        next.push((edges[entry], edges[exit]));
     }
 }
 
@@ -194,6 +219,12 @@ mod tests {
 
     use super::*;
 
+    fn prediction(lambda: &[f32], width: usize) -> Prediction {
+        let height = lambda.len() / width.max(1);
+        let footprint = Footprint::whole([width, height]);
+        Prediction { width, height, lambda: lambda.to_vec(), owner: Vec::new(), footprint }
+    }
+
     /// Positive when clockwise on the screen.
     fn area(outline: &[DVec2]) -> f64 {
         let next = outline.iter().cycle().skip(1);
@@ -208,7 +239,7 @@ mod tests {
                 ((x.hypot(y) - 10.0) / 4.0 + 0.5).clamp(0.0, 1.0) * 255.0
             })
             .collect();
-        let outlines = body_outline(&lambda, 40, 40);
+        let outlines = body_outline(&prediction(&lambda, 40));
         assert_eq!(outlines.len(), 1);
         for point in &outlines[0] {
             assert!((point.distance(DVec2::new(19.3, 20.6)) - 10.0).abs() < 0.03, "{point}");
@@ -219,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_body_at_the_border_stays_closed() {
-        let outlines = body_outline(&[0.0; 4], 2, 2);
+        let outlines = body_outline(&prediction(&[0.0; 4], 2));
         assert_eq!(outlines.len(), 1);
         assert!(area(&outlines[0]) > 1.0);
     }
@@ -228,16 +259,16 @@ mod tests {
     fn a_hole_runs_the_other_way() {
         let mut lambda = [0.0; 25];
         lambda[12] = 255.0;
-        let mut areas: Vec<f64> = body_outline(&lambda, 5, 5).iter().map(|outline| area(outline)).collect();
+        let outlines = body_outline(&prediction(&lambda, 5));
+        let mut areas: Vec<f64> = outlines.iter().map(|outline| area(outline)).collect();
         areas.sort_by(f64::total_cmp);
         assert!(areas.len() == 2 && areas[0] < 0.0 && areas[1] > 20.0, "{areas:?}");
     }
 
     #[test]
     fn nothing_and_nonsense_have_no_outline() {
-        assert!(body_outline(&[255.0, f32::NAN], 2, 1).is_empty());
-        assert!(body_outline(&[0.0; 3], 2, 2).is_empty());
-        assert!(body_outline(&[], 0, 0).is_empty());
+        assert!(body_outline(&prediction(&[255.0, f32::NAN], 2)).is_empty());
+        assert!(body_outline(&Prediction::default()).is_empty());
     }
 
     proptest! {
@@ -245,7 +276,8 @@ mod tests {
         #[test]
         fn outlines_separate_subject_from_background(levels in proptest::collection::vec(0.0..255.0_f32, 42)) {
             // Before points are left out: a pixel may lie nearer to the line than those do.
-            let outlines = Grid::around_subject(&levels, 7).map_or_else(Vec::new, |grid| grid.trace());
+            let drawn = prediction(&levels, 7);
+            let outlines = Grid::around_subject(&drawn).map_or_else(Vec::new, |grid| grid.trace());
             for (index, level) in levels.iter().enumerate() {
                 let (x, y) = ((index % 7) as f64, (index / 7) as f64 + 1e-4);
                 let crossings = outlines

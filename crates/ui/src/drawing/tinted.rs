@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use backlit_tracking::render::Footprint;
 use backlit_tracking::silhouette::Label;
 use egui::{Color32, ColorImage};
 
@@ -15,43 +16,41 @@ use crate::style::theme::data_colours::{
 /// Opacity of the hatches of shadow and don't-know pixels over footage.
 const HATCH_TINT: f32 = 0.5;
 
-pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
+pub(super) fn compose(input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
     let tints = TINTS.get_or_init(Tints::new);
     let (Some(frame), Some(mask), Some(prediction)) = (input.frame, input.mask, input.prediction) else {
-        return input.map(|x, y, index| {
+        return input.paint(part, picture, |x, y, index| {
             let label = (input.label(index), input.is_shadow(index));
             let tint = tints.of(label, input.lambda(index) < HALF, x, y);
             input.footage(x, y).map_or(tint.flat, |colour| tint.over([colour.r(), colour.g(), colour.b()]))
         });
     };
     // Slices side by side: what every frame of the window does for every view is to be quick.
-    let width = input.size[0];
     let footage = frame.as_raw().as_chunks::<3>().0;
     let weights = input.data.map(|data| data.weights());
-    let mut pixels = Vec::with_capacity(footage.len());
-    for (y, (footage, lambda)) in
-        footage.chunks_exact(width).zip(prediction.lambda.chunks_exact(width)).enumerate()
-    {
-        let row = y * width..(y + 1) * width;
+    let [from, to] = part.columns;
+    for y in part.rows[0]..part.rows[1] {
+        let start = y * input.size[0] + from;
+        let row = start..start + (to - from);
         let weights = weights.map(|weights| &weights[row.clone()]);
-        let start = row.start;
-        let known = footage.iter().zip(&mask.labels()[row]).zip(lambda).enumerate();
-        pixels.extend(known.map(|(x, ((colour, label), lambda))| {
+        let known = footage[row.clone()].iter().zip(&mask.labels()[row.clone()]);
+        let known = known.zip(&prediction.lambda[row.clone()]).zip(&mut picture.pixels[row]);
+        for (x, (((colour, label), lambda), pixel)) in known.enumerate() {
             let is_known = weights.is_none_or(|weights| weights[x] > 0.0);
             let label = if is_known { *label } else { Label::Unknown };
-            tints.of((label, mask.is_shadow(start + x)), *lambda < HALF, x, y).over(*colour)
-        }));
+            let is_shadow = mask.is_shadow(start + x);
+            *pixel = tints.of((label, is_shadow), *lambda < HALF, from + x, y).over(*colour);
+        }
     }
-    ColorImage::new(input.size, pixels)
 }
 
 /// The tints alone, as premultiplied colours that dim what is under them.
-pub(super) fn compose_over_footage(input: &PictureInput<'_>) -> ColorImage {
+pub(super) fn compose_over_footage(input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
     let tints = TINTS.get_or_init(Tints::new);
-    input.map(|x, y, index| {
+    input.paint(part, picture, |x, y, index| {
         let label = (input.label(index), input.is_shadow(index));
         tints.of(label, input.lambda(index) < HALF, x, y).layer
-    })
+    });
 }
 
 /// The tints of what a pixel may be.

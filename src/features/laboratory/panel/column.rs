@@ -306,7 +306,7 @@ fn overlay(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, mark: Option<&W
     let size = [prediction.prediction.width, prediction.prediction.height];
     let input = PictureInput {
         mask: frame.and_then(|frame| frame.mask.as_deref()),
-        data: prediction.data.as_deref(),
+        data: prediction.data.as_ref().map(|data| data.measurement()),
         prediction: Some(&prediction.prediction),
         ..PictureInput::empty(size)
     };

@@ -25,14 +25,14 @@ use crate::render::View;
 use crate::render::drawing::{DrawOptions, Drawing, MOST_ERROR, Strip};
 use crate::render::jacobian::BodyMotion;
 use crate::render::prediction::NO_OWNER;
-use crate::render::primitive::Solid;
+use crate::render::primitive::{Footprint, Solid};
 use crate::render::ramp::BACKGROUND;
 
 /// Bands that a thread takes at once.
 const LEAST_BANDS: usize = 4;
 
-/// Fills the pictures of a drawing that come in background. [`View::suits_lanes`] must hold.
-pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing) {
+/// Fills the pictures of a drawing, in which all but the `stale` pixels are background. [`View::suits_lanes`] must hold.
+pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing, stale: Footprint) {
     let grid = PixelGrid::without_data(view.size);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
@@ -45,7 +45,7 @@ pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mu
     });
     let error = ground.solids.iter().map(|solid| solid.error).fold(0.0, f32::max);
     let plan = Plan { ground, grid, view, wanted, limbs, rates, error };
-    let strips = drawing.strips(plan.grid.band_tile_rows() * plan.grid.tile.rows);
+    let strips = drawing.strips(plan.grid.band_tile_rows() * plan.grid.tile.rows, stale);
     let draw = |scratch: &mut DrawScratch, strip: Strip<'_>| {
         run_in_lanes(plan.grid.tile.lanes(), DrawBand { plan: &plan, scratch, strip });
     };
@@ -139,10 +139,10 @@ impl WithSimd for DrawBand<'_> {
         let mut touched = ground.touched_rows(&tile_rows, grid).peekable();
         for row in strip.rows() {
             let Some((_, columns, tile_row)) = touched.next_if(|touched| touched.0 == row) else {
-                strip.row(row).background(0..0);
+                strip.clear(row, 0..0);
                 continue;
             };
-            strip.row(row).background(columns.clone());
+            strip.clear(row, columns.clone());
             scratch.put_row(plan, &mut strip, (tile_row, row), columns.clone());
             let DrawScratch { levels, runners_up, .. } = &*scratch;
             doubts(simd, plan.error, (levels, runners_up), |column| {
