@@ -15,8 +15,9 @@ use crate::context::priority;
 use crate::session::prediction::{FitInputs, PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
-/// A frame that was read waits for its prediction for at most so many seconds.
-const LONGEST_HELD: f64 = 0.1;
+/// A frame that was read waits for its prediction this long, seconds, or as long as three predictions take, to a limit.
+const HELD: [f64; 2] = [0.1, 1.0];
+const HELD_PREDICTIONS: f64 = 3.0;
 
 /// What the footage is made again for.
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<FollowedPerson>>);
@@ -35,7 +36,7 @@ pub(crate) struct Refresh {
 impl Inspector {
     /// Takes in what was made for the screen.
     pub(crate) fn take_in_refreshed(&mut self) {
-        let frame = self.state.selection.frame;
+        let (frame, is_playing) = (self.state.selection.frame, self.state.playback.is_playing());
         let (refresh, session, notices) =
             (&mut self.refresh, &mut self.state.session, &mut self.state.notices);
         for frame in notices.outputs("Reading the frame", &mut refresh.frame) {
@@ -44,7 +45,8 @@ impl Inspector {
         for predicted in notices.outputs("Drawing the silhouettes of the pose", &mut refresh.prediction) {
             session.predict_seconds = Some(predicted.seconds);
             // Pictures and body change together.
-            if let Some(drawn) = predicted.scene.frame.as_ref().filter(|drawn| drawn.frame == frame) {
+            let is_shown = |drawn: &&Arc<FrameData>| drawn.frame == frame || is_playing;
+            if let Some(drawn) = predicted.scene.frame.as_ref().filter(is_shown) {
                 session.show(drawn.clone());
             }
             refresh.spare = session.predicted.replace(predicted);
@@ -170,7 +172,7 @@ impl Inspector {
             return false;
         }
         let since = *session.waits_since.get_or_insert(now);
-        now - since < LONGEST_HELD
+        now - since < (HELD_PREDICTIONS * session.predict_seconds.unwrap_or(0.0)).clamp(HELD[0], HELD[1])
     }
 
     fn refresh_prediction(&mut self) {
@@ -187,7 +189,7 @@ impl Inspector {
         if !self.state.egui.input(|input| input.pointer.any_down()) {
             self.refresh.spare = None;
         }
-        if self.state.session.is_stale && !self.draws_a_pose_of(&inputs) {
+        if self.state.session.is_stale && !self.lets_draw(&inputs) {
             let posed = PosedInputs { inputs, pose };
             let views = self.state.session.viewed.clone();
             let spare = &mut self.refresh.spare;
@@ -202,10 +204,12 @@ impl Inspector {
         }
     }
 
-    /// Whether a pose of the same scene is being drawn. It is let be: a hand that never rests would else never see anything.
-    fn draws_a_pose_of(&self, inputs: &FitInputs) -> bool {
+    /// Whether a pose of the same scene, or of a frame that is played, is being drawn. It is let be: a hand that never rests, or a
+    /// film that is faster than predictions, would else show nothing.
+    fn lets_draw(&self, inputs: &FitInputs) -> bool {
         let drawn = self.refresh.prediction.inputs().filter(|_| self.refresh.prediction.is_busy());
-        drawn.is_some_and(|drawn| drawn.inputs.is(inputs) && drawn.inputs.derivatives == inputs.derivatives)
+        let is_alike = |drawn: &FitInputs| drawn.is(inputs) && drawn.derivatives == inputs.derivatives;
+        drawn.is_some_and(|drawn| self.state.playback.is_playing() || is_alike(&drawn.inputs))
     }
 }
 

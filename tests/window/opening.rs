@@ -1,13 +1,16 @@
-//! Projects whose take is not what it was: moved, with other cameras, with fewer frames.
+//! Motions without footage, and projects whose take is not what it was: moved, with other cameras, with fewer frames.
 
 use std::path::Path;
 
 use backlit_document::Document;
 use backlit_document::project::{read_project, write_project};
+use backlit_formats::motion::{self, Motion, MotionFormat, MotionOptions};
 use backlit_take::source::TakeSource;
+use backlit_tracking::body::{Kinematics, Pose, builtin};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
+use glam::DQuat;
 
 use crate::support::take;
 use crate::support::window::{Window, WindowState, at, click, drag, press, save, settle};
@@ -150,4 +153,44 @@ fn a_take_that_reads_outside_its_folder_says_so() {
     let said = harness.last_said();
     assert!(said.starts_with("The take reads outside its own folder: "), "{said}");
     assert!(said.ends_with("front/0.png, and 1 more path that it names."), "{said}");
+}
+
+/// A motion of three frames on a body a fifth larger, with y up.
+fn write_motion(path: &Path) {
+    let usual = builtin::full_body();
+    let larger = |limb: usize| [1.2 * usual.limbs()[limb].length, usual.limbs()[limb].radius];
+    let model = usual.with_sizes(larger).unwrap();
+    let bent = |frame: usize| {
+        let mut pose = Pose::rest(&model);
+        pose.rotations[0] = DQuat::from_rotation_x(0.2 * frame as f64) * pose.rotations[0];
+        (frame, pose)
+    };
+    let motion = Motion::of_poses("bow", model.clone(), 25.0, (0..3).map(bent).collect());
+    motion::write(path, MotionFormat::Bvh, &motion, &MotionOptions::default()).unwrap();
+}
+
+#[test]
+fn a_motion_plays_on_the_body_without_footage() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bow, project) = (folder.path().join("bow.bvh"), folder.path().join("bow.backlit"));
+    write_motion(&bow);
+    let mut harness = open(&bow);
+    let poses: Vec<Pose> = harness.document().keys.values().cloned().collect();
+    assert_eq!(poses.len(), 3);
+    let model = harness.document().model.clone();
+    let head = |pose: &Pose| Kinematics::new(&model, pose).ends()[model.limb_index("neck").unwrap()];
+    assert!(head(&poses[0]).z > head(&poses[2]).z + 0.02, "it bows: {} {}", head(&poses[0]), head(&poses[2]));
+    // The cameras see this body, in this frame.
+    for (frame, pose) in poses.iter().enumerate() {
+        let session = &harness.state().inspector.state.session;
+        let predicted = session.predicted.as_ref().unwrap();
+        assert_eq!(predicted.pose, *pose, "frame {frame}");
+        harness.get_all_by_label("IoU 1.000").next().unwrap();
+        press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    }
+    save(&mut harness, &project);
+    assert_eq!(open(&project).document().keys, harness.document().keys);
+    std::fs::write(&bow, "HIERARCHY\nROOT").unwrap();
+    let said = open(&bow).last_said();
+    assert!(said.contains("bow.bvh"), "{said}");
 }

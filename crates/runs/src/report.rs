@@ -190,7 +190,7 @@ impl ReportSource {
                     .to_owned(),
             ),
             Some(seen) => {
-                let chosen = chosen::frames(self, options, seen.frames());
+                let chosen = chosen::frames(self, options, seen.frames(), |frame| seen.sooner(frame));
                 pictures = seen.pictures(&chosen.pictured, &mut notes, cancel)?;
                 fits = steps::fits(self, seen, &chosen.stepped, &mut notes, cancel)?;
             }
@@ -268,6 +268,12 @@ impl Seen<'_> {
 
     fn cameras(&self) -> impl Iterator<Item = &Camera> {
         self.cameras.iter().map(|&camera| &*self.footage.cameras[camera])
+    }
+
+    /// The last frame, up to this one, whose picture the first camera has quickly.
+    fn sooner(&self, frame: usize) -> usize {
+        let first = self.cameras.first().and_then(|&camera| self.footage.take().footage().get(camera));
+        first.map_or(frame, |footage| footage.quick_frame_before(frame))
     }
 
     /// The pictures and silhouettes of a frame.

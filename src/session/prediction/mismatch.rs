@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::render::prediction::NO_OWNER;
 use backlit_tracking::render::{BACKGROUND, Prediction};
 use backlit_tracking::silhouette::{Mask, Measurement};
 use backlit_ui::drawing::PictureInput;
@@ -85,19 +84,22 @@ impl Mismatch {
         let [from, to] = prediction.footprint.columns;
         for y in prediction.footprint.rows[0]..prediction.footprint.rows[1] {
             let row = y * prediction.width + from..y * prediction.width + to;
-            let predicted = prediction.lambda[row.clone()].iter().zip(&prediction.owner[row.clone()]);
-            let measured =
-                data.measurement.values()[row.clone()].iter().zip(&data.measurement.weights()[row]);
-            // Where no limb is near, λ is 255.
-            for ((lambda, owner), (value, weight)) in
-                predicted.zip(measured).filter(|((_, owner), _)| **owner != NO_OWNER)
-            {
-                let [lambda, value, weight] = [lambda, value, weight].map(|number| f64::from(*number));
-                // (D − Λ)² − (D − 255)².
-                change += weight * (BACKGROUND - lambda) * (2.0 * value - lambda - BACKGROUND);
-                if let Some(limb) = by_limb.get_mut(usize::from(*owner)) {
-                    *limb += camera_weight * weight * (value - lambda) * (value - lambda);
+            let mut pixels = row.start;
+            // Where no limb is near, λ is 255. Pixels of a limb follow one another.
+            for pixels_of_limb in prediction.owner[row].chunk_by(|a, b| a == b) {
+                let run = pixels..pixels + pixels_of_limb.len();
+                pixels = run.end;
+                let Some(limb) = by_limb.get_mut(usize::from(pixels_of_limb[0])) else { continue };
+                let weights = &data.measurement.weights()[run.clone()];
+                let levels = prediction.lambda[run.clone()].iter().zip(&data.measurement.values()[run]);
+                let mut cost = 0.0;
+                for ((lambda, value), weight) in levels.zip(weights) {
+                    let [lambda, value, weight] = [lambda, value, weight].map(|number| f64::from(*number));
+                    // (D − Λ)² − (D − 255)².
+                    change += weight * (BACKGROUND - lambda) * (2.0 * value - lambda - BACKGROUND);
+                    cost += weight * (value - lambda) * (value - lambda);
                 }
+                *limb += camera_weight * cost;
             }
         }
         // Where a body explains all, rounding may leave less than nothing.

@@ -96,6 +96,14 @@ impl CameraFootage {
         }
     }
 
+    /// The last frame, up to this one, that is quickly had: in a video it is decoded by itself.
+    #[must_use]
+    pub fn quick_frame_before(&self, frame: usize) -> usize {
+        let number = self.number(frame) as usize;
+        let key = self.video().map_or(number, |video| video.key_before(number));
+        frame.saturating_sub(number - key)
+    }
+
     /// Where the background is, if the take has one for this camera.
     #[must_use]
     pub fn background(&self) -> Option<&BackgroundSource> {

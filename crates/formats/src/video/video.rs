@@ -223,6 +223,15 @@ impl Video {
         }
     }
 
+    /// The last frame, up to this one, that is decoded by itself; the frame itself where nobody knows.
+    #[must_use]
+    pub fn key_before(&self, frame: usize) -> usize {
+        match &*self.0.source() {
+            VideoDecoder::Coded(coded) if frame < self.frame_count() => coded.coded.frame_after_key(frame, 0),
+            _ => frame,
+        }
+    }
+
     /// A frame, counted from 0 in the order in which they are shown.
     pub fn frame(&self, frame: usize) -> Result<Arc<RgbImage>> {
         self.frame_reduced(frame, 1)

@@ -144,6 +144,23 @@ fn edits_and_uneven_times_are_as_ffmpeg_has_them() {
 
 /// The decoders are compared near a key frame. What is damaged there says nothing of a later frame that is asked for.
 #[test]
+fn the_key_before_a_frame_is_known() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = ["-f", "lavfi", "-i", "testsrc2=size=96x64:rate=25:duration=2"];
+    let x264 = "-c:v libx264 -g 10 -keyint_min 10 -sc_threshold 0 -pix_fmt yuv420p";
+    if ffmpeg(x264, &source, "keys.mp4", folder.path()).is_none() {
+        skipped("keys", "this ffmpeg has no libx264");
+        return;
+    }
+    let video = Video::open(&folder.path().join("keys.mp4")).unwrap();
+    let keys: Vec<usize> = [0, 9, 10, 11, 37, 49, 99].map(|frame| video.key_before(frame)).to_vec();
+    assert_eq!(keys, [0, 0, 10, 10, 30, 40, 99]);
+}
+
+#[test]
 fn a_damaged_frame_near_a_key_leaves_later_ones_whole() {
     if !has_ffmpeg() {
         return;

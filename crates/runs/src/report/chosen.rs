@@ -15,8 +15,14 @@ pub(super) struct Chosen {
     pub(super) stepped: Vec<usize>,
 }
 
-/// Frames of the track that lie in the take, which has `count`.
-pub(super) fn frames(source: &ReportSource, options: &ReportOptions, count: usize) -> Chosen {
+/// Frames of the track that lie in the take, which has `count`. Of those that are spread evenly the take may have an earlier one
+/// sooner.
+pub(super) fn frames(
+    source: &ReportSource,
+    options: &ReportOptions,
+    count: usize,
+    sooner: impl Fn(usize) -> usize,
+) -> Chosen {
     let all: Vec<usize> = source.track.frames.keys().copied().filter(|&frame| frame < count).collect();
     let mut worst = all.clone();
     // The first of equals comes first.
@@ -35,7 +41,13 @@ pub(super) fn frames(source: &ReportSource, options: &ReportOptions, count: usiz
         let doubtful = if options.pictures < all.len() { options.pictures / DOUBTFUL_SHARE } else { 0 };
         pictured.extend(&worst[..doubtful.min(worst.len())]);
         let spread = (options.pictures - doubtful).min(all.len());
-        pictured.extend((0..spread).map(|place| all[place * (all.len() - 1) / (spread - 1).max(1)]));
+        let place = |number: usize| number * (all.len() - 1) / (spread - 1).max(1);
+        pictured.extend((0..spread).map(|number| {
+            let after = number.checked_sub(1).map(|number| all[place(number)]);
+            let (even, sooner) = (all[place(number)], sooner(all[place(number)]));
+            let is_between = after.is_none_or(|after| sooner > after) && all.binary_search(&sooner).is_ok();
+            if is_between && number + 1 < spread { sooner } else { even }
+        }));
     }
     Chosen { pictured, stepped }
 }
@@ -75,15 +87,23 @@ mod tests {
         let mut source = crate::report::tests::source(model, track);
         let mark = Bookmark { frame: 77, camera: None, joint: None, text: String::new() };
         source.bookmarks = vec![mark.clone(), Bookmark { frame: 5000, ..mark }];
-        let chosen = frames(&source, &ReportOptions::default(), 900);
+        let chosen = frames(&source, &ReportOptions::default(), 900, |frame| frame);
         assert!([0, 77, 501, 502, 503, 899].iter().all(|frame| chosen.pictured.contains(frame)));
         // Six for doubts, eighteen spread, with both ends; of equal doubts the first frames.
         assert!((20..=25).contains(&chosen.pictured.len()), "{:?}", chosen.pictured);
         assert!(chosen.pictured.iter().all(|&frame| frame < 900));
         assert_eq!(chosen.stepped, [0, 503]);
-        let none = frames(&source, &ReportOptions { pictures: 0, ..ReportOptions::default() }, 900);
+        let sooner = frames(&source, &ReportOptions::default(), 900, |frame| frame / 50 * 50);
+        let at_keys = sooner.pictured.iter().filter(|frame| **frame % 50 == 0).count();
+        assert_eq!((sooner.pictured.len(), at_keys), (chosen.pictured.len(), 17), "{:?}", sooner.pictured);
+        assert!(sooner.pictured.contains(&899) && sooner.pictured.contains(&503));
+        let none =
+            frames(&source, &ReportOptions { pictures: 0, ..ReportOptions::default() }, 900, |frame| frame);
         assert!(none.pictured.is_empty());
-        let all = frames(&source, &ReportOptions { pictures: 5000, ..ReportOptions::default() }, 900);
+        let all =
+            frames(&source, &ReportOptions { pictures: 5000, ..ReportOptions::default() }, 900, |frame| {
+                frame
+            });
         assert_eq!(all.pictured.len(), 900);
     }
 }
