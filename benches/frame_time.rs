@@ -162,7 +162,7 @@ impl Window {
         let from = self.place_of("right wrist");
         self.frame(vec![Event::PointerMoved(from)]);
         self.frame(vec![button(true, from)]);
-        let mut behind = Vec::new();
+        let (mut behind, mut drawing) = (Vec::new(), Vec::new());
         let (mut moving, mut showing) = (Vec::new(), Vec::new());
         let mut moved = Vec::new();
         for index in 0..FRAMES {
@@ -183,9 +183,10 @@ impl Window {
                 assert!(frames < 1000, "the prediction never comes");
             }
             behind.push(f64::from(frames));
+            drawing.extend(self.app.inspector.state.session.predict_seconds.map(tenths_ms));
         }
         // The same without the display's pace.
-        let (mut waits, mut drawing) = (Vec::new(), Vec::new());
+        let mut waits = Vec::new();
         for index in 0..FRAMES / 3 {
             let angle = index as f32 * 0.05;
             let began = Instant::now();
@@ -195,7 +196,6 @@ impl Window {
                 self.frame(Vec::new());
             }
             waits.push(tenths_ms(began.elapsed().as_secs_f64()));
-            drawing.extend(self.app.inspector.state.session.predict_seconds.map(tenths_ms));
         }
         self.frame(vec![button(false, from)]);
         self.settle();
@@ -204,8 +204,8 @@ impl Window {
         let dragged = moved.iter().filter(|moved| **moved).count();
         assert!(dragged > FRAMES / 2, "the hand holds nothing: the pose moved in {dragged} frames");
         print_behind("  pose drawn in that frame, silhouettes after", &mut behind, "frames");
+        print_behind("  the worker draws them in", &mut drawing, "ms");
         print_behind("  without the display's pace, after", &mut waits, "ms");
-        print_behind("  of it the worker's drawing", &mut drawing, "ms");
     }
 
     /// The scene turned in every frame; and how far its picture is behind.

@@ -15,9 +15,9 @@ use crate::context::priority;
 use crate::session::prediction::{FitInputs, PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
-/// A frame that was read waits for its prediction this long, seconds, or as long as three predictions take, to a limit.
-const HELD: [f64; 2] = [0.1, 1.0];
-const HELD_PREDICTIONS: f64 = 3.0;
+/// A frame that was read waits for its prediction for at most so many seconds; one of a film, whose predictions all come, longer.
+const LONGEST_HELD: f64 = 0.1;
+const LONGEST_HELD_OF_FILM: f64 = 1.0;
 
 /// What the footage is made again for.
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<FollowedPerson>>);
@@ -172,7 +172,7 @@ impl Inspector {
             return false;
         }
         let since = *session.waits_since.get_or_insert(now);
-        now - since < (HELD_PREDICTIONS * session.predict_seconds.unwrap_or(0.0)).clamp(HELD[0], HELD[1])
+        now - since < if self.state.playback.is_playing() { LONGEST_HELD_OF_FILM } else { LONGEST_HELD }
     }
 
     fn refresh_prediction(&mut self) {

@@ -10,7 +10,10 @@ mod told_record;
 
 use std::path::{Path, PathBuf};
 
-use backlit_formats::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, json_text};
+use backlit_formats::{
+    DiskFiles, FileError, FileProblem, TakeFiles, atomic, json_text,
+    text::{cut, shown},
+};
 use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::fit::OptionsError;
 use backlit_tracking::segment::SegmentError;
@@ -47,7 +50,7 @@ pub enum ProjectError {
     Json { path: PathBuf, error: serde_json::Error },
     #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
     Cut { path: PathBuf, line: usize },
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {}", path.display(), shown(&problem.to_string()))]
     Content { path: PathBuf, problem: ProjectProblem },
 }
 
@@ -55,33 +58,33 @@ pub enum ProjectError {
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum ProjectProblem {
-    #[error("`format` is \"{found}\"; expected \"{FORMAT}\"")]
+    #[error("`format` is \"{}\"; expected \"{FORMAT}\"", cut(.found))]
     Format { found: String },
     #[error(
-        "a newer Backlit wrote this project (\"{found}\"; this one reads \"{FORMAT}\"): open it with that one"
+        "a newer Backlit wrote this project (\"{}\"; this one reads \"{FORMAT}\"): open it with that one", cut(.found)
     )]
     Newer { found: String },
     #[error("`model`: {0}")]
     Model(ModelError),
     #[error("`{field}`: {error}")]
     Pose { field: String, error: PoseError },
-    #[error("`{field}` names the limb \"{limb}\", which the model does not have")]
+    #[error("`{field}` names the limb \"{}\", which the model does not have", cut(.limb))]
     Limb { field: String, limb: String },
     #[error(
-        "`{field}` names the limb \"{limb}\", which has no rotation of its own: it turns with the limb before it"
+        "`{field}` names the limb \"{}\", which has no rotation of its own: it turns with the limb before it", cut(.limb)
     )]
     Rigid { field: String, limb: String },
     #[error("`{field}` is {value}; expected {expected}")]
     Number { field: String, value: f64, expected: &'static str },
     #[error("`measurement` has {count} entries; expected one for each of the {cameras} cameras")]
     Measurements { count: usize, cameras: usize },
-    #[error("`{field}` names the camera \"{camera}\", which the take does not have")]
+    #[error("`{field}` names the camera \"{}\", which the take does not have", cut(.camera))]
     Camera { field: String, camera: String },
     #[error("`{field}`: {error}")]
     Fit { field: String, error: OptionsError },
     #[error("`measurement`, camera {index} counted from 0: {error}")]
     Measurement { index: usize, error: SegmentError },
-    #[error("`cameras`: the weight of {camera} is {weight}; expected a number, 0 or above")]
+    #[error("`cameras`: the weight of {} is {weight}; expected a number, 0 or above", cut(.camera))]
     Weight { camera: String, weight: f64 },
     #[error("`{field}`: {error}")]
     Stroke { field: String, error: StrokeError },
@@ -95,36 +98,41 @@ pub enum ProjectProblem {
     Calibration(FileError),
 }
 
-/// Writes a document and the runs of the fit; a run and what was told of a frame take one line. The file appears whole or not at
-/// all.
+/// Writes a document and the runs of the fit. The file appears whole or not at all.
 pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
-    let json = |error| ProjectError::Json { path: path.to_owned(), error };
+    let text = to_text(document, runs);
+    let text = text.map_err(|error| ProjectError::Json { path: path.to_owned(), error })?;
+    Ok(atomic::write(path, text.as_bytes())?)
+}
+
+/// The text of a project's file: a run and what was told of a frame take one line.
+pub fn to_text(document: &Document, runs: &[Run]) -> serde_json::Result<String> {
     let file = ProjectFile::of(document, runs);
-    let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
+    let mut text = serde_json::to_string_pretty(&file)?;
     let last_brace = "\n}";
     text.truncate(text.len() - last_brace.len());
     if !file.brush.is_empty() {
-        text += &lines("brush", &file.brush).map_err(json)?;
+        text += &lines("brush", &file.brush)?;
     }
     if !file.bookmarks.is_empty() {
-        text += &lines("bookmarks", &file.bookmarks).map_err(json)?;
+        text += &lines("bookmarks", &file.bookmarks)?;
     }
     if let Some(person) = &file.person {
-        text += &format!(",\n  \"person\": {}", serde_json::to_string(person).map_err(json)?);
+        text += &format!(",\n  \"person\": {}", serde_json::to_string(person)?);
     }
     if !file.told.is_empty() {
         let line = |(frame, told)| Ok(format!("\"{frame}\": {}", serde_json::to_string(told)?));
-        let lines: Result<Vec<String>, _> = file.told.iter().map(line).collect();
-        text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines.map_err(json)?.join(",\n    "));
+        let lines: serde_json::Result<Vec<String>> = file.told.iter().map(line).collect();
+        text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines?.join(",\n    "));
     }
     if !file.background_changes.is_empty() {
-        text += &lines("background_changes", &file.background_changes).map_err(json)?;
+        text += &lines("background_changes", &file.background_changes)?;
     }
     if !file.runs.is_empty() {
-        text += &lines("runs", &file.runs).map_err(json)?;
+        text += &lines("runs", &file.runs)?;
     }
     text += last_brace;
-    Ok(atomic::write(path, text.as_bytes())?)
+    Ok(text)
 }
 
 /// A list whose elements take a line each.
@@ -135,18 +143,20 @@ fn lines(key: &str, elements: &[impl Serialize]) -> Result<String, serde_json::E
 
 /// Reads a project; it is equal to the one that was written.
 pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
-    let text = DiskFiles.read(path, MAX_BYTES)?;
+    parse_project(path, &DiskFiles.read(path, MAX_BYTES)?)
+}
+
+/// The same from the bytes of a file, which errors name.
+pub fn parse_project(path: &Path, text: &[u8]) -> Result<Project, ProjectError> {
     let wrong = |problem| ProjectError::Content { path: path.to_owned(), problem };
-    let json = |error: serde_json::Error| {
-        let path = path.to_owned();
-        if error.is_eof() {
-            ProjectError::Cut { path, line: error.line() }
-        } else {
-            ProjectError::Json { path, error }
-        }
-    };
     // The version first: another version's fields would only confuse.
-    let header: Header = serde_json::from_slice(&text).map_err(json)?;
+    let header: Header = match serde_json::from_slice(text) {
+        Ok(header) => header,
+        Err(error) if error.is_eof() => {
+            return Err(ProjectError::Cut { path: path.to_owned(), line: error.line() });
+        }
+        Err(_) => json_text::parse_bytes(path, text)?,
+    };
     if header.format != FORMAT {
         let found = header.format;
         let is_newer = version(&found) > version(FORMAT);
@@ -156,7 +166,7 @@ pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
             ProjectProblem::Format { found }
         }));
     }
-    let file: ProjectFile = json_text::parse_bytes(path, &text)?;
+    let file: ProjectFile = json_text::parse_bytes(path, text)?;
     file.into_project(path).map_err(|problem| match problem {
         ProjectProblem::Calibration(error) => ProjectError::File(error),
         problem => wrong(problem),
@@ -380,6 +390,9 @@ mod tests {
         for (from, to, expected) in [
             ("backlit-project 1", "backlit-project 9", "a newer Backlit wrote this project"),
             ("backlit-project 1", "backlit-pose 9", "`format` is \"backlit-pose 9\""),
+            ("backlit-project 1", &"backlit ".repeat(200), "backlit back…\"; expected"),
+            ("backlit-body 1", "backlit-body\u{7f} 1", "`format` is \"backlit-body\\u{7f} 1\""),
+            ("\"format\": \"backlit-project 1\"", "\"format\": 3", "line 2: `format` is 3; expected a text"),
             ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
             ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
             ("\"z_threshold\": ", "\"z_threshold\": -", "`measurement`, camera 0 counted from 0: "),
