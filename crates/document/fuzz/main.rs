@@ -1,5 +1,5 @@
 //! Projects that are cut, changed and garbled, by the engine of the formats' fuzzing: the same work back or an error in plain words,
-//! within 1 s and 500 MB. `BACKLIT_FUZZ_CASES=N` runs so many cases.
+//! within 1 s and 500 MB. `BACKLIT_FUZZ_CASES=N` runs N cases.
 
 #![expect(clippy::unwrap_used, reason = "tests, where a panic is the answer")]
 
