@@ -98,15 +98,13 @@ impl<'a> Grid<'a> {
     /// For each edge that the line crosses, in their order, the edge that it crosses next.
     fn successors(&self) -> Vec<(usize, usize)> {
         let mut next = Vec::new();
-        let (mut above, mut below) = (Vec::new(), Vec::new());
+        let (mut above, mut below, mut crossed) = (Vec::new(), Vec::new(), Vec::new());
         self.is_subject(0, &mut above);
         for row in 0..self.height - 1 {
             self.is_subject(row + 1, &mut below);
-            for column in 0..self.width - 1 {
+            crossed_cells(&above, &below, &mut crossed);
+            for &column in &crossed {
                 let is_subject = [above[column], above[column + 1], below[column + 1], below[column]];
-                if is_subject == [is_subject[0]; 4] {
-                    continue;
-                }
                 let edges = [
                     self.edge(column, row, false),
                     self.edge(column + 1, row, true),
@@ -140,6 +138,25 @@ impl<'a> Grid<'a> {
             }
         }
         outlines
+    }
+}
+
+/// The cells between two rows of points whose corners are not all alike, many looked at at once.
+fn crossed_cells(above: &[bool], below: &[bool], columns: &mut Vec<usize>) {
+    const AT_ONCE: usize = 32;
+    columns.clear();
+    for from in (0..above.len() - 1).step_by(AT_ONCE) {
+        let past = (from + AT_ONCE).min(above.len() - 1);
+        let is_crossed = |column: usize| {
+            let [a, b, c, d] = [above[column], above[column + 1], below[column], below[column + 1]];
+            (a ^ b) | (a ^ c) | (c ^ d)
+        };
+        let [a, b] = [&above[from..past], &above[from + 1..past + 1]];
+        let [c, d] = [&below[from..past], &below[from + 1..past + 1]];
+        let corners = a.iter().zip(b).zip(c.iter().zip(d));
+        if corners.fold(false, |any, ((a, b), (c, d))| any | (a ^ b) | (a ^ c) | (c ^ d)) {
+            columns.extend((from..past).filter(|&column| is_crossed(column)));
+        }
     }
 }
 
