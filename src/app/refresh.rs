@@ -15,9 +15,8 @@ use crate::context::priority;
 use crate::session::prediction::{FitInputs, PosedInputs, Predicted};
 use crate::session::{Extent, FrameData};
 
-/// A frame that was read waits for its prediction for at most so many seconds; one of a film, whose predictions all come, longer.
-const LONGEST_HELD: f64 = 0.1;
-const LONGEST_HELD_OF_FILM: f64 = 1.0;
+/// A frame that was read waits for its prediction for at most so many seconds: its pictures would else be made on the window's thread.
+const LONGEST_HELD: f64 = 1.0;
 
 /// What the footage is made again for.
 type Replacements = (Option<Arc<Calibration>>, Arc<PlateFiles>, Option<Arc<FollowedPerson>>);
@@ -172,7 +171,7 @@ impl Inspector {
             return false;
         }
         let since = *session.waits_since.get_or_insert(now);
-        now - since < if self.state.playback.is_playing() { LONGEST_HELD_OF_FILM } else { LONGEST_HELD }
+        now - since < LONGEST_HELD
     }
 
     fn refresh_prediction(&mut self) {

@@ -23,11 +23,11 @@ const BELOW_FLOOR: f64 = 0.02;
 /// How far an ankle's joint is above the sole, metres: that of the built-in body.
 const ANKLE_M: f64 = 0.08;
 
-/// Whether a file holds a motion, by its ending.
+/// Whether a file holds a motion, by its ending. A folder may be called anything and is none.
 #[must_use]
 pub fn is_motion(path: &Path) -> bool {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
+    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) && !path.is_dir()
 }
 
 /// How a recording is put on a body.

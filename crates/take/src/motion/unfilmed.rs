@@ -115,6 +115,7 @@ mod tests {
     use backlit_tracking::silhouette::Label;
 
     use super::*;
+    use crate::motion::is_motion;
 
     /// A man who bends, in millimetres and y up, with a frame in which nobody was there.
     fn bends() -> tempfile::NamedTempFile {
@@ -157,5 +158,7 @@ mod tests {
         let error = open(file.path(), &mut |_, _| {}).unwrap_err();
         assert!(format!("{error:#}").contains(&file.path().display().to_string()), "{error:#}");
         assert_eq!(plain("a \"b\"/c\n"), "a _b__c_");
+        let folder = tempfile::Builder::new().suffix(".trc").tempdir().unwrap();
+        assert!(is_motion(file.path()) && !is_motion(folder.path()));
     }
 }

@@ -82,7 +82,8 @@ fn visit_covered(view: &View, mut visit: impl FnMut(usize)) {
     };
     Lanes::default().look(view, |y, from, levels| {
         for (x, &level) in (from..).zip(levels) {
-            if if (level - 0.5).abs() < DOUBT { is_dark(x, y) } else { level < 0.5 } {
+            let is_doubtful = (level - 0.5).abs() < DOUBT;
+            if (is_doubtful && is_dark(x, y)) || (!is_doubtful && level < 0.5) {
                 visit(y * width + x);
             }
         }
