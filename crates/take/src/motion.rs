@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context;
-use backlit_formats::motion::Motion;
+use backlit_formats::motion::{MAX_FRAMES, Motion};
 use backlit_formats::recording::{self, RecordingOptions};
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::metrics::Trajectories;
@@ -66,6 +66,11 @@ pub fn follow_recording(
     let [first, last] =
         [recorded.times.first(), recorded.times.last()].map(|time| time.copied().unwrap_or(0.0));
     let count = ((last - first) * rate).round() as usize + 1;
+    anyhow::ensure!(
+        count <= MAX_FRAMES,
+        "{}: from its first time to its last are {count} frames; expected at most {MAX_FRAMES}",
+        path.display()
+    );
     let moments = recorded.moments();
     let mut poses = BTreeMap::new();
     for frame in 0..count {

@@ -43,9 +43,10 @@ pub(super) fn frames(
         let spread = (options.pictures - doubtful).min(all.len());
         let place = |number: usize| number * (all.len() - 1) / (spread - 1).max(1);
         pictured.extend((0..spread).map(|number| {
-            let after = number.checked_sub(1).map(|number| all[place(number)]);
+            let before = number.checked_sub(1).map(|number| all[place(number)]);
             let (even, sooner) = (all[place(number)], sooner(all[place(number)]));
-            let is_between = after.is_none_or(|after| sooner > after) && all.binary_search(&sooner).is_ok();
+            let is_between =
+                before.is_none_or(|before| sooner > before) && all.binary_search(&sooner).is_ok();
             if is_between && number + 1 < spread { sooner } else { even }
         }));
     }

@@ -157,6 +157,11 @@ mod tests {
         writeln!(file, "HIERARCHY?").unwrap();
         let error = open(file.path(), &mut |_, _| {}).unwrap_err();
         assert!(format!("{error:#}").contains(&file.path().display().to_string()), "{error:#}");
+        let far = std::fs::read_to_string(bends().path()).unwrap().replace("11,0.44,", "11,4e12,");
+        let mut long = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+        write!(long, "{far}").unwrap();
+        let error = format!("{:#}", open(long.path(), &mut |_, _| {}).unwrap_err());
+        assert!(error.contains("expected at most 1000000"), "{error}");
         assert_eq!(plain("a \"b\"/c\n"), "a _b__c_");
         let folder = tempfile::Builder::new().suffix(".trc").tempdir().unwrap();
         assert!(is_motion(file.path()) && !is_motion(folder.path()));

@@ -147,15 +147,12 @@ fn crossed_cells(above: &[bool], below: &[bool], columns: &mut Vec<usize>) {
     columns.clear();
     for from in (0..above.len() - 1).step_by(AT_ONCE) {
         let past = (from + AT_ONCE).min(above.len() - 1);
-        let is_crossed = |column: usize| {
-            let [a, b, c, d] = [above[column], above[column + 1], below[column], below[column + 1]];
-            (a ^ b) | (a ^ c) | (c ^ d)
-        };
         let [a, b] = [&above[from..past], &above[from + 1..past + 1]];
         let [c, d] = [&below[from..past], &below[from + 1..past + 1]];
         let corners = a.iter().zip(b).zip(c.iter().zip(d));
-        if corners.fold(false, |any, ((a, b), (c, d))| any | (a ^ b) | (a ^ c) | (c ^ d)) {
-            columns.extend((from..past).filter(|&column| is_crossed(column)));
+        let mut crossed = corners.map(|((a, b), (c, d))| (a ^ b) | (a ^ c) | (c ^ d));
+        if crossed.clone().fold(false, |any, is_crossed| any | is_crossed) {
+            columns.extend((from..past).filter(|_| crossed.next() == Some(true)));
         }
     }
 }
