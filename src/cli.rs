@@ -25,7 +25,7 @@ const ABOUT: &str =
 const EXAMPLES: &str = "\
 Examples:
   backlit                     the window, on the built-in take
-  backlit TAKE                the window, on a take of yours or a .backlit project
+  backlit TAKE                the window, on a take of yours, a .backlit project or a motion's file
   backlit import my_project --out TAKE
   backlit track TAKE --out results
   backlit export results --to bvh,glb --out motion
@@ -40,7 +40,7 @@ Lengths are metres and angles radians unless a unit is given. Quaternions are w 
 #[derive(Debug, Parser)]
 #[command(name = "backlit", version, about = ABOUT, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 struct Cli {
-    /// What to open in the window: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
+    /// What to open in the window: a take's folder, its take.toml, a .backlit file, or a motion (BVH, TRC, C3D, CSV, NumPy) [default: the built-in take]
     take: Option<PathBuf>,
     /// Debugging aid: JSON file that the window writes its state to, after each frame in which it changed [default:
     /// what the environment variable `BACKLIT_STATE` says, or none]
@@ -68,7 +68,7 @@ enum Command {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  backlit open my.backlit --frame 42 --joint \"left elbow\"")]
 struct OpenArguments {
-    /// What to open: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
+    /// What to open: a take's folder, its take.toml, a .backlit file, or a motion (BVH, TRC, C3D, CSV, NumPy) [default: the built-in take]
     take: Option<PathBuf>,
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]

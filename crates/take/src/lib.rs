@@ -1,4 +1,4 @@
-//! Where a take comes from: a folder, the built-in one, demonstrations, files that are dropped on the window.
+//! Where a take comes from: a folder, the built-in one, demonstrations, motions without footage, files that are dropped on the window.
 
 pub mod builtin;
 pub mod demonstration;
