@@ -7,6 +7,7 @@ pub(crate) mod beginnings;
 pub(crate) mod bookmarks;
 pub(crate) mod camera_check;
 pub(crate) mod camera_plan;
+pub(crate) mod camera_refinement;
 pub mod camera_views;
 pub(crate) mod compare;
 pub mod convergence;
@@ -64,6 +65,7 @@ features! {
     pub(crate) offsets: offsets::Offsets,
     pub(crate) camera_check: camera_check::CameraCheck,
     pub(crate) camera_plan: camera_plan::CameraPlan,
+    pub(crate) camera_refinement: camera_refinement::CameraRefinement,
     pub(crate) export: export::Export,
     pub convergence: convergence::Convergence,
     pub(crate) tracking: tracking::Tracking,
@@ -107,6 +109,7 @@ impl Features {
             FeatureCard::Bookmarks => &mut self.bookmarks,
             FeatureCard::CameraCheck => &mut self.camera_check,
             FeatureCard::CameraPlan => &mut self.camera_plan,
+            FeatureCard::CameraRefinement => &mut self.camera_refinement,
             FeatureCard::Export => &mut self.export,
             FeatureCard::NewTake => &mut self.new_take,
             FeatureCard::Offsets => &mut self.offsets,

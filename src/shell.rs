@@ -82,7 +82,10 @@ impl Shell {
         } else {
             empty::ui(ui, context, &features.recovery, requests);
         }
-        for id in notice_cards::ui(ui, context, requests, notices_from) {
+        // A card has its buttons where notices would stand.
+        let corner = pos2(window.right(), window.bottom() - size::STATUS_BAR);
+        let stand_at = if self.overlay.is_some() { corner } else { notices_from };
+        for id in notice_cards::ui(ui, context, requests, stand_at) {
             requests.request(ShellRequest::HoldNotice(id));
         }
         features.tour.ui(ui, context, notices_from.y, requests);

@@ -298,6 +298,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::About => "about",
         Overlay::Card(FeatureCard::CameraCheck) => "camera check",
         Overlay::Card(FeatureCard::CameraPlan) => "camera plan",
+        Overlay::Card(FeatureCard::CameraRefinement) => "camera refinement",
         Overlay::Card(FeatureCard::Export) => "export",
         Overlay::Card(FeatureCard::NewTake) => "new take",
         Overlay::Card(FeatureCard::Bookmarks) => "bookmarks",

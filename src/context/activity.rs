@@ -64,6 +64,8 @@ pub(crate) struct TrackingProgress {
     /// The frames that are tracked.
     pub(crate) range: FrameRange,
     pub(crate) began: Instant,
+    /// Frames that were looked at for backgrounds that change, of how many, while that goes on.
+    pub(crate) surveyed: Option<[usize; 2]>,
 }
 
 impl TrackingProgress {
@@ -106,6 +108,7 @@ mod tests {
             between,
             range: FrameRange { first: 4, last: 9 },
             began: Instant::now(),
+            surveyed: None,
         };
         let to_come = |tracking: TrackingProgress| {
             tracking.frames_to_come().map(|FrameRange { first, last }| (first, last))

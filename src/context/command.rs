@@ -63,6 +63,7 @@ groups! {
         Offsets,
         CameraCheck,
         CameraPlan,
+        CameraRefinement,
         Tour,
     }
 }

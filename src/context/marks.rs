@@ -122,6 +122,17 @@ pub(crate) struct SilhouetteMarks {
     pub(crate) tool: Option<(SilhouetteTool, f32)>,
     /// How the silhouette of a camera's frame came about.
     pub(crate) steps: Option<Arc<SilhouetteSteps>>,
+    /// The worst of the take that are listed.
+    pub(crate) worst: Vec<WorstSilhouette>,
+}
+
+/// A silhouette that is among the worst.
+#[derive(Debug, Clone)]
+pub(crate) struct WorstSilhouette {
+    pub(crate) camera: usize,
+    pub(crate) frame: usize,
+    /// What speaks against it.
+    pub(crate) reason: String,
 }
 
 impl SilhouetteMarks {

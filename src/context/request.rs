@@ -186,6 +186,7 @@ pub(crate) enum FeatureCard {
     Bookmarks,
     CameraCheck,
     CameraPlan,
+    CameraRefinement,
     Export,
     NewTake,
     Offsets,

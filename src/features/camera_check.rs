@@ -12,8 +12,8 @@ use backlit_formats::Footage;
 use backlit_formats::footage::replacement::Calibration;
 use backlit_formats::synchronise::USUAL_FRAMES;
 use backlit_jobs::{News, Outbox, Task, one_step};
-use backlit_runs::camera_check::{self, CheckStage, FindingWords, is_repairable, repaired};
-use backlit_tracking::diagnosis::{Diagnosis, Finding};
+use backlit_runs::camera_check::{self, CheckStage, CheckedCameras, FindingWords, is_repairable, repaired};
+use backlit_tracking::diagnosis::Finding;
 use egui::Ui;
 
 use crate::context::command::Command;
@@ -47,7 +47,7 @@ enum CheckMessage {
 struct Checked {
     /// The cameras that were checked; `None` for the take's own.
     calibration: Option<Arc<Calibration>>,
-    outcome: Result<Box<Diagnosis>, String>,
+    outcome: Result<Box<CheckedCameras>, String>,
 }
 
 fn check(footage: &Footage, out: &Outbox<CheckMessage>) {

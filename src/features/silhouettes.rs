@@ -19,12 +19,14 @@ use egui::{Key, Modifiers, Ui};
 
 use crate::context::command::{Command, SilhouetteCommand};
 use crate::context::feature::Feature;
-use crate::context::marks::{SilhouetteMarks, SilhouetteSteps, SilhouetteTool};
+use crate::context::marks::{SilhouetteMarks, SilhouetteSteps, SilhouetteTool, WorstSilhouette};
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::{Context, FeatureRequest, Published, Requests, pane_title, priority};
 use work::WorkMessage;
 
+/// How many of the worst silhouettes are listed.
+const LISTED: usize = 20;
 /// Radius of a brush that nobody has chosen, pixels.
 const USUAL_RADIUS_PX: f64 = 6.0;
 
@@ -52,7 +54,7 @@ pub(crate) struct SilhouetteSteering {
     work: Task<(), WorkMessage, { priority::SILHOUETTES }>,
     /// What is being done, and how much of it, of how much.
     progress: Option<(&'static str, [usize; 2])>,
-    /// The worst silhouettes, the worst first.
+    /// The worst silhouettes that are listed, the worst first.
     worst: Option<Vec<SilhouetteQuality>>,
     /// What tuning has said.
     tuned: Option<String>,
@@ -92,7 +94,13 @@ impl Feature for SilhouetteSteering {
 
     fn publish(&self, published: &mut Published) {
         let tool = self.tool.map(|tool| (tool, self.radius_px as f32));
-        published.silhouettes = SilhouetteMarks { tool, steps: self.shown.clone() };
+        let mark = |one: &SilhouetteQuality| WorstSilhouette {
+            camera: one.camera,
+            frame: one.frame,
+            reason: one.reason(),
+        };
+        let worst = self.worst.iter().flatten().map(mark).collect();
+        published.silhouettes = SilhouetteMarks { tool, steps: self.shown.clone(), worst };
     }
 
     fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {

@@ -149,7 +149,7 @@ impl Timeline {
         }
         marks::on_ruler(ui, context, &scale);
         marks::playhead(ui, context, &scale);
-        marks::changes(ui, context, requests, &scale);
+        marks::silhouettes(ui, context, requests, &scale);
         marks::bookmarks(ui, context, requests, &scale);
         let key = marks::key_poses(ui, context, requests, &scale);
         let under = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer));

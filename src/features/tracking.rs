@@ -172,6 +172,11 @@ impl Feature for Tracking {
             }
             TrackingWork::Track(progress) => progress,
         };
+        if let Some([done, all]) = tracking.surveyed {
+            return Some(format!(
+                "Looking for backgrounds that change, {done} of {all} frames; then the frames are tracked."
+            ));
+        }
         let direction = match tracking.between {
             Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
             None if tracking.backwards => " back".to_owned(),
@@ -200,6 +205,9 @@ impl Tracking {
     pub(crate) fn share(&self) -> Option<WorkShare> {
         match self.work.as_ref()? {
             TrackingWork::Make(_, share) => *share,
+            TrackingWork::Track(TrackingProgress { surveyed: Some([done, total]), .. }) => {
+                Some(WorkShare { done: *done, total: *total })
+            }
             TrackingWork::Track(TrackingProgress { done, total, .. }) => {
                 Some(WorkShare { done: *done, total: *total })
             }

@@ -167,7 +167,7 @@ impl Predicted {
         pictures.resize_with(views.len(), Vec::new);
         let compose = |((camera, views), spares): ((usize, &Vec<ViewedPicture>), Vec<ComposedPicture>)| {
             let Some(input) = predicted.picture(camera, &colours) else { return Vec::new() };
-            let footprint = predicted.cameras[camera].prediction.footprint;
+            let footprint = &predicted.cameras[camera].prediction.footprint;
             let mut spares = spares;
             let compose = |shows: &ViewedPicture| {
                 let spare = spares.iter().position(|spare| spare.shows == *shows);
@@ -274,22 +274,22 @@ impl Predicted {
 }
 
 impl ComposedPicture {
-    /// Composes a picture of a body in this box of pixels, in the memory of an earlier one of the same frame and data.
+    /// Composes a picture of a body with this footprint, in the memory of an earlier one of the same frame and data.
     fn over(
         earlier: Option<Self>,
         shows: ViewedPicture,
         input: &PictureInput<'_>,
-        footprint: Footprint,
+        footprint: &Footprint,
     ) -> Self {
         let earlier = earlier.and_then(|earlier| Some((Arc::into_inner(earlier.image)?, earlier.footprint)));
         let image = match earlier {
             Some((mut image, stale)) => {
-                shows.compose_part(input, stale.union(footprint), &mut image);
+                shows.compose_part(input, &stale.union(footprint), &mut image);
                 image
             }
             None => shows.compose(input),
         };
-        Self { shows, image: Arc::new(image), footprint }
+        Self { shows, image: Arc::new(image), footprint: footprint.clone() }
     }
 }
 

@@ -72,6 +72,7 @@ fn submenu(command: Command) -> Option<&'static str> {
         Command::Convergence(_) => Some("Curves"),
         Command::Observability(_) | Command::CameraPlan => Some("What cameras see"),
         Command::Silhouettes(_) => Some("Silhouettes"),
+        Command::Offsets | Command::CameraCheck | Command::CameraRefinement => Some("Cameras"),
         Command::Compare(_) => Some("Compare"),
         Command::Basin(_) => Some("Basin"),
         Command::Beginning(_) => Some("Ways to begin"),

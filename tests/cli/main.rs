@@ -24,6 +24,7 @@ mod people;
 mod person;
 mod placement;
 mod prior;
+mod project_take;
 mod real_footage;
 mod recognise;
 mod refine_cameras;

@@ -9,6 +9,7 @@ mod basin;
 mod bookmarks;
 mod camera_check;
 mod camera_plan;
+mod camera_refinement;
 mod camera_tile;
 mod changed_backgrounds;
 mod compare;

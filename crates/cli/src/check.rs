@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use backlit_formats::calibration::backlit::to_text;
 use backlit_formats::synchronise::USUAL_FRAMES;
 use backlit_formats::{Take, atomic};
-use backlit_runs::camera_check::{FindingWords, NOTHING_WRONG, check, repaired};
+use backlit_runs::camera_check::{CheckedCameras, FindingWords, NOTHING_WRONG, check, repaired};
+use backlit_runs::changes::change_text;
 use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, Size};
 use clap::Args;
 use indicatif::ProgressBar;
@@ -21,7 +22,8 @@ const AFTER_HELP: &str = "\
 A half-plane through two cameras that touches the person touches both silhouettes. Where cameras disagree on \
 these, every usual fault is tried (extrinsics the wrong way round, units, axes, pictures turned or scaled, cameras \
 exchanged, lens, focal length, principal point, a camera turned, shifted or moved half-way, clocks), and what explains \
-the silhouettes best is told. The person must move. Two cameras show that something is wrong, but not in which.
+the silhouettes best is told. So are backgrounds that change while the take is filmed: a thing that was put down, other light, a \
+knock. The person must move. Two cameras show that something is wrong, but not in which.
 
 Examples:
   backlit check TAKE
@@ -31,7 +33,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct CheckArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
     /// Most frames that are looked at; a longer take is thinned evenly [2 to 1000000]
     #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, allow_negative_numbers = true, value_parser = within(2..=1_000_000_usize))]
@@ -58,7 +60,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     }
     let (take, found) = (footage.take(), checked?);
     let written = match &arguments.out {
-        Some(out) => write(out, take, &found)?,
+        Some(out) => write(out, take, &found.diagnosis)?,
         None => String::new(),
     };
     if arguments.json {
@@ -77,7 +79,7 @@ fn write(out: &Path, take: &Take, found: &Diagnosis) -> anyhow::Result<String> {
     Ok(format!("wrote the repaired cameras to {}\n", out.display()))
 }
 
-fn text(take: &Take, found: &Diagnosis) -> String {
+fn text(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCameras) -> String {
     let mut out = String::new();
     if found.findings.is_empty() {
         out += &format!("{NOTHING_WRONG}\n");
@@ -92,6 +94,7 @@ fn text(take: &Take, found: &Diagnosis) -> String {
         let below = words.apart.into_iter().chain(words.rivals).chain(advice.map(str::to_owned));
         out.extend(below.map(|line| format!("  {line}\n")));
     }
+    out.extend(changes.iter().map(|change| change_text(change, take) + "\n"));
     let mut table = Table::new(["cameras", "apart, px", "repaired", "of the frames, %"]);
     for pair in &found.pairs {
         let [a, b] = pair.cameras.map(|camera| cameras[camera].name());
@@ -105,7 +108,7 @@ fn text(take: &Take, found: &Diagnosis) -> String {
     out
 }
 
-fn to_json(take: &Take, found: &Diagnosis) -> serde_json::Value {
+fn to_json(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCameras) -> serde_json::Value {
     let name = |camera: Option<usize>| camera.map(|camera| take.rig().cameras()[camera].name());
     let size = |size: &Size| json!({"what": size.what, "value": size.value, "deviation": size.deviation, "unit": size.unit});
     let finding = |finding: &Finding| {
@@ -134,6 +137,7 @@ fn to_json(take: &Take, found: &Diagnosis) -> serde_json::Value {
         "frames": take.frame_count(),
         "findings": found.findings.iter().map(finding).collect::<Vec<_>>(),
         "pairs": pairs.collect::<Vec<_>>(),
+        "background_changes": changes.iter().map(|change| change_text(change, take)).collect::<Vec<_>>(),
         "subject_m": found.subject_m,
         "noise_px": found.noise_px,
     })

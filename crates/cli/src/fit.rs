@@ -43,7 +43,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct FitArguments {
-    /// Take: its folder or its take.toml; gives model, cameras and silhouettes
+    /// Take: its folder, its take.toml, or a project about it; gives model, cameras and silhouettes
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
     take: Option<PathBuf>,
     /// The take's frame, counted from 0 [0 to 999999]

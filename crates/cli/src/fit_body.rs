@@ -48,7 +48,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct FitBodyArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
     /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]

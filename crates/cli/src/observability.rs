@@ -43,7 +43,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct ObservabilityArguments {
-    /// Take: its folder or its take.toml; with --plan a calibration too
+    /// Take: its folder, its take.toml, or a project about it; with --plan a calibration too
     #[arg(required_unless_present = "ring")]
     take: Option<PathBuf>,
     /// The take's frame, counted from 0 [0 to 999999]

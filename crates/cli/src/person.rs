@@ -51,7 +51,7 @@ impl PersonArguments {
             found.len(),
             place_text(number, &person.own)
         ));
-        Ok(Arc::new(footage.with_replacements(None, Arc::default(), Some(Arc::new(person)))))
+        Ok(Arc::new(footage.with_person(Some(Arc::new(person)))))
     }
 }
 

@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use backlit_formats::calibration::backlit::to_text;
 use backlit_formats::{atomic, model_file};
-use backlit_runs::camera_refinement::{refine, to_json};
-use backlit_tracking::body_fit::{
-    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, CameraState, RefinedCameras,
-};
+use backlit_runs::camera_refinement::{self, HELD, progress_text, refine, to_json};
+use backlit_tracking::body_fit::{CameraChoice, CameraRefinementOptions, RefinedCameras};
 use backlit_tracking::fit::FitOptions;
 use clap::Args;
 use serde::Serialize;
@@ -34,7 +32,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct RefineCamerasArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
     #[command(flatten)]
     free: FreeNumbers,
@@ -122,43 +120,20 @@ pub(crate) fn run(arguments: &RefineCamerasArguments) -> Result<()> {
     output::print_result(arguments.json, &to_json(&found), text)
 }
 
-fn progress_text(at: CameraRefinementProgress) -> String {
-    match at {
-        CameraRefinementProgress::Following(_) => "following the person".to_owned(),
-        CameraRefinementProgress::Body(at) => {
-            format!("poses and sizes: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
-        }
-        CameraRefinementProgress::Cameras(at) => {
-            format!("cameras: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
-        }
-        CameraRefinementProgress::Judging(done, all) => format!("{done} of {all} frames judged"),
-    }
-}
-
 fn text(found: &RefinedCameras, choice: &CameraChoice, out: Option<&Path>) -> String {
     let mut changes = Table::new(["camera", "changed", "by", "±"]);
     let mut judged = Table::new(["camera held out", "IoU before", "after"]);
     for camera in &found.cameras {
-        let mut add = |is_free: bool, what: &str, digits: usize, of: fn(&CameraState) -> f64| {
-            if is_free {
-                let [by, deviation] =
-                    [&camera.change, &camera.deviation].map(|state| number(of(state), digits));
-                changes.row([camera.camera.name().to_owned(), what.to_owned(), by, deviation]);
-            }
-        };
-        add(true, "turn, °", 2, |state| state.change.turn.length().to_degrees());
-        add(true, "place, mm", 1, |state| 1e3 * state.change.shift.length());
-        add(choice.focal_length, "focal length, %", 2, |state| 100.0 * state.change.zoom);
-        add(choice.principal_point, "principal point, px", 1, |state| state.change.principal_px.length());
-        add(choice.offset, "clock late, ms", 2, |state| 1e3 * state.late_s);
-        add(choice.drift, "clock slow, ms a minute", 2, |state| 6e4 * state.drift);
+        for (what, [by, deviation]) in camera_refinement::changes(camera, choice) {
+            changes.row([camera.camera.name().to_owned(), what.to_owned(), by, deviation]);
+        }
         let [before, after] = camera.held_out_iou.map(|iou| number(iou, 3));
         judged.row([camera.camera.name().to_owned(), before, after]);
     }
     let [before, after] = [&found.before, &found.body].map(|body| number(body.iou[1], 3));
     let mut text = changes.to_text() + &judged.to_text();
     text += &format!("IoU of all cameras in {} frames: {before} → {after}\n", found.body.frames.len());
-    text += "held as calibrated: where the whole rig stands, how it is turned, and how large it is\n";
+    text += &format!("{HELD}\n");
     if let Some(out) = out {
         text += &format!("wrote the cameras to {}\n", out.display());
     }

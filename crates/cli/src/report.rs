@@ -4,19 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, ensure};
-use backlit_document::project::read_project;
-use backlit_document::take_match::match_take;
 use backlit_formats::recording::RecordingOptions;
 use backlit_formats::{Footage, Take, atomic};
 use backlit_runs::comparison::read_reference;
 use backlit_runs::report::{PICTURES, ReportOptions, ReportSource};
-use backlit_runs::results::is_project;
-use backlit_tracking::camera::Camera;
+use backlit_runs::results::{is_project, open_project};
 use backlit_tracking::metrics::comparison::ComparisonOptions;
 use clap::Args;
 
 use crate::numbers::within;
-use crate::{interrupt, output, take_options, track_files};
+use crate::take_options::{self, Segmentation};
+use crate::{interrupt, output, track_files};
 
 const AFTER_HELP: &str = "\
 The page is one file that needs no network: every camera with the body over its picture, a slider over frames and \
@@ -88,11 +86,13 @@ pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
 fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportSource> {
     let written = track_files::read(&arguments.track, arguments.model.as_deref())?;
     let making = track_files::making(track);
+    let open =
+        |take: &Path| take_options::open_with_body(take, Some(written.model.clone()), Segmentation::Take);
     let named = Some(making.take.clone()).filter(|take| !take.as_os_str().is_empty());
-    let take = match (&arguments.take, named) {
-        (Some(take), _) => Some(Take::open_with_model(take, written.model.clone()).context("--take")?),
-        (None, Some(named)) => match Take::open_with_model(&named, written.model.clone()) {
-            Ok(take) => Some(take),
+    let footage = match (&arguments.take, named) {
+        (Some(take), _) => Some(open(take).context("--take")?),
+        (None, Some(named)) => match open(&named) {
+            Ok(footage) => Some(footage),
             Err(error) => {
                 let told = "the page is without pictures; --take says where the take is";
                 output::complain(&format!(
@@ -108,7 +108,7 @@ fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportS
             None
         }
     };
-    if let Some(take) = &take {
+    if let Some(take) = footage.as_ref().map(|footage| footage.take()) {
         ensure!(
             take.name() == written.name,
             "the track is of \"{}\"; the take is \"{}\"; expected --take of the same recording",
@@ -116,26 +116,14 @@ fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportS
             take.name()
         );
     }
-    let footage = take.map(|take| Arc::new(Footage::new(take_options::told(take))));
     Ok(ReportSource::of_written(written, footage, making))
 }
 
 /// The poses of a project, with the silhouettes as it steers them.
 fn of_project(path: &Path, take: Option<&Path>) -> anyhow::Result<ReportSource> {
-    let mut document = read_project(path)?.document;
-    let take = match (take, &document.take) {
-        (Some(take), _) => Take::open(take).context("--take")?,
-        (None, Some(source)) => {
-            source.clone().named_by(path).open().context("the project's take cannot be opened")?
-        }
-        (None, None) => {
-            let path = path.display();
-            anyhow::bail!("{path}: the project names no take; expected --take");
-        }
-    };
+    let take = take.map(Take::open).transpose().context("--take")?;
+    let (document, take) = open_project(path, take)?;
     let take = take_options::told(take);
-    let names: Vec<&str> = take.rig().cameras().iter().map(Camera::name).collect();
-    match_take(&mut document, &names, take.measurement(), take.frame_count())?;
     let footage = document.footage(&Footage::new(take));
     Ok(ReportSource::of_document(&document, Arc::new(footage)))
 }

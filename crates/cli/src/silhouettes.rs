@@ -45,7 +45,7 @@ const TRACKED_TO_TUNE: usize = 60;
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct SilhouetteArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
     /// Folder for the silhouettes; made if it is not there
     #[arg(long, value_name = "DIR", required_unless_present_any = ["worst", "tune"])]

@@ -9,6 +9,7 @@ use anyhow::{Context, bail, ensure};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::trc::Axes;
 use backlit_formats::{Footage, Take, model_file, placement_file};
+use backlit_runs::results::{self, is_project};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::RigError;
 use backlit_tracking::fit::FitOptions;
@@ -277,7 +278,7 @@ impl Segmentation {
     }
 }
 
-/// Opens a take: its folder or its take file.
+/// Opens a take: its folder, its take file, or a project about it.
 pub(crate) fn open(path: &Path) -> anyhow::Result<Arc<Footage>> {
     open_segmented(path, None, Segmentation::Take)
 }
@@ -293,14 +294,37 @@ pub(crate) fn open_segmented(
     model: Option<&str>,
     segmentation: Segmentation,
 ) -> anyhow::Result<Arc<Footage>> {
-    let take = match model {
-        Some(model) => Take::open_with_model(path, model_file::resolve(model)?)?,
+    let model = model.map(model_file::resolve).transpose()?;
+    open_with_body(path, model, segmentation)
+}
+
+/// The same with a body in place of the take's.
+pub(crate) fn open_with_body(
+    path: &Path,
+    model: Option<Model>,
+    segmentation: Segmentation,
+) -> anyhow::Result<Arc<Footage>> {
+    let footage = match model {
+        _ if is_project(path) => of_project(path, model, segmentation)?,
+        Some(model) => Footage::new(segmentation.of(told(Take::open_with_model(path, model)?))),
         None if path.is_dir() && !path.join("take.toml").exists() => {
             bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
         }
-        None => Take::open(path)?,
+        None => Footage::new(segmentation.of(told(Take::open(path)?))),
     };
-    Ok(Arc::new(Footage::new(segmentation.of(told(take)))))
+    Ok(Arc::new(footage))
+}
+
+/// The take of a project, with the project's body, start, cameras and silhouettes in the place of its own.
+fn of_project(path: &Path, model: Option<Model>, segmentation: Segmentation) -> anyhow::Result<Footage> {
+    let (document, take) = results::open_project(path, None)?;
+    let body = model.map_or_else(|| document.model.clone(), Arc::new);
+    let take = told(take).with_body(body);
+    let take =
+        take.with_context(|| format!("{}: the body has other limbs than the take's", path.display()))?;
+    let measured = document.measurement.iter().cloned();
+    let take = segmentation.of(take.measured_by(measured.collect()).with_start(document.pose_at(0).clone()));
+    Ok(document.footage(&Footage::new(take)))
 }
 
 /// Says what a take that was opened reads outside its own folder, and what is missing in its footage.

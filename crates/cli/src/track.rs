@@ -71,7 +71,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct TrackArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     pub(crate) take: PathBuf,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
@@ -209,8 +209,7 @@ pub(crate) fn open(arguments: &TrackArguments, earlier: Option<&Earlier>) -> any
         let model = arguments.model.as_deref();
         return take_options::open_segmented(&arguments.take, model, segmentation);
     };
-    let take = Take::open_with_model(&arguments.take, earlier.written.model.clone())?;
-    Ok(Arc::new(Footage::new(segmentation.of(take_options::told(take)))))
+    take_options::open_with_body(&arguments.take, Some(earlier.written.model.clone()), segmentation)
 }
 
 /// What is known before the first frame is tracked.
@@ -252,11 +251,10 @@ impl<'a> TrackInputs<'a> {
         let (model, fit) = (Arc::clone(take.model()), arguments.follow.fit()?);
         let search = PersonSearch { model, fit, start, frames: all_frames.to_vec(), sizes };
         let (found, begun) = person::find(&reader, search, cancel)?;
-        if !Arc::ptr_eq(&found.model, reader.footage.take().model()) {
-            let take = Take::open_with_model(&arguments.take, (*found.model).clone())?;
-            let person = reader.footage.take().person().cloned();
-            let take = arguments.follow.solver.segmentation().of(take.with_person(person));
-            reader.footage = Arc::new(Footage::new(take).with_changes(reader.footage.changes.clone()));
+        if !Arc::ptr_eq(&found.model, reader.footage.take().model())
+            && let Some(sized) = reader.footage.with_body(found.model.clone())
+        {
+            reader.footage = Arc::new(sized);
         }
         reader.cues.clone_from(&arguments.cues);
         let (start, begun) = (found.start, begun_before.or(Some(begun)));

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backlit_formats::{Footage, Take};
+use backlit_formats::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::people::{FollowedPerson, FoundBodies, KnownBody, PersonTrack};
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
         output::complain(&person::place_text(index + 1, own));
         let followed = FollowedPerson::of(&found, index).map(Arc::new);
         let whom = Whom {
-            footage: Arc::new(footage.with_replacements(None, Arc::default(), followed)),
+            footage: Arc::new(footage.with_person(followed)),
             frames: while_in_view(own, &frames),
             start: start.clone().filter(|_| of_start == Some(index)),
             found: None,
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
     for (index, tracked) in all.iter_mut().enumerate() {
         output::complain(&format!("person {} again, without what the others' bodies cover", index + 1));
         if let Some(followed) = with_bodies(&found, index, &bodies) {
-            again(arguments, tracked, followed, cancel)?;
+            again(arguments, tracked, (&footage, followed), cancel)?;
         }
     }
     output::print_result(arguments.json, &answer(&all), || text(&all))
@@ -88,15 +88,14 @@ pub(crate) fn run(arguments: &TrackArguments, count: usize, cancel: &CancelToken
 fn again(
     arguments: &TrackArguments,
     tracked: &mut TrackedPerson,
-    followed: FollowedPerson,
+    (footage, followed): (&Footage, FollowedPerson),
     cancel: &CancelToken,
 ) -> anyhow::Result<()> {
     let first = tracked.report.track.frames.first_key_value();
     let Some(start) = first.map(|(_, estimate)| estimate.pose.clone()) else { return Ok(()) };
-    let take = Take::open_with_model(&arguments.take, (*tracked.model).clone())?;
-    let take = arguments.follow.solver.segmentation().of(take.with_person(Some(Arc::new(followed))));
+    let footage = footage.with_body(tracked.model.clone()).unwrap_or_else(|| footage.clone());
     let whom = Whom {
-        footage: Arc::new(Footage::new(take)),
+        footage: Arc::new(footage.with_person(Some(Arc::new(followed)))),
         frames: tracked.report.track.frames.keys().copied().collect(),
         start: Some(start),
         found: Some(tracked.report.begun.take().unwrap_or_default()),

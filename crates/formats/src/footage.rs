@@ -11,10 +11,11 @@ mod stages;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use backlit_tracking::body::Pose;
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::FitView;
+use backlit_tracking::geometry::NearestToLines;
 use backlit_tracking::people::FollowedPerson;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::changes::BackgroundChange;
@@ -114,6 +115,17 @@ impl Footage {
         Self { calibration, plates, cameras: prepared.cameras.clone(), prepared, ..self.clone() }
     }
 
+    /// The same of one of several people.
+    pub fn with_person(&self, person: Option<Arc<FollowedPerson>>) -> Self {
+        self.with_replacements(self.calibration.clone(), self.plates.clone(), person)
+    }
+
+    /// The same with a body of the same limbs in other sizes; `None` for other limbs.
+    pub fn with_body(&self, model: Arc<Model>) -> Option<Self> {
+        let original = Arc::new(PreparedTake::new(self.original.take.with_body(model)?));
+        Some(Self { original, ..self.clone() }.with_person(self.take().person().cloned()))
+    }
+
     /// The same with backgrounds that change.
     pub fn with_changes(&self, changes: Arc<Vec<BackgroundChange>>) -> Self {
         Self { changes, ..self.clone() }
@@ -173,9 +185,20 @@ impl Footage {
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
+        self.steered(camera, frame, || Ok(Cow::Borrowed(picture)), options)
+    }
+
+    /// The same of a picture that is read where it is needed.
+    fn steered<'a>(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: impl FnOnce() -> Result<Cow<'a, RgbImage>, FootageError>,
+        options: &SegmentOptions,
+    ) -> Result<Mask, FootageError> {
         let mut mask = match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
             Some(path) => read_mask(path, &self.take().rig().cameras()[camera])?,
-            None => self.measured(camera, frame, || Ok(Cow::Borrowed(picture)), options)?,
+            None => self.measured(camera, frame, picture, options)?,
         };
         self.paint(camera, frame, &mut mask);
         Ok(mask)
@@ -232,9 +255,7 @@ impl Footage {
     pub fn single_masks(&self, cameras: &[usize], frame: usize) -> Result<Vec<Mask>, FootageError> {
         let one = |&camera: &usize| {
             let picture = || Ok(Cow::Owned(self.picture(camera, frame)?));
-            let mut mask = self.measured(camera, frame, picture, &self.take().measurement()[camera])?;
-            self.paint(camera, frame, &mut mask);
-            Ok(mask)
+            self.steered(camera, frame, picture, &self.take().measurement()[camera])
         };
         let masks: Vec<Result<Mask, FootageError>> = cameras.par_iter().map(one).collect();
         masks.into_iter().collect()
@@ -316,18 +337,14 @@ struct CheckedMask<'a> {
 
 /// The point that is nearest to all optical axes; metres in front of the camera if there is only one.
 fn middle_of_view(cameras: &[Arc<Camera>]) -> glam::DVec3 {
-    use glam::{DMat3, DVec3};
     /// Distance from a single camera, metres.
     const BEFORE: f64 = 3.0;
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    let mut nearest = NearestToLines::default();
     for camera in cameras {
-        let axis = camera.camera_from_world().rotation.transpose().z_axis;
-        let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        let axis = camera.axis_in_world();
+        nearest.add(camera.centre(), axis, 1.0);
         // A little pull towards the point before the camera keeps parallel axes solvable.
-        let weight = 1e-3;
-        sum += across + DMat3::IDENTITY * weight;
-        right += across * camera.centre() + weight * (camera.centre() + BEFORE * axis);
+        nearest.pull(camera.centre() + BEFORE * axis, 1e-3);
     }
-    let middle = sum.inverse() * right;
-    if middle.is_finite() { middle } else { DVec3::ZERO }
+    nearest.solve().unwrap_or(glam::DVec3::ZERO)
 }

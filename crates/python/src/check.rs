@@ -75,12 +75,13 @@ pub(crate) fn check(
             let text = match stage {
                 CheckStage::Frames => "silhouettes",
                 CheckStage::Faults => "faults",
+                CheckStage::Backgrounds => "backgrounds",
             };
             job.tell(done, all, text);
         })
     };
     let found = interruptible(py, n_threads, progress, work)?.map_err(raised)?;
-    found.findings.iter().map(|finding| PyFinding::new(py, &take, finding)).collect()
+    found.diagnosis.findings.iter().map(|finding| PyFinding::new(py, &take, finding)).collect()
 }
 
 impl PyFinding {

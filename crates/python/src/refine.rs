@@ -7,7 +7,7 @@ use backlit_formats::Footage;
 use backlit_runs::camera_refinement::{self, to_json};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{
-    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, RefinedCameras,
+    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, CameraRefinementStep, RefinedCameras,
 };
 use backlit_tracking::camera::Rig;
 use backlit_tracking::fit::FitOptions;
@@ -130,11 +130,11 @@ fn run(
             found.with_context(|| format!("frame {first}: no start can be found"))?.pose().clone()
         }
     };
-    let tell = |at: CameraRefinementProgress| match at {
-        CameraRefinementProgress::Following(_) => job.tell(0, 0, "following the person"),
-        CameraRefinementProgress::Body(at) => job.tell(at.stage, at.stages, "poses and sizes"),
-        CameraRefinementProgress::Cameras(at) => job.tell(at.stage, at.stages, "cameras"),
-        CameraRefinementProgress::Judging(done, all) => job.tell(done, all, "frames judged"),
+    let tell = |at: CameraRefinementProgress| match at.step {
+        CameraRefinementStep::Following(_) => job.tell(0, 0, "following the person"),
+        CameraRefinementStep::Body(at) => job.tell(at.stage, at.stages, "poses and sizes"),
+        CameraRefinementStep::Cameras(at) => job.tell(at.stage, at.stages, "cameras"),
+        CameraRefinementStep::Judging(done, all) => job.tell(done, all, "frames judged"),
     };
     Ok(camera_refinement::refine(footage, cameras, (start, frames), options, &job.cancel, tell)?)
 }

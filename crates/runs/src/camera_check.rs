@@ -1,12 +1,14 @@
 //! The check of a take's cameras against one another: how it is done, what it says, and the cameras that repair what it finds.
 
+use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_formats::synchronise::{TakeClocksError, record};
-use backlit_formats::{Footage, Take};
+use backlit_formats::{Footage, FootageError, Take};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::diagnosis::{
     Diagnosis, DiagnosisError, DiagnosisOptions, FaultKind, Finding, Rival, Size, diagnose,
 };
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_words::format::number;
 use glam::DVec2;
 use thiserror::Error;
@@ -24,6 +26,29 @@ pub enum CheckStage {
     Frames,
     /// Faults are tried.
     Faults,
+    /// Backgrounds that change are looked for.
+    Backgrounds,
+}
+
+impl CheckStage {
+    /// "Silhouettes: 3 of 48 frames".
+    #[must_use]
+    pub fn text(self, [done, all]: [usize; 2]) -> String {
+        match self {
+            Self::Frames => format!("Silhouettes: {done} of {all} frames"),
+            Self::Faults => format!("Faults: {done} of {all} tried"),
+            Self::Backgrounds => format!("Backgrounds: {done} of {all} frames"),
+        }
+    }
+}
+
+/// What a check has found.
+#[derive(Debug, Clone)]
+pub struct CheckedCameras {
+    /// What is wrong with calibrations and clocks.
+    pub diagnosis: Diagnosis,
+    /// Backgrounds that change while the take is filmed.
+    pub changes: Vec<BackgroundChange>,
 }
 
 /// Why the cameras of a take cannot be checked.
@@ -34,6 +59,8 @@ pub enum CameraCheckError {
     Recordings(#[from] TakeClocksError),
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),
+    #[error("looking for backgrounds that change: {0}")]
+    Backgrounds(#[from] FootageError),
 }
 
 /// Checks the cameras by at most `most_frames` frames. `tell` hears the stage, and how much of it is done, of how much.
@@ -45,12 +72,21 @@ pub fn check(
     most_frames: usize,
     cancel: &CancelToken,
     mut tell: impl FnMut(CheckStage, [usize; 2]),
-) -> Result<Diagnosis, CameraCheckError> {
+) -> Result<CheckedCameras, CameraCheckError> {
     let take = footage.take();
     let every = take.frame_count().div_ceil(most_frames.max(1));
     let recordings = record(footage, every, cancel, |done, all| tell(CheckStage::Frames, [done, all]))?;
-    let tell = |done, all| tell(CheckStage::Faults, [done, all]);
-    Ok(diagnose(&recordings, take.rig().cameras(), &DiagnosisOptions::default(), cancel, tell)?)
+    let at_fault = |done, all| tell(CheckStage::Faults, [done, all]);
+    let options = DiagnosisOptions::default();
+    let diagnosis = diagnose(&recordings, take.rig().cameras(), &options, cancel, at_fault)?;
+    let (cameras, frames): (Vec<_>, Vec<_>) =
+        ((0..take.rig().count()).collect(), (0..take.frame_count()).collect());
+    let picture = |camera, frame| footage.picture(camera, frame);
+    let measurement = take.measurement();
+    let survey = ChangeSurvey { footage, cameras: &cameras, frames: &frames, measurement, picture };
+    let changes = survey.changes(cancel, |done| tell(CheckStage::Backgrounds, done))?;
+    let changes = changes.ok_or(DiagnosisError::Cancelled)?;
+    Ok(CheckedCameras { diagnosis, changes })
 }
 
 /// Whether other cameras repair such a fault: not where a clock is wrong, or a camera was moved while it filmed.

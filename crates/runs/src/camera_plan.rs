@@ -241,7 +241,7 @@ impl PlanResult {
     /// A camera as a map shows it.
     #[must_use]
     pub fn on_map(&self, camera: &Camera, is_added: bool) -> MapCamera {
-        let looks = camera.camera_from_world().rotation.transpose().z_axis;
+        let looks = camera.axis_in_world();
         let name = if is_added { "added".to_owned() } else { camera.name().to_owned() };
         let floor = &self.subject.floor;
         MapCamera { name, place: floor.place(camera.centre()), looks: floor.place(looks), is_added }

@@ -3,11 +3,12 @@
 use backlit_formats::{Footage, FootageError, Take};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{
-    CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress, CameraState, RefinedCameras,
-    refine_cameras,
+    BodyProgress, CameraChoice, CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress,
+    CameraRefinementStep, CameraState, RefinedCamera, RefinedCameras, refine_cameras,
 };
 use backlit_tracking::camera::{CameraChange, CameraError, Rig, RigError};
 use backlit_tracking::cancel::CancelToken;
+use backlit_words::format::number;
 use serde_json::json;
 use thiserror::Error;
 
@@ -55,6 +56,48 @@ fn refined(take: &Take, cameras: &[usize], found: &RefinedCameras) -> Result<Rig
         all[camera] = all[camera].changed(&change)?;
     }
     Ok(Rig::new(all)?)
+}
+
+/// What is being done.
+#[must_use]
+pub fn progress_text(at: CameraRefinementProgress) -> String {
+    let stage = |what: &str, at: BodyProgress| {
+        format!("{what}: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
+    };
+    let step = match at.step {
+        CameraRefinementStep::Following(_) => "following the person".to_owned(),
+        CameraRefinementStep::Body(at) => stage("poses and sizes", at),
+        CameraRefinementStep::Cameras(at) => stage("cameras", at),
+        CameraRefinementStep::Judging(done, all) => return format!("{done} of {all} frames judged"),
+    };
+    format!("round {} of {}, {step}", at.round + 1, at.rounds)
+}
+
+/// What the calibration holds, because silhouettes cannot tell it.
+pub const HELD: &str =
+    "held as calibrated: where the whole rig stands, how it is turned, and how large it is";
+
+/// What was changed of a camera: "turn, °", by how much, and the standard deviation of that.
+pub type ChangeWords = (&'static str, [String; 2]);
+
+/// Everything of a camera that was free.
+#[must_use]
+pub fn changes(camera: &RefinedCamera, choice: &CameraChoice) -> Vec<ChangeWords> {
+    type Row = (bool, &'static str, usize, fn(&CameraState) -> f64);
+    let rows: [Row; 6] = [
+        (true, "turn, °", 2, |state| state.change.turn.length().to_degrees()),
+        (true, "place, mm", 1, |state| 1e3 * state.change.shift.length()),
+        (choice.focal_length, "focal length, %", 2, |state| 100.0 * state.change.zoom),
+        (choice.principal_point, "principal point, px", 1, |state| state.change.principal_px.length()),
+        (choice.offset, "clock late, ms", 2, |state| 1e3 * state.late_s),
+        (choice.drift, "clock slow, ms a minute", 2, |state| 6e4 * state.drift),
+    ];
+    let free = rows.into_iter().filter(|row| row.0);
+    let of = |state, digits, value: fn(&CameraState) -> f64| number(value(state), digits);
+    free.map(|(_, what, digits, value)| {
+        (what, [&camera.change, &camera.deviation].map(|state| of(state, digits, value)))
+    })
+    .collect()
 }
 
 /// What was found, for programs.

@@ -87,7 +87,7 @@ mod tests {
             let who = usize::from(off(person, 0, 1) < off(person, 0, 0));
             assert!(frames.iter().all(|&frame| off(person, frame, who) < off(person, frame, 1 - who)));
             let person = FollowedPerson::of(&found, number).map(Arc::new);
-            let followed = error(footage.with_replacements(None, Arc::default(), person), who);
+            let followed = error(footage.with_person(person), who);
             let (alone, _folder) = open(&[who]);
             let (alone, both) = (error(alone, who), error(footage.clone(), who));
             assert!(followed < 0.1 && alone < followed, "{followed} m, alone {alone}");

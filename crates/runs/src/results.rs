@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
+use backlit_document::Document;
 use backlit_document::project::read_project;
+use backlit_document::take_match::match_take;
+use backlit_formats::Take;
 use backlit_formats::export::track_read::{self, WrittenTrack};
 use backlit_formats::model_file;
 use backlit_formats::motion::Motion;
-use backlit_tracking::camera::up_of;
+use backlit_tracking::camera::{Camera, up_of};
 use glam::DVec3;
 
 use crate::track_summary::IouSummary;
@@ -80,12 +83,28 @@ pub fn read_tracked(path: &Path, model: Option<&str>) -> anyhow::Result<TrackedM
     Ok(TrackedMotion { motion: Motion::of_written(written), up: None, overlap })
 }
 
+/// A project beside the take that it is about, its own or this one. The project's cameras are in the take's order.
+///
+/// # Errors
+/// The project or its take cannot be read, it names no take, or the take has other cameras.
+pub fn open_project(path: &Path, take: Option<Take>) -> anyhow::Result<(Document, Take)> {
+    let mut document = read_project(path)?.document;
+    let take = take.map_or_else(|| take_of_project(path, &document), Ok)?;
+    let names: Vec<&str> = take.rig().cameras().iter().map(Camera::name).collect();
+    match_take(&mut document, &names, take.measurement(), take.frame_count())?;
+    Ok((document, take))
+}
+
+fn take_of_project(path: &Path, document: &Document) -> anyhow::Result<Take> {
+    let source = document.take.clone();
+    let source = source.with_context(|| format!("{}: the project names no take", path.display()))?;
+    source.named_by(path).open().context("the project's take cannot be opened")
+}
+
 /// The poses of a project as they are, and up as its cameras say.
 fn of_project(path: &Path) -> anyhow::Result<TrackedMotion> {
     let document = read_project(path)?.document;
-    let source = document.take.clone();
-    let source = source.with_context(|| format!("{}: the project names no take", path.display()))?;
-    let take = source.named_by(path).open().context("the project's take cannot be opened")?;
+    let take = take_of_project(path, &document)?;
     let mut motion = document.motion(take.name(), take.frame_rate());
     // Poses beyond the last frame are kept and not shown.
     motion.poses.retain(|frame, _| *frame < take.frame_count());

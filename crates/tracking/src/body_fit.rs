@@ -42,7 +42,7 @@ pub use own_sizes::{
 };
 pub use person::{Person, PersonError, PersonOptions, PersonProgress, find_person};
 pub use refine::{
-    CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress, RefinedCamera, RefinedCameras,
-    refine_cameras,
+    CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress, CameraRefinementStep,
+    RefinedCamera, RefinedCameras, refine_cameras,
 };
 pub use report::{BodyFit, SizeEstimate};

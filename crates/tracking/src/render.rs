@@ -19,6 +19,7 @@
 //! of them a view gets says [`View::suits_lanes`].
 
 mod drawing;
+mod footprint;
 mod jacobian;
 mod kernels;
 pub mod prediction;
@@ -34,9 +35,10 @@ pub(crate) use primitive::Primitive;
 pub(crate) use wrench::JointBlock;
 
 pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_over, draw_plainly, predict};
+pub use footprint::Footprint;
 pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along};
 pub use prediction::Prediction;
-pub use primitive::{Footprint, sphere_fractions};
+pub use primitive::sphere_fractions;
 pub use ramp::{BACKGROUND, Ramp};
 pub use renderer::{MAX_SPHERES, ParseError, RendererKind};
 pub use view::{PixelPull, SeenLimb, View};

@@ -8,10 +8,11 @@ mod support;
 
 use std::borrow::Borrow;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
+use crate::geometry::NearestToLines;
 use crate::silhouette::{Label, Mask, SignedDistance};
 
 pub use support::{UnsupportedPart, unsupported_parts};
@@ -175,16 +176,9 @@ enum Says {
 
 /// A cube that holds the subject: its middle, nearest to all middle rays, and half its side.
 fn region<'e>(seen: impl Iterator<Item = &'e Extent<'e>> + Clone) -> Option<(DVec3, f64)> {
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for Extent { camera, ray, .. } in seen.clone() {
-        let across = DMat3::IDENTITY - DMat3::from_cols(*ray * ray.x, *ray * ray.y, *ray * ray.z);
-        sum += across;
-        right += across * camera.centre();
-    }
-    let middle = sum.inverse() * right;
-    if sum.determinant().abs() < 1e-6 || !middle.is_finite() {
-        return None;
-    }
+    let mut nearest = NearestToLines::default();
+    seen.clone().for_each(|extent| nearest.add(extent.camera.centre(), extent.ray, 1.0));
+    let middle = nearest.solve().filter(|_| nearest.determinant().abs() >= 1e-6)?;
     let half = seen.map(|extent| extent.spread * extent.camera.depth(middle)).fold(0.0, f64::max);
     (half > 0.0).then_some((middle, MARGIN * half))
 }

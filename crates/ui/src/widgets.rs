@@ -32,4 +32,4 @@ pub use slider::{
     SliderRow, ValueSlider, focus_holds_arrows_only, hint, hold_arrows, named_row, number_field, row_name,
 };
 pub use still_plot::{grid_marks, still_plot};
-pub use work_card::{WorkAnswer, work_buttons, work_head, work_progress, work_results};
+pub use work_card::{WorkAnswer, work_buttons, work_head, work_progress, work_results, work_row};

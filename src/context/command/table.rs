@@ -8,9 +8,9 @@ use backlit_ui::drawing::{ModeComparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, Bookmarks, CameraCheck, CameraPlan, Compare, Convergence, Demonstration as Show,
-    Export, File, Fit, History, Laboratory, Observability, Offsets, Pose, Recovery, Scene, Silhouettes,
-    Timeline, Tour, Tracking, View, Window,
+    Basin, Beginning, Bookmarks, CameraCheck, CameraPlan, CameraRefinement, Compare, Convergence,
+    Demonstration as Show, Export, File, Fit, History, Laboratory, Observability, Offsets, Pose, Recovery,
+    Scene, Silhouettes, Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
@@ -186,6 +186,7 @@ pub(super) const TABLE: &[CommandRow] = &[
     row(Menu::Track, Bookmarks, "Bookmarks…", "Mark a frame, with a camera and a joint if wanted; go to marked places", &[ctrl_shift(Key::B)]),
     row(Menu::Track, Offsets, "Camera offsets…", "For cameras that were not started together: compare two side by side and shift one, or find the shifts from the silhouettes", &[]),
     row(Menu::Track, CameraCheck, "Check cameras…", "Find which camera’s calibration or clock is wrong, and how, from what all cameras see of the person", &[]),
+    row(Menu::Track, CameraRefinement, "Refine cameras…", "Fit cameras, poses and body sizes together to the silhouettes of the person, and judge the cameras found in frames held out", &[]),
     row(Menu::Track, Compare(CompareCommand::AddReference), "Add reference…", "Compare the poses with a recording (TRC, C3D, BVH, MOT, CSV, NumPy), a track or a project", &[]),
     row(Menu::Track, Compare(CompareCommand::RemoveReferences), "Remove references", "Compare with nothing but the take’s own reference", &[]),
     row(Menu::Track, Silhouettes(SilhouetteCommand::Draw(SilhouetteTool::Region)), "Draw region of interest", "Draw a rectangle in a camera’s view: outside it is background in every frame", &[]),

@@ -3,20 +3,22 @@
 
 use backlit_document::edit::Edit;
 use backlit_formats::Footage;
-use backlit_runs::camera_check::{CheckStage, FindingWords, NOTHING_WRONG, is_repairable};
+use backlit_runs::camera_check::{FindingWords, NOTHING_WRONG, is_repairable};
+use backlit_runs::changes::change_text;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, PairAgreement};
+use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    WorkAnswer, camera_badge, hint, paint_camera_badge, paint_text, primary_button, search_card, text_button,
-    work_buttons, work_head, work_progress, work_results,
+    WorkAnswer, camera_badge, hint, primary_button, search_card, text_button, work_buttons, work_head,
+    work_progress, work_results, work_row,
 };
-use egui::{Align2, Color32, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use egui::{RichText, TextStyle, Ui, vec2};
 
 use super::{CameraCheck, look_at};
 use crate::context::command::{Command, HistoryCommand};
-use crate::context::{Context, Requests, command_button};
+use crate::context::{Context, Requests, SessionRequest, ShellRequest, command_button};
 
 /// Width of the card.
 const WIDTH: f32 = 620.0;
@@ -52,16 +54,10 @@ impl CameraCheck {
     }
 
     fn progress(&self, ui: &mut Ui) {
-        let (text, [done, all]) = match self.progress {
-            None => ("Silhouettes".to_owned(), [0, 1]),
-            Some((CheckStage::Frames, [done, all])) => {
-                (format!("Silhouettes: {done} of {all} frames"), [done, all])
-            }
-            Some((CheckStage::Faults, [done, all])) => {
-                (format!("Faults: {done} of {all} tried"), [done, all])
-            }
-        };
-        work_progress(ui, text, [done, all]);
+        match self.progress {
+            None => work_progress(ui, "Silhouettes", [0, 1]),
+            Some((stage, done)) => work_progress(ui, stage.text(done), done),
+        }
     }
 
     fn outcome(&mut self, ui: &mut Ui, take: &Footage, context: &Context<'_>, requests: &mut Requests) {
@@ -86,11 +82,12 @@ impl CameraCheck {
         let mut used = None;
         work_results(ui, |ui| {
             let cameras = take.take().rig().cameras();
-            used = findings(ui, take, found, is_current, context, requests);
-            pairs(ui, cameras, found);
+            used = findings(ui, take, &found.diagnosis, is_current, context, requests);
+            changes(ui, take, &found.changes, requests);
+            pairs(ui, cameras, &found.diagnosis);
         });
         if let Some(index) = used {
-            let findings = found.findings[..=index].to_vec();
+            let findings = found.diagnosis.findings[..=index].to_vec();
             self.use_repaired(&findings, context, requests);
         }
     }
@@ -105,6 +102,7 @@ impl CameraCheck {
                 let undo = Command::History(HistoryCommand::Undo);
                 command_button::named_button(ui, context, requests, undo, "Undo repair");
             }
+            command_button::button(ui, context, requests, Command::CameraRefinement);
         });
         match answer {
             Some(WorkAnswer::Stop) => self.stop(),
@@ -206,42 +204,38 @@ fn told(ui: &mut Ui, finding: &Finding, cameras: &[Camera], context: &Context<'_
     }
 }
 
+/// Backgrounds that change; a click goes to the frame.
+fn changes(ui: &mut Ui, take: &Footage, found: &[BackgroundChange], requests: &mut Requests) {
+    let palette = theme::palette(ui);
+    for change in found {
+        ui.horizontal_top(|ui| {
+            camera_badge(ui, change.camera);
+            let text = RichText::new(change_text(change, take.take())).color(palette.text);
+            if ui.link(text).on_hover_text("Select this camera, and go to the frame").clicked() {
+                requests.request(ShellRequest::Camera(change.camera));
+                requests.request(SessionRequest::Frame(change.from));
+            }
+        });
+        ui.add_space(space::WIDGET);
+    }
+}
+
 /// How far every two cameras agree, and how large the subject is.
 fn pairs(ui: &mut Ui, cameras: &[Camera], found: &Diagnosis) {
     let palette = theme::palette(ui);
     ui.spacing_mut().item_spacing.y = 0.0;
     let titles = ["apart, px", "repaired, px", "of the frames, %"].map(str::to_owned);
-    row(ui, "cameras", &titles, None, palette.text3);
+    work_row(ui, (&[], "cameras"), (&titles, &COLUMNS), (TextStyle::Small, palette.text3));
     for PairAgreement { cameras: pair, apart_px, share } in &found.pairs {
         let names = pair.map(|camera| cameras.get(camera).map_or("", Camera::name)).join(", ");
         let [before, after] = apart_px.map(|px| px.unwrap_or(f64::NAN));
         let colour = if after < before / WRONG_FROM { palette.warn } else { palette.text2 };
         let numbers = [(before, 2), (after, 2), (100.0 * share, 0)];
         let numbers = numbers.map(|(value, digits)| format::number(value, digits));
-        row(ui, &names, &numbers, Some(*pair), colour);
+        work_row(ui, (pair, &names), (&numbers, &COLUMNS), (TextStyle::Body, colour));
     }
     if let Some(tall) = found.subject_m {
         ui.add_space(space::ROW);
         hint(ui, format!("The subject’s largest extent is {} m.", format::number(tall, 2)));
-    }
-}
-
-/// Names with their badges, and numbers in columns.
-fn row(ui: &mut Ui, names: &str, numbers: &[String; 3], badges: Option<[usize; 2]>, colour: Color32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
-    let said = format!("{names}: {}", numbers.join(", "));
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, said.as_str()));
-    let mut left = rect.left_center();
-    for camera in badges.into_iter().flatten() {
-        let badge =
-            Rect::from_center_size(left + vec2(size::BADGE / 2.0, 0.0), vec2(size::BADGE, size::BADGE));
-        paint_camera_badge(ui.painter(), badge, camera);
-        left.x += size::BADGE + space::ROW;
-    }
-    let style = if badges.is_some() { TextStyle::Body } else { TextStyle::Small };
-    paint_text(ui, left, Align2::LEFT_CENTER, names, style.clone(), colour);
-    for (number, from_right) in numbers.iter().zip(COLUMNS) {
-        let at = pos2(rect.right() - from_right, rect.center().y);
-        paint_text(ui, at, Align2::RIGHT_CENTER, number, style.clone(), colour);
     }
 }

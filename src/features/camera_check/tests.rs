@@ -43,7 +43,7 @@ fn disturbed() -> TestWindow {
 }
 
 fn findings(app: &TestWindow) -> Vec<Finding> {
-    app.features.camera_check.checked.as_ref().unwrap().outcome.as_ref().unwrap().findings.clone()
+    app.features.camera_check.checked.as_ref().unwrap().outcome.as_ref().unwrap().diagnosis.findings.clone()
 }
 
 #[test]

@@ -6,10 +6,9 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::heat_map::error_legend;
 use backlit_ui::widgets::{
-    WorkAnswer, hint, paint_camera_badge, paint_text, search_card, work_buttons, work_head, work_progress,
-    work_results,
+    WorkAnswer, hint, paint_text, search_card, work_buttons, work_head, work_progress, work_results, work_row,
 };
-use egui::{Align2, Color32, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{CameraPlan, map};
 use crate::context::{Context, Requests};
@@ -132,7 +131,7 @@ fn additions(ui: &mut Ui, found: &PlanResult, looked_at: usize) -> Option<usize>
         let text = format!("At ({x}, {y}) m, {height} m high");
         let numbers = [set.mean_m(), whole.mean_m() - set.mean_m()].map(|m| format::number(1e3 * m, 1));
         let colour = if rank == looked_at { palette.text } else { palette.text2 };
-        if row(ui, &text, &numbers, &[], (rank == looked_at, colour)) {
+        if row(ui, &text, &numbers, (rank == looked_at, colour)) {
             clicked = Some(rank);
         }
     }
@@ -148,7 +147,8 @@ fn sets(ui: &mut Ui, found: &PlanResult) {
         for set in of_size.take(SETS_LISTED) {
             let numbers = [1e3 * set.mean_m(), 100.0 * set.known()];
             let numbers = [format::number(numbers[0], 1), format::number(numbers[1], 0)];
-            row(ui, &found.names(set), &numbers, &set.cameras, (false, palette.text2));
+            let style = (TextStyle::Body, palette.text2);
+            work_row(ui, (&set.cameras, &found.names(set)), (&numbers, &COLUMNS), style);
         }
     }
     if let Some((spare, without)) = found.spare() {
@@ -166,49 +166,27 @@ fn spare_text(found: &PlanResult, spare: usize, without: &PlannedSet) -> String 
 }
 
 fn head(ui: &mut Ui, title: &str, columns: [&str; 2]) {
-    let palette = theme::palette(ui);
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
-    let text = |at, align, text| paint_text(ui, at, align, text, TextStyle::Small, palette.text3);
-    text(rect.left_center(), Align2::LEFT_CENTER, title);
-    for (column, right) in columns.into_iter().zip(COLUMNS) {
-        text(pos2(rect.right() - right, rect.center().y), Align2::RIGHT_CENTER, column);
-    }
+    let style = (TextStyle::Small, theme::palette(ui).text3);
+    work_row(ui, (&[], title), (&columns.map(str::to_owned), &COLUMNS), style);
 }
 
-/// Badges or words, and numbers in columns; whether it was clicked.
-fn row(
-    ui: &mut Ui,
-    text: &str,
-    numbers: &[String; 2],
-    badges: &[usize],
-    (is_chosen, colour): (bool, Color32),
-) -> bool {
-    let sense = if badges.is_empty() { Sense::click() } else { Sense::hover() };
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), sense);
+/// Words, and numbers in columns; whether it was clicked.
+fn row(ui: &mut Ui, text: &str, numbers: &[String; 2], (is_chosen, colour): (bool, Color32)) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::click());
     let said = format!("{text}: {}", numbers.join(", "));
     let enabled = ui.is_enabled();
-    response.widget_info(|| match badges {
-        [] => WidgetInfo::selected(Role::ListItem, enabled, is_chosen, said.as_str()),
-        _ => WidgetInfo::labeled(Role::Label, true, said.as_str()),
-    });
+    response.widget_info(|| WidgetInfo::selected(Role::ListItem, enabled, is_chosen, said.as_str()));
     let palette = theme::palette(ui);
     let ground = rect.expand2(vec2(0.5 * space::ROW, 0.0));
     if is_chosen {
         ui.painter().rect_filled(ground, size::FIELD_RADIUS, palette.active);
-    } else if badges.is_empty() && response.hovered() {
+    } else if response.hovered() {
         ui.painter().rect_filled(ground, size::FIELD_RADIUS, palette.hover);
     }
-    for (index, &camera) in badges.iter().enumerate() {
-        let left = rect.left() + index as f32 * (size::BADGE + space::ROW);
-        let at = pos2(left, rect.center().y - 0.5 * size::BADGE);
-        paint_camera_badge(ui.painter(), Rect::from_min_size(at, vec2(size::BADGE, size::BADGE)), camera);
-    }
-    if badges.is_empty() {
-        paint_text(ui, rect.left_center(), Align2::LEFT_CENTER, text, TextStyle::Body, colour);
-    }
+    paint_text(ui, rect.left_center(), Align2::LEFT_CENTER, text, TextStyle::Body, colour);
     for (number, right) in numbers.iter().zip(COLUMNS) {
         let at = pos2(rect.right() - right, rect.center().y);
-        paint_text(ui, at, Align2::RIGHT_CENTER, number, TextStyle::Monospace, colour);
+        paint_text(ui, at, Align2::RIGHT_CENTER, number, TextStyle::Body, colour);
     }
     if response.has_focus() {
         ui.painter().rect_stroke(ground, size::FIELD_RADIUS, palette.focus_ring(), egui::StrokeKind::Outside);

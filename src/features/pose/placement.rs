@@ -1,7 +1,8 @@
 //! A joint that was put somewhere in one view and is dragged in another: it stays on the first view's sight ray.
 
 use backlit_tracking::camera::Camera;
-use glam::{DMat3, DVec2, DVec3};
+use backlit_tracking::geometry::across;
+use glam::{DVec2, DVec3};
 
 /// Cameras that look from nearer to the same direction tell nothing of where a ray is met, as a squared sine.
 const PARALLEL: f64 = 1e-4;
@@ -21,8 +22,7 @@ pub(super) fn on_ray(
     // Least squares over t of the distances of `from + t along` to the rays.
     let (mut sum, mut squares) = (0.0, 0.0);
     for (centre, ray) in rays {
-        let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
-        let sideways = across * along;
+        let sideways = across(ray) * along;
         sum += sideways.dot(centre - from);
         squares += sideways.length_squared();
     }

@@ -16,8 +16,6 @@ use crate::context::marks::SilhouetteTool;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, Requests, SessionRequest, ShellRequest, pane_title};
 
-/// How many of the worst silhouettes are listed.
-const LISTED: usize = 20;
 /// Width of a choice's name, and of the choice.
 const NAME: f32 = 60.0;
 const CHOICE: f32 = 120.0;
@@ -141,7 +139,7 @@ impl SilhouetteSteering {
         if found.is_empty() {
             return hint_wrapped(ui, "Nothing speaks against any silhouette.");
         }
-        for one in found.iter().take(LISTED) {
+        for one in found.iter() {
             listed(ui, one, requests);
         }
     }

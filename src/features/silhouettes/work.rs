@@ -10,7 +10,7 @@ use backlit_runs::silhouettes::{
 use backlit_tracking::segment::SegmentOptions;
 use backlit_ui::style::format;
 
-use super::SilhouetteSteering;
+use super::{LISTED, SilhouetteSteering};
 use crate::context::command::{Command, HistoryCommand, SilhouetteCommand};
 use crate::context::{Context, Requests};
 
@@ -32,7 +32,10 @@ impl SilhouetteSteering {
         for news in self.work.poll() {
             match news {
                 News::Output(WorkMessage::At(doing, done)) => self.progress = Some((doing, done)),
-                News::Output(WorkMessage::Worst(found)) => self.worst = Some(found),
+                News::Output(WorkMessage::Worst(mut found)) => {
+                    found.truncate(LISTED);
+                    self.worst = Some(found);
+                }
                 News::Output(WorkMessage::Tuned { before, found }) => {
                     self.use_tuned(&before, found, requests);
                 }

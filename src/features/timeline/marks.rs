@@ -14,7 +14,7 @@ use egui::{
 
 use super::ranking::worst;
 use super::span::{Span, TimeScale};
-use crate::context::{Context, Requests, SessionRequest};
+use crate::context::{Context, Requests, SessionRequest, ShellRequest};
 use crate::session::playback::FrameRange;
 
 pub(crate) const RULER: f32 = 18.0;
@@ -196,29 +196,54 @@ pub(crate) fn key_poses(
     hovered
 }
 
-/// A wedge below the ruler where a camera's background changes; it says which and what.
-pub(crate) fn changes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
+/// What is told of the silhouettes of a frame.
+#[derive(Default)]
+struct SilhouetteWedge {
+    changes: bool,
+    texts: Vec<String>,
+    /// The camera that it is about.
+    camera: Option<usize>,
+}
+
+/// A wedge below the ruler where a camera's background changes, and a hollow one where a silhouette is among the worst; it says which
+/// and what.
+pub(crate) fn silhouettes(ui: &Ui, context: &Context<'_>, requests: &mut Requests, scale: &TimeScale) {
     let (palette, plot) = (theme::palette(ui), scale.plot);
     let Some(footage) = &context.session.take else { return };
-    let mut told: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-    for change in context.document().changes.iter().filter(|change| scale.frames().contains(&change.from)) {
-        told.entry(change.from).or_default().push(change_text(change, footage.take()));
+    let mut told: BTreeMap<usize, SilhouetteWedge> = BTreeMap::new();
+    for change in context.document().changes.iter() {
+        let wedge = told.entry(change.from).or_default();
+        wedge.texts.push(change_text(change, footage.take()));
+        (wedge.changes, wedge.camera) = (true, Some(change.camera));
     }
-    for (frame, texts) in told {
+    for worst in &context.silhouettes.worst {
+        let name = footage.cameras.get(worst.camera).map_or("a camera", |camera| camera.name());
+        let wedge = told.entry(worst.frame).or_default();
+        wedge.texts.push(format!("Silhouette of {name}: {}", worst.reason));
+        wedge.camera.get_or_insert(worst.camera);
+    }
+    told.retain(|frame, _| scale.frames().contains(frame));
+    for (frame, SilhouetteWedge { changes, texts, camera }) in told {
         let tip = pos2(scale.x(frame as f64), line(plot) + 1.0);
         if !plot.x_range().expand(0.5).contains(tip.x) {
             continue;
         }
         let target = Rect::from_min_size(tip - vec2(TARGET, 0.0), vec2(2.0 * TARGET, 2.0 * MARK));
-        let response = ui.interact(target, Id::unique(("background change", frame)), Sense::click());
+        let response = ui.interact(target, Id::unique(("silhouettes of a frame", frame)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, texts.join("; ")));
         if response.clicked() {
+            requests.others.extend(camera.map(|camera| ShellRequest::Camera(camera).into()));
             requests.request(SessionRequest::Frame(frame));
         }
         let half = if response.hovered() || response.has_focus() { HALF_HOVERED } else { HALF };
         let corners = vec![tip, tip + vec2(half, 1.6 * half), tip + vec2(-half, 1.6 * half)];
         let edge = if response.has_focus() { palette.accent_text } else { palette.panel };
-        ui.painter().add(Shape::convex_polygon(corners, palette.warn, Stroke::new(1.0, edge)));
+        let shape = if changes {
+            Shape::convex_polygon(corners, palette.warn, Stroke::new(1.0, edge))
+        } else {
+            Shape::closed_line(corners, Stroke::new(1.2, palette.warn))
+        };
+        ui.painter().add(shape);
         response.on_hover_text(texts.join("\n"));
     }
 }

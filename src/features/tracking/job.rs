@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use backlit_document::edit::{Edit, Tracked};
 use backlit_document::told::Told;
@@ -213,7 +214,13 @@ fn changed_footage(reader: &WindowReader, cameras: &[usize], out: &Outbox<Applie
     let picture = |camera, frame| footage.picture(camera, frame);
     let survey =
         ChangeSurvey { footage, cameras, frames: &frames, measurement: &reader.measurement, picture };
-    let found = survey.changes(out.cancel(), |_| {}).ok()??;
+    let tell = |frames| {
+        let at = Instant::now();
+        out.send(applied(move |tracking, _, _| tracking.surveyed(frames, at)));
+    };
+    let found = survey.changes(out.cancel(), |frames| tell(Some(frames)));
+    tell(None);
+    let found = found.ok()??;
     if found.is_empty() {
         return None;
     }

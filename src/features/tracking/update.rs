@@ -123,7 +123,8 @@ impl Tracking {
         let asked: Vec<usize> = order.legs.iter().flat_map(|leg| leg.frames.iter().copied()).collect();
         let [first, last] = [asked.iter().min(), asked.iter().max()].map(|frame| frame.copied().unwrap_or(0));
         let (range, began) = (FrameRange::between(first, last), Instant::now());
-        let progress = TrackingProgress { done: 0, total: asked.len(), backwards, between, range, began };
+        let total = asked.len();
+        let progress = TrackingProgress { done: 0, total, backwards, between, range, began, surveyed: None };
         let document = context.document();
         // What was learnt is not looked for again, and a short track is not worth it.
         let is_surveyed = document.changes.is_empty() && !order.turns_round && asked.len() > FEW;
@@ -230,6 +231,13 @@ impl Tracking {
         self.newest = Some(frame);
         if let Some(TrackingWork::Track(progress)) = &mut self.work {
             progress.done += 1;
+        }
+    }
+
+    /// Backgrounds that change are looked for; at the end of that the tracker begins.
+    pub(super) fn surveyed(&mut self, frames: Option<[usize; 2]>, at: Instant) {
+        if let Some(TrackingWork::Track(progress)) = &mut self.work {
+            (progress.surveyed, progress.began) = (frames, at);
         }
     }
 

@@ -81,9 +81,9 @@ impl Mismatch {
     ) -> Self {
         let mut by_limb = vec![0.0; limbs];
         let mut change = 0.0;
-        let [from, to] = prediction.footprint.columns;
-        for y in prediction.footprint.rows[0]..prediction.footprint.rows[1] {
-            let row = y * prediction.width + from..y * prediction.width + to;
+        for y in prediction.footprint.rows() {
+            let (start, columns) = (y * prediction.width, prediction.footprint.columns(y));
+            let row = start + columns.start..start + columns.end;
             let mut pixels = row.start;
             // Where no limb is near, λ is 255. Pixels of a limb follow one another.
             for pixels_of_limb in prediction.owner[row].chunk_by(|a, b| a == b) {

@@ -110,6 +110,9 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
                 seen.push(CameraSurvey { camera, still, light: Vec::new() });
             }
         }
+        if seen.is_empty() {
+            return Ok(Some(seen));
+        }
         for (number, &frame) in samples.iter().enumerate() {
             if cancel.is_cancelled() {
                 return Ok(None);

@@ -4,9 +4,10 @@ use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::body_fit::scale;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::JointKeypoint;
+use backlit_tracking::geometry::NearestToLines;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use super::{Keypoint, Person};
 
@@ -146,16 +147,12 @@ pub(crate) fn meeting_point<'a>(pixels: impl Iterator<Item = (&'a Camera, DVec2)
     if rays.len() < 2 {
         return None;
     }
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for &(centre, ray) in &rays {
-        let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
-        sum += across;
-        right += across * centre;
-    }
-    let point = sum.inverse() * right;
+    let mut nearest = NearestToLines::default();
+    rays.iter().for_each(|&(centre, ray)| nearest.add(centre, ray, 1.0));
+    let point = nearest.solve()?;
     let off = |(centre, ray): &(DVec3, DVec3)| (point - *centre).cross(*ray).length();
     let mean = rays.iter().map(off).sum::<f64>() / rays.len() as f64;
-    (point.is_finite() && mean < FARTHEST_RAY).then_some(point)
+    (mean < FARTHEST_RAY).then_some(point)
 }
 
 #[cfg(test)]

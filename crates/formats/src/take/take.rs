@@ -243,6 +243,19 @@ impl Take {
         Self { poses, ..self }
     }
 
+    /// The same take that begins with this pose.
+    #[must_use]
+    pub fn with_start(self, start: Pose) -> Self {
+        Self { start: Some(start), ..self }
+    }
+
+    /// The same take with a body of the same limbs in other sizes; `None` for other limbs, which start and reference do not name.
+    #[must_use]
+    pub fn with_body(&self, model: Arc<Model>) -> Option<Self> {
+        let names = |model: &Model| model.limbs().iter().map(|limb| limb.name.clone()).collect::<Vec<_>>();
+        (names(&model) == names(&self.model)).then(|| Self { model, ..self.clone() })
+    }
+
     /// Keypoints to compare with, if the take has any.
     #[must_use]
     pub fn reference(&self) -> Option<&Reference> {
@@ -311,6 +324,14 @@ impl Take {
             |footage: &CameraFootage| footage.background().is_some_and(|background| background.count() == 1);
         let cameras = self.measurement.iter().zip(&self.footage);
         let measurement = cameras.map(|(own, footage)| other(own, is_plate(footage))).collect();
+        Self { measurement, ..self.clone() }
+    }
+
+    /// The same take segmented by these options, one a camera; those of cameras that none are for stay.
+    #[must_use]
+    pub fn measured_by(&self, options: Vec<SegmentOptions>) -> Self {
+        let left = self.measurement.iter().skip(options.len()).cloned();
+        let measurement = options.into_iter().chain(left).take(self.measurement.len()).collect();
         Self { measurement, ..self.clone() }
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, up_of};
 use backlit_tracking::diagnosis::{FaultKind, turned_for};
+use backlit_tracking::geometry::NearestToLines;
 use backlit_tracking::silhouette::Mask;
 use backlit_tracking::synchronise::Recording;
 use glam::{DMat3, DQuat, DVec3};
@@ -146,17 +147,11 @@ fn standing_about(rig: &[Camera], height: u64) -> Result<Vec<Camera>, Experiment
         expected: "cameras that look at one place",
     };
     let up = up_of(rig).ok_or(refused(rig.len() as f64))?;
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    let mut nearest = NearestToLines::default();
     for camera in rig {
-        let axis = camera.camera_from_world().rotation.transpose().z_axis;
-        let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
-        sum += across;
-        right += across * camera.centre();
+        nearest.add(camera.centre(), camera.axis_in_world(), 1.0);
     }
-    let middle = sum.inverse() * right;
-    if !middle.is_finite() {
-        return Err(refused(rig.len() as f64));
-    }
+    let middle = nearest.solve().ok_or(refused(rig.len() as f64))?;
     let mut distances: Vec<f64> = rig.iter().map(|camera| camera.centre().distance(middle)).collect();
     distances.sort_by(f64::total_cmp);
     let distance = distances[distances.len() / 2];

@@ -87,7 +87,18 @@ pub enum CameraRefinementError {
 
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CameraRefinementProgress {
+pub struct CameraRefinementProgress {
+    /// The round, from 0 on.
+    pub round: usize,
+    /// How many there are.
+    pub rounds: usize,
+    /// What is done in it.
+    pub step: CameraRefinementStep,
+}
+
+/// What is being done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CameraRefinementStep {
     /// The person is followed.
     Following(PersonProgress),
     /// Poses and sizes are fitted with the cameras as given.
@@ -150,12 +161,14 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     let (mut followed_body, mut body, mut before) = (Arc::clone(model), Arc::clone(model), None);
     let mut last = None;
     let wrong = |error: BodyFitError| E::from(CameraRefinementError::from(error));
-    for _ in 0..options.rounds.max(1) {
+    let rounds = options.rounds.max(1);
+    for round in 0..rounds {
+        let mut progress = |step| progress(CameraRefinementProgress { round, rounds, step });
         let now = changed(&given, &found.changes);
         let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(OrViews::Views);
         let person = &options.person;
         let followed = follow(&followed_body, start.clone(), frames, person, cancel, &mut seen, &mut |at| {
-            progress(CameraRefinementProgress::Following(at));
+            progress(CameraRefinementStep::Following(at));
         });
         let posed = followed.map_err(not_followed)?;
         let choice = choose(&followed_body, &posed, options.fitted, options.held_out);
@@ -173,7 +186,7 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
             return Err(CameraRefinementError::FewFrames { found, all, choice }.into());
         }
         if before.is_none() {
-            let told = |at| progress(CameraRefinementProgress::Body(at));
+            let told = |at| progress(CameraRefinementStep::Body(at));
             let sizes = FirstSizes::Scaled(0.0);
             let fit = fit_body(Arc::clone(model), fitted.clone(), sizes, &options.fit, cancel, told);
             let fit = fit.map_err(wrong)?;
@@ -184,7 +197,7 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
         let rates = rates(&posed, frame_rate);
         let CameraRefinementOptions { choice, deviations, .. } = options;
         let set = CameraSet::new(given.clone(), *choice, deviations, &fitted, rates, frame_rate);
-        let told = |at| progress(CameraRefinementProgress::Cameras(at));
+        let told = |at| progress(CameraRefinementStep::Cameras(at));
         let begin = (&*body, &found.changes[..]);
         let (fit, cameras) =
             fit_cameras(model, fitted, begin, &set, &options.fit, cancel, told).map_err(wrong)?;
@@ -199,7 +212,8 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     let now = changed(&given, &found.changes);
     let rigs = [(Arc::new(before.as_seen()), &given), (body, &now)];
     let overlaps = judge(&rigs, &held_out, &options.person.fit, cancel, |done| {
-        progress(CameraRefinementProgress::Judging(done, held_out.len()));
+        let step = CameraRefinementStep::Judging(done, held_out.len());
+        progress(CameraRefinementProgress { round: rounds - 1, rounds, step });
     });
     let overlaps = overlaps.map_err(wrong)?;
     let cameras = now.iter().enumerate().map(|(index, camera)| RefinedCamera {

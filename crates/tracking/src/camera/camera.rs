@@ -204,6 +204,11 @@ impl Camera {
         self.camera_from_world.centre()
     }
 
+    /// Its optical axis, a unit vector in world axes.
+    pub fn axis_in_world(&self) -> DVec3 {
+        self.camera_from_world.rotation.transpose().z_axis
+    }
+
     /// The same camera with an ideal lens: whose pictures [`Rectification`](super::Rectification) makes.
     pub fn without_distortion(&self) -> Self {
         Self { distortion: Distortion::None, ..self.clone() }

@@ -1,6 +1,6 @@
 //! How tall the subject is, which alone shows the unit of all lengths.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::calibration::placed;
 use super::diagnose::Finding;
@@ -8,6 +8,7 @@ use super::fault::{FaultKind, Size};
 use super::hypothesis::UNITS;
 use super::state::State;
 use crate::camera::Camera;
+use crate::geometry::NearestToLines;
 use crate::statistics::upper_median;
 
 /// A subject is so tall, metres, as a rule; and at least and at most.
@@ -34,16 +35,12 @@ impl State {
                 .enumerate()
                 .filter_map(|(camera, all)| all[frame].map(|(angle, ray)| (camera, angle, ray)))
                 .collect();
-            let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-            for (camera, _, ray) in &seen {
-                let across = DMat3::IDENTITY - DMat3::from_cols(*ray * ray.x, *ray * ray.y, *ray * ray.z);
-                sum += across;
-                right += across * self.cameras[*camera].centre();
-            }
-            if seen.len() < 2 || sum.determinant().abs() < 1e-3 {
+            let mut nearest = NearestToLines::default();
+            seen.iter().for_each(|(camera, _, ray)| nearest.add(self.cameras[*camera].centre(), *ray, 1.0));
+            if seen.len() < 2 || nearest.determinant().abs() < 1e-3 {
                 continue;
             }
-            let middle = sum.inverse() * right;
+            let Some(middle) = nearest.solve() else { continue };
             let size = |(camera, angle, _): &(usize, f64, DVec3)| {
                 2.0 * (0.5 * angle).tan() * middle.distance(self.cameras[*camera].centre())
             };

@@ -10,11 +10,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::footprint::Footprint;
 use super::jacobian::BodyMotion;
 use super::kernels::lanes;
 use super::kernels::scalar::RowWinners;
 use super::prediction::{NO_OWNER, Prediction};
-use super::primitive::{Footprint, Primitive};
+use super::primitive::Primitive;
 use super::ramp::BACKGROUND;
 use super::wrench::Wrench;
 use super::{Ramp, RendererKind, View};
@@ -86,9 +87,9 @@ pub fn draw(view: &View, wanted: DrawOptions<'_>) -> Drawing {
 pub fn draw_over(mut earlier: Drawing, view: &View, wanted: DrawOptions<'_>) -> Drawing {
     let stale = earlier.begin(view, wanted);
     if view.suits_lanes() {
-        lanes::draw(view, wanted, &mut earlier, stale);
+        lanes::draw(view, wanted, &mut earlier, &stale);
     } else {
-        earlier.draw_plainly(view, wanted, stale);
+        earlier.draw_plainly(view, wanted, &stale);
     }
     earlier
 }
@@ -97,7 +98,7 @@ pub fn draw_over(mut earlier: Drawing, view: &View, wanted: DrawOptions<'_>) -> 
 pub fn draw_plainly(view: &View, wanted: DrawOptions<'_>) -> Drawing {
     let mut drawing = Drawing::default();
     let stale = drawing.begin(view, wanted);
-    drawing.draw_plainly(view, wanted, stale);
+    drawing.draw_plainly(view, wanted, &stale);
     drawing
 }
 
@@ -122,7 +123,7 @@ impl Drawing {
         Footprint::whole(view.size)
     }
 
-    fn draw_plainly(&mut self, view: &View, wanted: DrawOptions<'_>, stale: Footprint) {
+    fn draw_plainly(&mut self, view: &View, wanted: DrawOptions<'_>, stale: &Footprint) {
         let strips = self.strips(PLAIN_ROWS, stale);
         strips.into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
             for y in strip.rows() {
@@ -137,7 +138,7 @@ impl Drawing {
     }
 
     /// All pictures cut into strips of `rows` rows. `stale` are the pixels that are not background yet.
-    pub(in crate::render) fn strips(&mut self, rows: usize, stale: Footprint) -> Vec<Strip<'_>> {
+    pub(in crate::render) fn strips<'a>(&'a mut self, rows: usize, stale: &'a Footprint) -> Vec<Strip<'a>> {
         let width = self.prediction.width;
         let entries = rows.max(1) * width;
         if entries == 0 {
@@ -162,7 +163,7 @@ impl Drawing {
 pub(in crate::render) struct Strip<'a> {
     first_row: usize,
     width: usize,
-    stale: Footprint,
+    stale: &'a Footprint,
     pixels: Pixels<'a>,
 }
 
@@ -198,10 +199,10 @@ impl Strip<'_> {
     /// Paints background where a row is not yet, but for these columns.
     #[inline(always)]
     pub(in crate::render) fn clear(&mut self, y: usize, but: Range<usize>) {
-        if !self.stale.is_on_row(y) {
+        let Range { start: from, end: to } = self.stale.columns(y);
+        if from == to {
             return;
         }
-        let [from, to] = self.stale.columns;
         let row = self.row(y);
         for outside in [from..to.min(but.start), from.max(but.end)..to] {
             row.lambda.get_mut(outside.clone()).unwrap_or_default().fill(BACKGROUND as f32);

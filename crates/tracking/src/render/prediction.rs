@@ -1,9 +1,10 @@
 //! Λ as a picture.
 
 use super::View;
+use super::footprint::Footprint;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
-use super::primitive::{Footprint, SolidShape};
+use super::primitive::SolidShape;
 use super::ramp::BACKGROUND;
 use crate::silhouette::{Label, Mask, Overlap, OverlapError};
 
@@ -22,7 +23,7 @@ pub struct Prediction {
     pub lambda: Vec<f32>,
     /// Index of the limb that wins the pixel, or [`NO_OWNER`].
     pub owner: Vec<u16>,
-    /// Pixels outside this box are background.
+    /// Pixels outside of it are background.
     pub footprint: Footprint,
 }
 

@@ -73,16 +73,16 @@ pub(crate) struct Primitive {
     /// Its ramp.
     pub ramp: SolidRamp,
     /// Pixels outside this box are background to it.
-    pub bounds: Footprint,
+    pub(crate) bounds: PixelBox,
 }
 
 /// A rectangle of pixels, ends excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Footprint {
+pub(crate) struct PixelBox {
     /// First column, and one past the last.
-    pub columns: [usize; 2],
+    pub(crate) columns: [usize; 2],
     /// First row, and one past the last.
-    pub rows: [usize; 2],
+    pub(crate) rows: [usize; 2],
 }
 
 /// What a ray sees of a primitive, with the gradient as a wrench on its limb.
@@ -206,14 +206,14 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
     point_squared(u, p0).min(point_squared(u, p1))
 }
 
-impl Footprint {
+impl PixelBox {
     /// The whole picture.
-    pub fn whole([width, height]: [usize; 2]) -> Self {
+    pub(crate) fn whole([width, height]: [usize; 2]) -> Self {
         Self { columns: [0, width], rows: [0, height] }
     }
 
     /// Whether a pixel is in it.
-    pub fn contains(&self, x: usize, y: usize) -> bool {
+    pub(crate) fn contains(&self, x: usize, y: usize) -> bool {
         (self.columns[0]..self.columns[1]).contains(&x) && self.is_on_row(y)
     }
 
@@ -223,7 +223,7 @@ impl Footprint {
     }
 
     /// The smallest rectangle that holds both.
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return if self.is_empty() { other } else { self };
         }
@@ -232,7 +232,7 @@ impl Footprint {
     }
 
     /// Whether it holds no pixel.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pixels() == 0
     }
 
@@ -301,7 +301,7 @@ mod tests {
         ) {
             let (p0, p1) = (DVec3::from(p0), DVec3::from(p1));
             let pinhole = Intrinsics { fx: 20.0, fy: 22.0, cx: 15.0, cy: 11.5 };
-            let bounds = Footprint::around(p0, p1, reach, &pinhole, [32, 24]);
+            let bounds = PixelBox::around(p0, p1, reach, &pinhole, [32, 24]);
             for y in 0..24 {
                 for x in 0..32 {
                     let u = pinhole.ray(DVec2::new(x as f64, y as f64));
@@ -327,7 +327,7 @@ mod tests {
                 solid: Solid { joints: [p0, p1], shape: SolidShape::Capsule },
                 radius: 0.1,
                 ramp: super::super::Ramp::Half.for_solid(0.1, 1.0, 100.0),
-                bounds: Footprint::default(),
+                bounds: PixelBox::default(),
             };
             let candidate = primitive.candidate(u).map_or(f64::INFINITY, |c| c.squared);
             let quick = primitive.squared(u);

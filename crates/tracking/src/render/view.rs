@@ -7,7 +7,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::primitive::{Footprint, Primitive, Solid, SolidShape};
+use super::footprint::Footprint;
+use super::primitive::{PixelBox, Primitive, Solid, SolidShape};
 use super::ramp::SolidRamp;
 use super::wrench::Wrench;
 use super::{Ramp, RendererKind};
@@ -128,7 +129,7 @@ impl View {
 
     /// The pixels that the body may touch: all others are background.
     pub fn footprint(&self) -> Footprint {
-        self.primitives.iter().map(|primitive| primitive.bounds).fold(Footprint::default(), Footprint::union)
+        Footprint::of(self.primitives.iter().map(|primitive| primitive.bounds))
     }
 
     /// Leaves out the limbs for which `drawn` is false: as if the body did not have them, until it is prepared again.
@@ -191,7 +192,7 @@ impl View {
                 let beyond = (ramp_of(reach).reach - reach).max(0.0);
                 let centre = place(sphere);
                 let is_seen = sphere.parent.is_none_or(|parent| before[parent]);
-                let around = || Footprint::around(centre, centre, reach + beyond, &self.pinhole, self.size);
+                let around = || PixelBox::around(centre, centre, reach + beyond, &self.pinhole, self.size);
                 found.push(is_seen && (!self.distorted_rays.is_empty() || !around().is_empty()));
             }
         }
@@ -205,11 +206,11 @@ impl View {
         solids.filter(move |(_, primitive)| primitive.bounds.is_on_row(y))
     }
 
-    fn bounds(&self, [p0, p1]: [DVec3; 2], reach: f64) -> Footprint {
+    fn bounds(&self, [p0, p1]: [DVec3; 2], reach: f64) -> PixelBox {
         if self.is_pinhole() {
-            Footprint::around(p0, p1, reach, &self.pinhole, self.size)
+            PixelBox::around(p0, p1, reach, &self.pinhole, self.size)
         } else {
-            Footprint::whole(self.size)
+            PixelBox::whole(self.size)
         }
     }
 

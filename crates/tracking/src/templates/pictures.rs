@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::camera::Camera;
 use crate::fit::FitView;
+use crate::geometry::NearestToLines;
 use crate::search::mask_of;
 use crate::silhouette::{Label, Mask};
 
@@ -77,7 +78,7 @@ impl Silhouettes {
     pub(crate) fn held(&self, template: &Template) -> TemplateContent {
         let mut held = TemplateContent::default();
         let middle = 0.5 * (template.from + template.to);
-        let (mut sum, mut right, mut mass) = (DMat3::ZERO, DVec3::ZERO, 0.0);
+        let (mut nearest, mut mass) = (NearestToLines::default(), 0.0);
         for picture in &self.0 {
             let mut centroid = DVec2::ZERO;
             let [mut subject, mut claimed, mut background] = [0.0; 3];
@@ -104,15 +105,12 @@ impl Silhouettes {
             };
             // Shares, so that a near camera counts no more than a far one.
             let weight = subject / all;
-            let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
-            sum += across * weight;
-            right += across * picture.camera.centre() * weight;
+            nearest.add(picture.camera.centre(), ray, weight);
             mass += weight;
         }
         if mass > 0.0 {
-            let nearest =
-                (sum + DMat3::IDENTITY * (HOLD * mass)).inverse() * (right + middle * (HOLD * mass));
-            held.towards = Some(nearest).filter(|point| point.is_finite());
+            nearest.pull(middle, HOLD * mass);
+            held.towards = nearest.solve();
         }
         held
     }

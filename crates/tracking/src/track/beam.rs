@@ -270,8 +270,7 @@ fn confused(model: &Model, pose: &Pose, views: &[FitView], energies: &[PartEnerg
         poses.push(turned);
     }
     let aheads = views.iter().filter(|view| view.has_data());
-    let aheads: Vec<DVec3> =
-        aheads.map(|view| view.camera.camera_from_world().rotation.transpose().z_axis).collect();
+    let aheads: Vec<DVec3> = aheads.map(|view| view.camera.axis_in_world()).collect();
     let mean = aheads.iter().sum::<DVec3>().normalize_or_zero();
     if aheads.iter().all(|ahead| ahead.dot(mean) > ALIKE) {
         let odd = (0..parts.chains.len()).filter(|&chain| energy_of(chain) > ODD);

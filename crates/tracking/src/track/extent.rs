@@ -52,7 +52,7 @@ pub(super) fn place(model: &Model, views: &[FitView]) -> Option<DVec3> {
         let camera = &*view.camera;
         let ray = camera.ray_in_world(sum / count)?;
         let depth_m = camera.intrinsics().mean_focal_px() * (area_m2(model) / count).sqrt();
-        let ahead = camera.camera_from_world().rotation.transpose().z_axis;
+        let ahead = camera.axis_in_world();
         Some(camera.centre() + ray * (depth_m / ray.dot(ahead)))
     };
     let points: Vec<DVec3> = views.iter().filter_map(of_view).filter(|point| point.is_finite()).collect();

@@ -224,7 +224,7 @@ fn drawings_in_used_memory_are_as_in_new() {
             let options = [case.wanted(), case.wanted(), DrawOptions::default()][seed % 3];
             used = draw_over(used, &case.view, options);
             assert_eq!(used, draw(&case.view, options), "{} {seed}", case.name);
-            let footprint = used.prediction.footprint;
+            let footprint = &used.prediction.footprint;
             let width = used.prediction.width;
             for at in (0..80 * 61).filter(|at| !footprint.contains(at % width, at / width)) {
                 assert_eq!((used.prediction.lambda[at], used.prediction.owner[at]), (255.0, u16::MAX));

@@ -176,7 +176,7 @@ fn jacobians_match_differences_of_limbs_across_the_camera() {
     let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
     let cameras = [Distortion::None, LENS].map(|lens| camera(lens, [20, 16]));
     let cases = cases(&renderers(&plain, &own), &cameras, |model, parameters, camera| {
-        let axis = camera.camera_from_world().rotation.transpose().z_axis;
+        let axis = camera.axis_in_world();
         let at = |depth: f64| {
             let pose = Pose { root: camera.centre() + axis * depth, ..pose(model, parameters) };
             (format!("root at {depth} m"), pose)
@@ -261,7 +261,7 @@ fn odd_views_hold_no_nan() {
     for (lens, distortion) in [("pinhole", Distortion::None), ("lens", LENS), ("folding lens", folding)] {
         for size in [[1, 1], [1, 7], [9, 1], [12, 9]] {
             let camera = camera(distortion, size);
-            let (centre, axis) = (camera.centre(), camera.camera_from_world().rotation.transpose().z_axis);
+            let (centre, axis) = (camera.centre(), camera.axis_in_world());
             for (model_name, model) in [("single limb", &arm), ("upper body", &body), ("own spheres", &own)] {
                 let rest = pose(model, Parameters::Raw);
                 // Behind, through and before the camera; exactly in its centre and on its axis too.

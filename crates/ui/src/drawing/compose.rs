@@ -38,12 +38,12 @@ impl ViewedPicture {
     /// The whole picture.
     pub fn compose(self, input: &PictureInput<'_>) -> ColorImage {
         let mut picture = ColorImage::filled(input.size, Color32::TRANSPARENT);
-        self.compose_part(input, Footprint::whole(input.size), &mut picture);
+        self.compose_part(input, &Footprint::whole(input.size), &mut picture);
         picture
     }
 
     /// Composes some pixels of a picture of the input's size.
-    pub fn compose_part(self, input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
+    pub fn compose_part(self, input: &PictureInput<'_>, part: &Footprint, picture: &mut ColorImage) {
         let input = &input.fitting();
         match input.shown(self.mode) {
             ViewMode::Tinted if self.is_over_footage => tinted::compose_over_footage(input, part, picture),
@@ -190,7 +190,7 @@ impl Derivative {
 /// A derivative by its colour map. Pixels of the ramp without one have two diagonals of every six, rising to the right.
 fn derivative(
     input: &PictureInput<'_>,
-    part: Footprint,
+    part: &Footprint,
     picture: &mut ColorImage,
     (derivative, colour): (Option<&Derivative>, impl Fn(f32) -> Color32),
 ) {

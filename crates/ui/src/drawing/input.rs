@@ -146,14 +146,14 @@ impl<'a> PictureInput<'a> {
     /// Paints some pixels of a picture of this size; `colour` is given x, y and the index of the pixel.
     pub(super) fn paint(
         &self,
-        part: Footprint,
+        part: &Footprint,
         picture: &mut ColorImage,
         mut colour: impl FnMut(usize, usize, usize) -> Color32,
     ) {
-        let [from, to] = part.columns;
-        for y in part.rows[0]..part.rows[1] {
-            let start = y * self.size[0];
-            for (x, pixel) in (from..to).zip(&mut picture.pixels[start + from..start + to]) {
+        for y in part.rows() {
+            let (start, columns) = (y * self.size[0], part.columns(y));
+            let pixels = &mut picture.pixels[start + columns.start..start + columns.end];
+            for (x, pixel) in columns.zip(pixels) {
                 *pixel = colour(x, y, start + x);
             }
         }

@@ -4,7 +4,9 @@
 //! Between four pixel centres the line crosses each edge whose ends lie on both sides of the level, where linear
 //! interpolation says. A saddle is cut by the mean of its corners. Beyond the picture everything is background.
 
-use backlit_tracking::render::{Footprint, Prediction};
+use std::ops::Range;
+
+use backlit_tracking::render::Prediction;
 use glam::DVec2;
 
 use super::input::HALF;
@@ -35,9 +37,9 @@ struct Grid<'a> {
 impl<'a> Grid<'a> {
     fn around_subject(prediction: &'a Prediction) -> Option<Self> {
         let (lambda, picture_width) = (&prediction.lambda, prediction.width);
-        let Footprint { columns: [from, to], rows } = prediction.footprint;
         let mut bounds: Option<[usize; 4]> = None;
-        for y in rows[0]..rows[1] {
+        for y in prediction.footprint.rows() {
+            let Range { start: from, end: to } = prediction.footprint.columns(y);
             let row = &lambda[y * picture_width + from..y * picture_width + to];
             let Some(first) = row.iter().position(|level| *level < HALF) else { continue };
             let last = row.iter().rposition(|level| *level < HALF).unwrap_or(first);
@@ -228,6 +230,7 @@ fn farthest_between(points: &[DVec2], from: usize, to: usize, tolerance: f64) ->
 mod tests {
     use std::f64::consts::TAU;
 
+    use backlit_tracking::render::Footprint;
     use glam::dvec2;
     use proptest::prelude::*;
 

@@ -16,7 +16,7 @@ use crate::style::theme::data_colours::{
 /// Opacity of the hatches of shadow and don't-know pixels over footage.
 const HATCH_TINT: f32 = 0.5;
 
-pub(super) fn compose(input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
+pub(super) fn compose(input: &PictureInput<'_>, part: &Footprint, picture: &mut ColorImage) {
     let tints = TINTS.get_or_init(Tints::new);
     let (Some(frame), Some(mask), Some(prediction)) = (input.frame, input.mask, input.prediction) else {
         return input.paint(part, picture, |x, y, index| {
@@ -28,10 +28,10 @@ pub(super) fn compose(input: &PictureInput<'_>, part: Footprint, picture: &mut C
     // Slices side by side: what every frame of the window does for every view is to be quick.
     let footage = frame.as_raw().as_chunks::<3>().0;
     let weights = input.data.map(|data| data.weights());
-    let [from, to] = part.columns;
-    for y in part.rows[0]..part.rows[1] {
-        let start = y * input.size[0] + from;
-        let row = start..start + (to - from);
+    for y in part.rows() {
+        let columns = part.columns(y);
+        let (from, start) = (columns.start, y * input.size[0] + columns.start);
+        let row = start..start + columns.len();
         let weights = weights.map(|weights| &weights[row.clone()]);
         let known = footage[row.clone()].iter().zip(&mask.labels()[row.clone()]);
         let known = known.zip(&prediction.lambda[row.clone()]).zip(&mut picture.pixels[row]);
@@ -45,7 +45,7 @@ pub(super) fn compose(input: &PictureInput<'_>, part: Footprint, picture: &mut C
 }
 
 /// The tints alone, as premultiplied colours that dim what is under them.
-pub(super) fn compose_over_footage(input: &PictureInput<'_>, part: Footprint, picture: &mut ColorImage) {
+pub(super) fn compose_over_footage(input: &PictureInput<'_>, part: &Footprint, picture: &mut ColorImage) {
     let tints = TINTS.get_or_init(Tints::new);
     input.paint(part, picture, |x, y, index| {
         let label = (input.label(index), input.is_shadow(index));

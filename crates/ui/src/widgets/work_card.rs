@@ -1,9 +1,9 @@
 //! A card about one piece of long work: what it is about, how far it is or what came of it, and buttons that stop it or begin it again.
 
-use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Align2, Color32, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use super::{button_row, hint, primary_button, text_button};
-use crate::style::theme::{self, space};
+use super::{button_row, hint, paint_camera_badge, paint_text, primary_button, text_button};
+use crate::style::theme::{self, size, space};
 
 /// Height of the bar that grows.
 const BAR: f32 = 3.0;
@@ -46,6 +46,34 @@ pub fn work_results(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     let room = ui.ctx().content_rect().bottom() - ui.cursor().top() - BELOW;
     let scroll = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
     scroll.auto_shrink([false, true]).show(ui, contents);
+}
+
+/// A row of results: badges of cameras, words, and numbers that end at `columns` from the right edge. Words without a badge stand below
+/// those of a row with one.
+pub fn work_row(
+    ui: &mut Ui,
+    (cameras, words): (&[usize], &str),
+    (numbers, columns): (&[String], &[f32]),
+    (style, colour): (TextStyle, Color32),
+) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
+    let said = format!("{words}: {}", numbers.join(", "));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, said.as_str()));
+    let mut left = rect.left_center();
+    for &camera in cameras {
+        let middle = left + vec2(size::BADGE / 2.0, 0.0);
+        let badge = Rect::from_center_size(middle, vec2(size::BADGE, size::BADGE));
+        paint_camera_badge(ui.painter(), badge, camera);
+        left.x += size::BADGE + space::ROW;
+    }
+    if cameras.is_empty() && style == TextStyle::Body {
+        left.x += size::BADGE + space::ROW;
+    }
+    paint_text(ui, left, Align2::LEFT_CENTER, words, style.clone(), colour);
+    for (number, from_right) in numbers.iter().zip(columns) {
+        let at = pos2(rect.right() - from_right, rect.center().y);
+        paint_text(ui, at, Align2::RIGHT_CENTER, number, style.clone(), colour);
+    }
 }
 
 /// *Cancel* while it is busy; else *Close*, the button that begins it, which stands out where results are of `before`, and what `also` adds.

@@ -23,16 +23,22 @@ use super::winners::AxisLanes;
 use crate::processor::run_in_lanes;
 use crate::render::View;
 use crate::render::drawing::{DrawOptions, Drawing, MOST_ERROR, Strip};
+use crate::render::footprint::Footprint;
 use crate::render::jacobian::BodyMotion;
 use crate::render::prediction::NO_OWNER;
-use crate::render::primitive::{Footprint, Solid};
+use crate::render::primitive::Solid;
 use crate::render::ramp::BACKGROUND;
 
 /// Bands that a thread takes at once.
 const LEAST_BANDS: usize = 4;
 
 /// Fills the pictures of a drawing, in which all but the `stale` pixels are background. [`View::suits_lanes`] must hold.
-pub(in crate::render) fn draw(view: &View, wanted: DrawOptions<'_>, drawing: &mut Drawing, stale: Footprint) {
+pub(in crate::render) fn draw(
+    view: &View,
+    wanted: DrawOptions<'_>,
+    drawing: &mut Drawing,
+    stale: &Footprint,
+) {
     let grid = PixelGrid::without_data(view.size);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);

@@ -9,7 +9,7 @@ use std::ops::Range;
 use pulp::Simd;
 
 use crate::processor::f32_lanes;
-use crate::render::primitive::Footprint;
+use crate::render::primitive::PixelBox;
 
 /// Columns of a tile, where there are as many lanes.
 const TILE_COLUMNS: usize = 4;
@@ -236,9 +236,9 @@ impl PixelGrid {
 
     /// The rows and columns of a tile: tile row, tile.
     #[inline(always)]
-    pub(super) fn covers(&self, [tile_row, tile]: [usize; 2]) -> Footprint {
+    pub(super) fn covers(&self, [tile_row, tile]: [usize; 2]) -> PixelBox {
         let span = |index: usize, side: usize| [index * side, (index + 1) * side];
-        Footprint { columns: span(tile, self.tile.columns), rows: span(tile_row, self.tile.rows) }
+        PixelBox { columns: span(tile, self.tile.columns), rows: span(tile_row, self.tile.rows) }
     }
 
     /// Pixel coordinate of a sampled column or row.
@@ -248,8 +248,8 @@ impl PixelGrid {
     }
 
     /// The samples in a box of pixels, by column and row of the grid.
-    pub(super) fn sampled(&self, pixels: &Footprint) -> Footprint {
-        Footprint {
+    pub(super) fn sampled(&self, pixels: &PixelBox) -> PixelBox {
+        PixelBox {
             columns: pixels.columns.map(|column| self.index_from(column, self.columns)),
             rows: pixels.rows.map(|row| self.index_from(row, self.rows)),
         }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::grid::PixelGrid;
 use super::outline::{BallOutline, Bounds, Lattice, RowRule};
 use crate::camera::Intrinsics;
-use crate::render::primitive::{Footprint, Primitive, SolidShape};
+use crate::render::primitive::{PixelBox, Primitive, SolidShape};
 use crate::render::ramp::{BACKGROUND, RampForm, SolidRamp};
 
 /// The reach is taken this much larger than it is, relatively, where outlines are cut.
@@ -102,7 +102,7 @@ pub(super) enum Shape {
     /// Equal spheres at multiples of 1/gaps along the axis.
     Spheres { gaps: f32 },
     /// The axis without its ends, and two flat caps; each cap may be hit only in its columns and rows.
-    Cylinder { caps: [Footprint; 2] },
+    Cylinder { caps: [PixelBox; 2] },
 }
 
 /// A joint p = z ê with ê = (x, y, 1).
@@ -151,7 +151,7 @@ impl LaneSolid {
             SolidShape::Spheres(count) => Shape::Spheres { gaps: (count - 1) as f32 },
             SolidShape::Cylinder => {
                 let size = [grid.columns, grid.rows].map(|count| grid.pixel(count.saturating_sub(1)) + 1);
-                let cap = |p| grid.sampled(&Footprint::around(p, p, reach, pinhole, size));
+                let cap = |p| grid.sampled(&PixelBox::around(p, p, reach, pinhole, size));
                 Shape::Cylinder { caps: [p0, p1].map(cap) }
             }
         };

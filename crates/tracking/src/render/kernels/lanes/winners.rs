@@ -9,7 +9,7 @@ use super::grid::PixelGrid;
 use super::ground::{Ground, SolidPart};
 use super::masks::put_f32s;
 use super::solid::{AxisSight, LaneJoint, LaneSolid, Shape};
-use crate::render::primitive::Footprint;
+use crate::render::primitive::PixelBox;
 
 /// f32 of this size have no digits after the point: adding and taking it away rounds to a whole number.
 const ROUNDER: f32 = 12_582_912.0;
@@ -234,7 +234,7 @@ impl<S: Simd> Challenge<'_, S> {
     fn whole<const DOUBTS: bool, const LINEAR: bool>(
         &self,
         solid: &LaneSolid,
-        (at, [x, y], tile): (usize, [S::f32s; 2], Footprint),
+        (at, [x, y], tile): (usize, [S::f32s; 2], PixelBox),
         cells: &mut Cells<'_, S, DOUBTS>,
         fractions: &mut [S::f32s],
     ) {
@@ -264,7 +264,7 @@ impl<S: Simd> Challenge<'_, S> {
     }
 }
 
-impl Footprint {
+impl PixelBox {
     #[inline(always)]
     fn meets(&self, other: &Self) -> bool {
         let meet = |a: [usize; 2], b: [usize; 2]| a[0] < b[1] && b[0] < a[1];
