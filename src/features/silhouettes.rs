@@ -82,7 +82,7 @@ impl Feature for SilhouetteSteering {
         for steps in requests.outputs("Segmenting step by step", &mut self.steps) {
             self.shown = Some(Arc::new(steps));
         }
-        self.take_in_work(requests);
+        self.take_in_work(context, requests);
         if context.shows(Pane::Silhouettes) {
             self.ask_for_steps(context);
         }

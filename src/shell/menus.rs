@@ -76,6 +76,18 @@ fn submenu(command: Command) -> Option<&'static str> {
         Command::Compare(_) => Some("Compare"),
         Command::Basin(_) => Some("Basin"),
         Command::Beginning(_) => Some("Ways to begin"),
+        Command::Timeline(
+            TimelineCommand::PreviousFrame
+            | TimelineCommand::NextFrame
+            | TimelineCommand::TenFramesBack
+            | TimelineCommand::TenFramesOn
+            | TimelineCommand::FirstFrame
+            | TimelineCommand::LastFrame
+            | TimelineCommand::Play
+            | TimelineCommand::ToggleLoop
+            | TimelineCommand::Slower
+            | TimelineCommand::Faster,
+        ) => Some("Frames"),
         _ => None,
     }
 }

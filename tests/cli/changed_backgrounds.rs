@@ -12,6 +12,7 @@ fn a_background_that_changes_is_told_and_learnt_again() {
     assert!(said.lines().any(|line| line.starts_with(told)), "{said}");
     let learnt: serde_json::Value = serde_json::from_str(&printed).unwrap();
     assert!(learnt["background_changes"][0].as_str().unwrap().starts_with(told));
+    assert!(scene.ok("check take").lines().any(|line| line.starts_with(told)), "the check says it too");
     let [printed, said] =
         scene.told("track take --frames 10.. --every 2 --json --no-relearn --out as-it-was");
     assert!(!said.contains("cam3"), "{said}");

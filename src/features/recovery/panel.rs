@@ -27,7 +27,9 @@ impl Recovery {
     /// The cards, and what may be done with all of them; what the user has decided.
     pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> Option<Decision> {
         let room = ui.available_height() - BELOW;
-        self.cards(ui, room, context, requests)
+        let decision = self.cards(ui, room, context, requests);
+        ui.add_space(space::PAGE_MARGIN);
+        decision
     }
 
     /// The same with cards that are `room` high together.
@@ -77,9 +79,7 @@ fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock, room: f32) -> Option<Deci
         });
     });
     ui.add_space(space::ROW);
-    decision = all(ui, offered.len()).or(decision);
-    ui.add_space(space::PAGE_MARGIN);
-    decision
+    all(ui, offered.len()).or(decision)
 }
 
 fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {

@@ -122,4 +122,6 @@ fn the_worst_silhouettes_are_those_that_were_spoilt() {
     app.settle();
     let worst = app.features.silhouettes.worst.clone().unwrap();
     assert_eq!((worst[0].camera, worst[0].frame), (CAMERA, 7), "{}", worst[0].reason());
+    let marked = &app.state.published.silhouettes.worst;
+    assert_eq!((marked.len(), marked[0].camera, marked[0].frame), (worst.len(), CAMERA, 7));
 }

@@ -11,7 +11,8 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_ui::style::format;
 
 use super::{LISTED, SilhouetteSteering};
-use crate::context::command::{Command, HistoryCommand, SilhouetteCommand};
+use crate::context::command::{Command, HistoryCommand, SilhouetteCommand, WindowCommand};
+use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 
 /// The most frames of a take that are looked at.
@@ -28,12 +29,22 @@ pub(super) enum WorkMessage {
 }
 
 impl SilhouetteSteering {
-    pub(super) fn take_in_work(&mut self, requests: &mut Requests) {
+    pub(super) fn take_in_work(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.work.poll() {
             match news {
                 News::Output(WorkMessage::At(doing, done)) => self.progress = Some((doing, done)),
                 News::Output(WorkMessage::Worst(mut found)) => {
                     found.truncate(LISTED);
+                    if !context.shows(Pane::Silhouettes) {
+                        let text = match found.len() {
+                            0 => "Nothing speaks against any silhouette.",
+                            _ => {
+                                "The worst silhouettes are marked on the timeline, and listed in the pane Silhouettes."
+                            }
+                        };
+                        let pane = Command::Window(WindowCommand::TogglePane(Pane::Silhouettes));
+                        requests.inform(text, Some(pane).filter(|_| !found.is_empty()));
+                    }
                     self.worst = Some(found);
                 }
                 News::Output(WorkMessage::Tuned { before, found }) => {
