@@ -1,5 +1,5 @@
-//! The card: what of every camera is free, how far the work is, what was changed and by how much, and how well the cameras found
-//! are foretold by one another.
+//! The card: what of every camera is free, how far the work is, what was changed and by how much, and how well each camera found
+//! is predicted by the others.
 
 use backlit_document::edit::Edit;
 use backlit_runs::camera_refinement::{HELD, changes, progress_text};
