@@ -2,6 +2,7 @@
 
 pub(crate) mod activity;
 pub(crate) mod arrangement;
+pub(crate) mod camera_work;
 pub mod clock;
 pub mod command;
 pub(crate) mod command_button;

@@ -10,15 +10,16 @@ use std::sync::Arc;
 use backlit_document::edit::Edit;
 use backlit_formats::Footage;
 use backlit_formats::footage::replacement::Calibration;
-use backlit_jobs::{News, Outbox, Task, one_step};
+use backlit_jobs::Outbox;
 use backlit_runs::camera_refinement::refine;
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{
-    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, RefinedCameras,
+    CameraChoice, CameraRefinementOptions, CameraRefinementProgress, FEWEST_CAMERAS, RefinedCameras,
 };
 use backlit_tracking::camera::Rig;
 use egui::Ui;
 
+use crate::context::camera_work::{CameraWork, WorkMessage};
 use crate::context::command::Command;
 use crate::context::feature::Feature;
 use crate::context::unavailable::{Why, because, no_take};
@@ -26,36 +27,17 @@ use crate::context::{Context, FeatureCard, Requests, ShellRequest, priority};
 
 /// What stands in a project where the name of a calibration's file would be.
 const REFINED: &str = "cameras refined by silhouettes";
-/// Fewer cameras cannot disagree.
-const FEWEST_CAMERAS: usize = 3;
 
 #[derive(Debug, Default)]
 pub(crate) struct CameraRefinement {
-    task: Task<(), RefinementMessage, { priority::TRACK }>,
-    /// Whether it is to begin as soon as the footage is seen by the cameras of the document.
-    is_wanted: bool,
+    work: CameraWork<CameraRefinementProgress, RefinedRig, { priority::TRACK }>,
     choice: CameraChoice,
-    progress: Option<CameraRefinementProgress>,
-    refined: Option<Refined>,
 }
 
-#[derive(Debug)]
-enum RefinementMessage {
-    At(CameraRefinementProgress),
-    Ended(Refined),
-}
-
-/// What a refinement has said.
-#[derive(Debug)]
-struct Refined {
-    /// The cameras that were refined; `None` for the take's own.
-    calibration: Option<Arc<Calibration>>,
-    choice: CameraChoice,
-    outcome: Result<Box<RefinedRig>, String>,
-}
-
+/// What a refinement has found.
 #[derive(Debug)]
 struct RefinedRig {
+    choice: CameraChoice,
     found: RefinedCameras,
     /// Which of the take's cameras were refined.
     cameras: Vec<usize>,
@@ -91,41 +73,26 @@ impl RefinementSubject {
         }
     }
 
-    fn refine(self, out: &Outbox<RefinementMessage>) {
+    fn refine(
+        self,
+        out: &Outbox<WorkMessage<CameraRefinementProgress, RefinedRig>>,
+    ) -> Result<RefinedRig, String> {
         let Self { footage, cameras, start, frames, options } = self;
-        let tell = |at| out.send(RefinementMessage::At(at));
+        let tell = |at| out.send(WorkMessage::At(at));
         let refined = refine(&footage, &cameras, (start, &frames), &options, out.cancel(), tell);
-        if out.cancel().is_cancelled() {
-            return;
-        }
         let in_place = |(found, rig): (RefinedCameras, Rig)| {
             let calibration = Arc::new(Calibration { path: REFINED.into(), rig });
-            Box::new(RefinedRig { found, cameras, calibration })
+            RefinedRig { choice: options.choice, found, cameras, calibration }
         };
-        out.send(RefinementMessage::Ended(Refined {
-            calibration: footage.calibration.clone(),
-            choice: options.choice,
-            outcome: refined.map(in_place).map_err(|error| error.to_string()),
-        }));
+        refined.map(in_place).map_err(|error| error.to_string())
     }
 }
 
 impl Feature for CameraRefinement {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.task.poll() {
-            match news {
-                News::Output(RefinementMessage::At(at)) => self.progress = Some(at),
-                News::Output(RefinementMessage::Ended(refined)) => self.refined = Some(refined),
-                News::Ended => self.progress = None,
-                News::Failed(failure) => requests.failed("The refinement of the cameras", &failure),
-            }
-        }
-        let take = context.session.take.as_ref().filter(|_| self.is_wanted);
-        if let Some(take) = take.filter(|take| take.calibration == context.document().calibration) {
-            (self.is_wanted, self.progress, self.refined) = (false, None, None);
-            let subject = RefinementSubject::of(take, self.choice, context);
-            let work = move |out: &Outbox<_>| subject.refine(out);
-            self.task.begin(context.pool, (), |()| one_step(work));
+        if let Some(take) = self.work.update("The refinement of the cameras", context, requests) {
+            let subject = RefinementSubject::of(&take, self.choice, context);
+            self.work.begin_step(context.pool, |out| subject.refine(out));
         }
     }
 
@@ -141,7 +108,7 @@ impl Feature for CameraRefinement {
         if command != Command::CameraRefinement {
             return None;
         }
-        let few = "Cameras are refined where they can disagree: three or more must be used";
+        let few = "Cameras are refined where they can disagree: two or more must be used";
         no_take(context).or(because(context.document().used_cameras().count() < FEWEST_CAMERAS, few))
     }
 
@@ -155,25 +122,10 @@ impl Feature for CameraRefinement {
 }
 
 impl CameraRefinement {
-    /// Whether what was found is about the cameras in use.
-    fn is_current(&self, context: &Context<'_>) -> bool {
-        let calibration = &context.document().calibration;
-        self.refined.as_ref().is_some_and(|refined| refined.calibration == *calibration)
-    }
-
     /// The cameras that were found, and whether they are in use.
     fn in_use(&self, context: &Context<'_>) -> Option<(&Arc<Calibration>, bool)> {
-        let found = self.refined.as_ref()?.outcome.as_ref().ok()?;
+        let found = self.work.result()?;
         Some((&found.calibration, context.document().calibration.as_ref() == Some(&found.calibration)))
-    }
-
-    const fn is_busy(&self) -> bool {
-        self.is_wanted || self.task.is_busy()
-    }
-
-    fn stop(&mut self) {
-        self.is_wanted = false;
-        self.task.stop();
     }
 
     /// Puts the cameras that were found in the place of those in use.

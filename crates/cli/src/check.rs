@@ -7,7 +7,7 @@ use backlit_formats::synchronise::USUAL_FRAMES;
 use backlit_formats::{Take, atomic};
 use backlit_runs::camera_check::{CheckedCameras, FindingWords, NOTHING_WRONG, check, repaired};
 use backlit_runs::changes::change_text;
-use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, Size};
+use backlit_tracking::diagnosis::{Diagnosis, FaultKind, Finding, PairAgreement, Size};
 use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::json;
@@ -15,14 +15,14 @@ use serde_json::json;
 use super::interrupt::{self, Interrupted};
 use super::numbers::within;
 use super::output::{self, number};
-use super::table::Table;
+use super::table::{Column, Table};
 use super::take_options;
 
 const AFTER_HELP: &str = "\
 A half-plane through two cameras that touches the person touches both silhouettes. Where cameras disagree on \
 these, every usual fault is tried (extrinsics the wrong way round, units, axes, pictures turned or scaled, cameras \
 exchanged, lens, focal length, principal point, a camera turned, shifted or moved half-way, clocks), and what explains \
-the silhouettes best is told. So are backgrounds that change while the take is filmed: a thing that was put down, other light, a \
+the silhouettes best is told; keypoints are compared in the same way where the take has them. So are backgrounds that change while the take is filmed: a thing that was put down, other light, a \
 knock. The person must move. Two cameras show that something is wrong, but not in which.
 
 Examples:
@@ -95,13 +95,17 @@ fn text(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCamer
         out.extend(below.map(|line| format!("  {line}\n")));
     }
     out.extend(changes.iter().map(|change| change_text(change, take) + "\n"));
-    let mut table = Table::new(["cameras", "apart, px", "repaired", "of the frames, %"]);
-    for pair in &found.pairs {
-        let [a, b] = pair.cameras.map(|camera| cameras[camera].name());
-        let [before, after] = pair.apart_px.map(|px| number(px, 2));
-        table.row([format!("{a}, {b}"), before, after, number(100.0 * pair.share, 0)]);
-    }
-    out += &table.to_text();
+    let name = |pair: &&PairAgreement| pair.cameras.map(|camera| cameras[camera].name()).join(", ");
+    let columns: [Column<'_, &PairAgreement>; 6] = [
+        ("cameras", &name),
+        ("apart, px", &|pair| number(pair.apart_px[0], 2)),
+        ("repaired", &|pair| number(pair.apart_px[1], 2)),
+        ("of the frames, %", &|pair| number(100.0 * pair.share, 0)),
+        ("keypoints, px", &|pair| number(pair.keypoints_apart_px[0], 2)),
+        ("repaired", &|pair| number(pair.keypoints_apart_px[1], 2)),
+    ];
+    let shown = if found.keypoint_noise_px.is_some() { 6 } else { 4 };
+    out += &Table::of(&found.pairs, &columns[..shown]);
     if let Some(tall) = found.subject_m {
         out += &format!("the subject's largest extent is {} m\n", number(tall, 2));
     }
@@ -120,6 +124,7 @@ fn to_json(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCa
             "since_seconds": finding.since_s,
             "evidence": finding.evidence.is_finite().then_some(finding.evidence),
             "apart_px": finding.apart_px,
+            "keypoints_apart_px": finding.keypoints_apart_px,
             "rivals": finding.rivals.iter().map(|rival| json!({
                 "camera": name(rival.camera), "kind": rival.kind.name(), "evidence_less": rival.behind,
             })).collect::<Vec<_>>(),
@@ -130,6 +135,7 @@ fn to_json(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCa
         json!({
             "cameras": pair.cameras.map(|camera| name(Some(camera))),
             "apart_px": pair.apart_px,
+            "keypoints_apart_px": pair.keypoints_apart_px,
             "share": pair.share,
         })
     });

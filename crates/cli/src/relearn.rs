@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use anyhow::{Context, ensure};
 use backlit_formats::Footage;
-use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_runs::changes::change_text;
 use backlit_tracking::cancel::CancelToken;
 use clap::Args;
@@ -31,11 +30,8 @@ impl RelearnArguments {
         if self.no_relearn {
             return Ok(footage);
         }
-        let (of, measurement) = (&*footage, footage.take().measurement());
-        let picture = |camera, frame| of.picture(camera, frame);
-        let survey = ChangeSurvey { footage: of, cameras, frames, measurement, picture };
         let spinner = progress::spinner();
-        let found = survey.changes(cancel, |[done, all]| {
+        let found = footage.change_survey(cameras, frames).changes(cancel, |[done, all]| {
             spinner.set_message(format!("looking for backgrounds that change: {done} of {all} frames"));
         });
         spinner.finish_and_clear();

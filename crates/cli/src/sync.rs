@@ -30,9 +30,9 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct SyncArguments {
-    /// Take: its folder or its take.toml
+    /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
-    /// Write the offsets into take.toml
+    /// Write the offsets into take.toml, also of a project's take
     #[arg(long)]
     write: bool,
     /// Most time between the starts of two cameras, seconds [0 to 1000000] [default: as far as they overlap by three tenths]
@@ -59,10 +59,11 @@ pub(crate) fn run(arguments: &SyncArguments) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let clocks = clocks?;
     let told: Vec<OffsetShift> = clocks.shifts.iter().flatten().cloned().collect();
-    let is_written = arguments.write && synchronise::shift_offsets(&arguments.take, &told)?;
+    let path = footage.take().path();
+    let is_written = arguments.write && synchronise::shift_offsets(path, &told)?;
     if is_written {
         // The frames that all cameras have are others now.
-        Take::open(&arguments.take)?;
+        Take::open(path)?;
     }
     if arguments.json {
         return output::print_json(&to_json(footage.take(), &clocks, is_written));

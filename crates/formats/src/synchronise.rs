@@ -74,6 +74,22 @@ pub fn record(
     Ok(recordings)
 }
 
+/// Gives recordings of every `every`th frame of all cameras the joints that the take's keypoints show, if it has any.
+pub fn add_keypoints(
+    footage: &Footage,
+    every: usize,
+    recordings: &mut [Recording],
+) -> Result<(), FootageError> {
+    let take = footage.take();
+    for (camera, recording) in recordings.iter_mut().enumerate() {
+        for at in 0..recording.frame_count() {
+            let pixels = take.joint_pixels(camera, at * every.max(1), &footage.cameras[camera])?;
+            recording.set_keypoints(at, &pixels);
+        }
+    }
+    Ok(())
+}
+
 /// Finds by how much each camera is to be shifted, from at most `most_frames` frames.
 pub fn find(
     footage: &Footage,

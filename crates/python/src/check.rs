@@ -32,6 +32,8 @@ pub(crate) struct PyFinding {
     deviation: Option<f64>,
     /// How far the camera is from the others before and after the repair, pixels.
     apart_px: Option<(f64, f64)>,
+    /// The same by keypoints; None without any.
+    keypoints_apart_px: Option<(f64, f64)>,
     /// What the command line says of it.
     text: String,
     /// All cameras with this fault and those before it repaired; None where other cameras repair nothing.
@@ -105,7 +107,8 @@ impl PyFinding {
             size: sizes.first().map(|size| size.1),
             deviation: sizes.first().and_then(|size| size.2),
             sizes,
-            apart_px: finding.apart_px.map(|[before, after]| (before, after)),
+            apart_px: finding.apart_px.map(Into::into),
+            keypoints_apart_px: finding.keypoints_apart_px.map(Into::into),
             text,
             cameras: repaired,
         })

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use anyhow::{Context, anyhow, ensure};
 use backlit_document::likely_poses;
-use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_formats::take::{BodySizes, CameraFootage};
 use backlit_formats::{Footage, Take};
 use backlit_runs::changes::change_text;
@@ -159,9 +158,7 @@ impl Request {
         if take.footage().iter().all(CameraFootage::has_masks) {
             return Ok((Arc::clone(footage), Vec::new()));
         }
-        let (cameras, frames, measurement) = (&self.cameras, &self.frames, take.measurement());
-        let picture = |camera, frame| footage.picture(camera, frame);
-        let survey = ChangeSurvey { footage, cameras, frames, measurement, picture };
+        let survey = footage.change_survey(&self.cameras, &self.frames);
         let looking = "looking for backgrounds that change";
         let found =
             survey.changes(&job.cancel, |[done, all]| job.tell(done, all, looking)).context(looking)?;

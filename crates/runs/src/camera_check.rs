@@ -1,7 +1,6 @@
 //! The check of a take's cameras against one another: how it is done, what it says, and the cameras that repair what it finds.
 
-use backlit_formats::footage::changes::ChangeSurvey;
-use backlit_formats::synchronise::{TakeClocksError, record};
+use backlit_formats::synchronise::{TakeClocksError, add_keypoints, record};
 use backlit_formats::{Footage, FootageError, Take};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::cancel::CancelToken;
@@ -75,15 +74,14 @@ pub fn check(
 ) -> Result<CheckedCameras, CameraCheckError> {
     let take = footage.take();
     let every = take.frame_count().div_ceil(most_frames.max(1));
-    let recordings = record(footage, every, cancel, |done, all| tell(CheckStage::Frames, [done, all]))?;
+    let mut recordings = record(footage, every, cancel, |done, all| tell(CheckStage::Frames, [done, all]))?;
+    add_keypoints(footage, every, &mut recordings).map_err(TakeClocksError::from)?;
     let at_fault = |done, all| tell(CheckStage::Faults, [done, all]);
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(&recordings, take.rig().cameras(), &options, cancel, at_fault)?;
     let (cameras, frames): (Vec<_>, Vec<_>) =
         ((0..take.rig().count()).collect(), (0..take.frame_count()).collect());
-    let picture = |camera, frame| footage.picture(camera, frame);
-    let measurement = take.measurement();
-    let survey = ChangeSurvey { footage, cameras: &cameras, frames: &frames, measurement, picture };
+    let survey = footage.change_survey(&cameras, &frames);
     let changes = survey.changes(cancel, |done| tell(CheckStage::Backgrounds, done))?;
     let changes = changes.ok_or(DiagnosisError::Cancelled)?;
     Ok(CheckedCameras { diagnosis, changes })
@@ -131,8 +129,13 @@ impl FindingWords {
         };
         let with = finding.with.map_or_else(String::new, |with| format!(" ({})", name(Some(with))));
         let apart = |[before, after]: [f64; 2]| {
-            let [before, after] = [number(before, 2), number(after, 2)];
-            format!("it and the others are {before} px apart, {after} px with that repaired")
+            let both = |[before, after]: [f64; 2]| [number(before, 2), number(after, 2)];
+            let [before, after] = both([before, after]);
+            let keypoints =
+                finding.keypoints_apart_px.map(both).map_or_else(String::new, |[before, after]| {
+                    format!("; by keypoints {before} and {after} px")
+                });
+            format!("it and the others are {before} px apart, {after} px with that repaired{keypoints}")
         };
         let rival = |rival: &Rival| {
             let times = rival.behind.exp();

@@ -43,6 +43,6 @@ pub use own_sizes::{
 pub use person::{Person, PersonError, PersonOptions, PersonProgress, find_person};
 pub use refine::{
     CameraRefinementError, CameraRefinementOptions, CameraRefinementProgress, CameraRefinementStep,
-    RefinedCamera, RefinedCameras, refine_cameras,
+    FEWEST_CAMERAS, RefinedCamera, RefinedCameras, refine_cameras,
 };
 pub use report::{BodyFit, SizeEstimate};

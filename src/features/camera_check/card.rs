@@ -11,8 +11,8 @@ use backlit_tracking::segment::changes::BackgroundChange;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    WorkAnswer, camera_badge, hint, primary_button, search_card, text_button, work_buttons, work_head,
-    work_progress, work_results, work_row,
+    camera_badge, hint, primary_button, search_card, text_button, work_head, work_progress, work_results,
+    work_row,
 };
 use egui::{RichText, TextStyle, Ui, vec2};
 
@@ -22,8 +22,9 @@ use crate::context::{Context, Requests, SessionRequest, ShellRequest, command_bu
 
 /// Width of the card.
 const WIDTH: f32 = 620.0;
-/// Where the numbers of two cameras end, from the right edge.
+/// Where the numbers of two cameras end, from the right edge: without keypoints and with them.
 const COLUMNS: [f32; 3] = [220.0, 110.0, 8.0];
+const KEYPOINT_COLUMNS: [f32; 5] = [380.0, 290.0, 190.0, 90.0, 8.0];
 /// Two cameras stand out that a repair brings together by more than this factor.
 const WRONG_FROM: f64 = 2.0;
 
@@ -35,7 +36,7 @@ impl CameraCheck {
             let text = "What all cameras see of the person must fit together. Where it does not, every usual fault is \
                         tried, and the likeliest is told. The person must move.";
             work_head(ui, WIDTH, "Check cameras", text);
-            if self.is_busy() {
+            if self.work.is_busy() {
                 self.progress(ui);
             } else {
                 self.outcome(ui, &take, context, requests);
@@ -44,17 +45,13 @@ impl CameraCheck {
         });
         let is_left = modal.inner || modal.should_close();
         if is_left {
-            self.stop();
+            self.work.stop();
         }
         !is_left
     }
 
-    const fn is_busy(&self) -> bool {
-        self.is_wanted || self.check.is_busy()
-    }
-
     fn progress(&self, ui: &mut Ui) {
-        match self.progress {
+        match self.work.progress().copied() {
             None => work_progress(ui, "Silhouettes", [0, 1]),
             Some((stage, done)) => work_progress(ui, stage.text(done), done),
         }
@@ -66,15 +63,10 @@ impl CameraCheck {
             let text = format!("In use now: cameras with this repaired: {what}. Undo takes it back.");
             ui.label(RichText::new(text).color(palette.ok));
         }
-        let Some(checked) = &self.checked else { return hint(ui, "The check was stopped.") };
-        let found = match &checked.outcome {
-            Ok(found) => found,
-            Err(why) => {
-                ui.label(RichText::new(format!("{why}.")).color(palette.warn));
-                return;
-            }
+        let Some(found) = self.work.result() else {
+            return self.work.no_result(ui, "The check was stopped.");
         };
-        let is_current = self.is_current(context);
+        let is_current = self.work.is_current(context);
         if !is_current {
             hint(ui, "What stands below is about the cameras before. Check again to see what is left.");
             ui.add_space(space::WIDGET);
@@ -94,22 +86,16 @@ impl CameraCheck {
 
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let text = if self.checked.is_some() { "Check again" } else { "Check" };
         let is_newest = context.history.undo_text() == Some(&*Edit::SetCalibration(None).text());
         let has_undo = is_newest && self.repaired_now(context).is_some();
-        let answer = work_buttons(ui, self.is_busy(), (text, !self.is_current(context)), |ui| {
+        let is_old = !self.work.is_current(context);
+        self.work.buttons(ui, ("Check", is_old), |ui| {
             if has_undo {
                 let undo = Command::History(HistoryCommand::Undo);
                 command_button::named_button(ui, context, requests, undo, "Undo repair");
             }
             command_button::button(ui, context, requests, Command::CameraRefinement);
-        });
-        match answer {
-            Some(WorkAnswer::Stop) => self.stop(),
-            Some(WorkAnswer::Again) => self.is_wanted = true,
-            Some(WorkAnswer::Close) | None => {}
-        }
-        answer == Some(WorkAnswer::Close)
+        })
     }
 }
 
@@ -224,15 +210,23 @@ fn changes(ui: &mut Ui, take: &Footage, found: &[BackgroundChange], requests: &m
 fn pairs(ui: &mut Ui, cameras: &[Camera], found: &Diagnosis) {
     let palette = theme::palette(ui);
     ui.spacing_mut().item_spacing.y = 0.0;
-    let titles = ["apart, px", "repaired, px", "of the frames, %"].map(str::to_owned);
-    work_row(ui, (&[], "cameras"), (&titles, &COLUMNS), (TextStyle::Small, palette.text3));
-    for PairAgreement { cameras: pair, apart_px, share } in &found.pairs {
+    let has_keypoints = found.keypoint_noise_px.is_some();
+    let (titles, columns): (&[&str], &[f32]) = match has_keypoints {
+        false => (&["apart, px", "repaired, px", "of the frames, %"], &COLUMNS),
+        true => (&["apart, px", "repaired", "keypoints, px", "repaired", "frames, %"], &KEYPOINT_COLUMNS),
+    };
+    let titles: Vec<String> = titles.iter().map(|title| (*title).to_owned()).collect();
+    work_row(ui, (&[], "cameras"), (&titles, columns), (TextStyle::Small, palette.text3));
+    for PairAgreement { cameras: pair, apart_px, keypoints_apart_px, share } in &found.pairs {
         let names = pair.map(|camera| cameras.get(camera).map_or("", Camera::name)).join(", ");
         let [before, after] = apart_px.map(|px| px.unwrap_or(f64::NAN));
         let colour = if after < before / WRONG_FROM { palette.warn } else { palette.text2 };
-        let numbers = [(before, 2), (after, 2), (100.0 * share, 0)];
-        let numbers = numbers.map(|(value, digits)| format::number(value, digits));
-        work_row(ui, (pair, &names), (&numbers, &COLUMNS), (TextStyle::Body, colour));
+        let mut numbers = vec![format::number(before, 2), format::number(after, 2)];
+        if has_keypoints {
+            numbers.extend(keypoints_apart_px.map(|px| format::number(px.unwrap_or(f64::NAN), 2)));
+        }
+        numbers.push(format::number(100.0 * share, 0));
+        work_row(ui, (pair, &names), (&numbers, columns), (TextStyle::Body, colour));
     }
     if let Some(tall) = found.subject_m {
         ui.add_space(space::ROW);

@@ -43,7 +43,7 @@ fn disturbed() -> TestWindow {
 }
 
 fn findings(app: &TestWindow) -> Vec<Finding> {
-    app.features.camera_check.checked.as_ref().unwrap().outcome.as_ref().unwrap().diagnosis.findings.clone()
+    app.features.camera_check.work.result().unwrap().diagnosis.findings.clone()
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn the_cameras_in_use_are_checked_and_their_repair_is_one_change() {
     let repaired = app.document().calibration.clone().unwrap();
     assert!((focal_length(&repaired.rig) / right - 1.0).abs() < 0.01);
     let check = &app.features.camera_check;
-    assert!(!check.is_current(&app.context()), "what was found is about other cameras");
+    assert!(!check.work.is_current(&app.context()), "what was found is about other cameras");
     let what = check.repaired_now(&app.context());
     assert_eq!(what, Some("cam3 has a wrong focal length"));
 
@@ -84,12 +84,12 @@ fn a_check_that_is_stopped_says_nothing_and_can_be_done_again() {
     let mut app = open();
     app.run(Command::CameraCheck);
     app.frames(1);
-    assert!(app.features.camera_check.check.is_busy());
-    app.features.camera_check.stop();
+    assert!(app.features.camera_check.work.is_busy());
+    app.features.camera_check.work.stop();
     app.settle();
-    assert!(app.features.camera_check.checked.is_none());
+    assert!(app.features.camera_check.work.outcome().is_none());
     app.does(Command::CameraCheck);
-    assert!(app.features.camera_check.checked.is_some());
+    assert!(app.features.camera_check.work.outcome().is_some());
 }
 
 #[test]

@@ -5,10 +5,8 @@ use backlit_tracking::observability::plan::PlannedSet;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::heat_map::error_legend;
-use backlit_ui::widgets::{
-    WorkAnswer, hint, paint_text, search_card, work_buttons, work_head, work_progress, work_results, work_row,
-};
-use egui::{Align2, Color32, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use backlit_ui::widgets::{hint, paint_text, search_card, work_head, work_progress, work_results, work_row};
+use egui::{Align2, Color32, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{CameraPlan, map};
 use crate::context::{Context, Requests};
@@ -35,7 +33,7 @@ impl CameraPlan {
             let text = "How far off joints would be that silhouettes alone find, in the mean, for a person who stands, walks and \
                         reaches at each place of the floor. No footage is looked at.";
             work_head(ui, WIDTH, "Where to put cameras", text);
-            if self.is_busy() {
+            if self.work.is_busy() {
                 self.progress(ui);
             } else {
                 self.outcome(ui, context);
@@ -44,29 +42,23 @@ impl CameraPlan {
         });
         let is_left = modal.inner || modal.should_close();
         if is_left {
-            self.stop();
+            self.work.stop();
         }
         !is_left
     }
 
     fn progress(&self, ui: &mut Ui) {
-        match self.progress {
+        match self.work.progress().copied() {
             None => work_progress(ui, "Cameras", [0, 1]),
             Some([done, all]) => work_progress(ui, format!("{done} of {all} places"), [done, all]),
         }
     }
 
     fn outcome(&mut self, ui: &mut Ui, context: &Context<'_>) {
-        let palette = theme::palette(ui);
-        let Some(planned) = &self.planned else { return hint(ui, "The plan was stopped.") };
-        let found = match &planned.outcome {
-            Ok(found) => found,
-            Err(why) => {
-                ui.label(RichText::new(format!("{why}.")).color(palette.warn));
-                return;
-            }
+        let Some(found) = self.work.result() else {
+            return self.work.no_result(ui, "The plan was stopped.");
         };
-        if !self.is_current(context) {
+        if !self.work.is_current(context) {
             hint(ui, "What stands below is about the cameras before. Plan again with those in use.");
         }
         let mut looked_at = self.looked_at;
@@ -84,14 +76,8 @@ impl CameraPlan {
 
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
-        let text = if self.planned.is_some() { "Plan again" } else { "Plan" };
-        let answer = work_buttons(ui, self.is_busy(), (text, !self.is_current(context)), |_| {});
-        match answer {
-            Some(WorkAnswer::Stop) => self.stop(),
-            Some(WorkAnswer::Again) => self.is_wanted = true,
-            Some(WorkAnswer::Close) | None => {}
-        }
-        answer == Some(WorkAnswer::Close)
+        let is_old = !self.work.is_current(context);
+        self.work.buttons(ui, ("Plan", is_old), |_| {})
     }
 }
 

@@ -2,7 +2,6 @@
 
 use backlit_take::source::TakeSource;
 
-use super::Planned;
 use crate::app::testing::{Breaks, open, open_source};
 use crate::context::command::Command;
 use crate::context::preferences::Layout;
@@ -10,9 +9,9 @@ use crate::context::preferences::Layout;
 #[test]
 fn a_plan_that_breaks_down_is_said_once() {
     let mut app = open(Layout::Pose);
-    app.break_down(|inspector, pool| inspector.features.camera_plan.task.begin(pool, (), |()| Breaks));
+    app.break_down(|inspector, pool| inspector.features.camera_plan.work.begin(pool, Breaks));
     assert_eq!(app.errors(), ["The plan of cameras broke down: thirteen. Your work is unharmed."]);
-    assert!(app.features.camera_plan.planned.is_none());
+    assert!(app.features.camera_plan.work.outcome().is_none());
 }
 
 #[test]
@@ -20,17 +19,15 @@ fn a_plan_is_made_once_and_stopping_it_leaves_none() {
     let mut app = open_source(TakeSource::BuiltIn, Layout::Pose);
     app.run(Command::CameraPlan);
     app.frames(2);
-    app.features.camera_plan.stop();
+    app.features.camera_plan.work.stop();
     app.settle();
-    assert!(app.features.camera_plan.planned.is_none(), "stopped");
+    assert!(app.features.camera_plan.work.outcome().is_none(), "stopped");
 
     app.does(Command::CameraPlan);
-    let Some(Planned { outcome: Ok(found), .. }) = &app.features.camera_plan.planned else {
-        panic!("no plan")
-    };
+    let found = app.features.camera_plan.work.result().unwrap();
     assert_eq!((found.sets.len(), found.additions.len()), (15, 24));
     assert!(found.additions[0].mean_m() < found.whole().unwrap().mean_m());
     app.run(Command::CameraPlan);
     app.frames(1);
-    assert!(!app.features.camera_plan.is_busy(), "what is there is shown again");
+    assert!(!app.features.camera_plan.work.is_busy(), "what is there is shown again");
 }

@@ -9,8 +9,7 @@ use backlit_tracking::body_fit::{
 use backlit_ui::style::theme::space;
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{
-    WorkAnswer, checkbox, hint, primary_button, search_card, work_buttons, work_head, work_progress,
-    work_results, work_row,
+    checkbox, hint, primary_button, search_card, work_head, work_progress, work_results, work_row,
 };
 use egui::{RichText, TextStyle, Ui};
 
@@ -36,7 +35,7 @@ impl CameraRefinement {
                         cameras are fitted together to the silhouettes of well-spread frames. Turn and place of each \
                         camera are always free.";
             work_head(ui, WIDTH, "Refine cameras", text);
-            if self.is_busy() {
+            if self.work.is_busy() {
                 self.progress(ui);
             } else {
                 free(ui, &mut self.choice);
@@ -46,34 +45,30 @@ impl CameraRefinement {
         });
         let is_left = modal.inner || modal.should_close();
         if is_left {
-            self.stop();
+            self.work.stop();
         }
         !is_left
     }
 
     fn progress(&self, ui: &mut Ui) {
-        let text = self.progress.map_or_else(|| "silhouettes".to_owned(), progress_text);
-        work_progress(ui, format::capitalised(&text), self.progress.map_or([0, 1], share));
+        let at = self.work.progress().copied();
+        let text = at.map_or_else(|| "silhouettes".to_owned(), progress_text);
+        work_progress(ui, format::capitalised(&text), at.map_or([0, 1], share));
     }
 
     fn outcome(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let palette = theme::palette(ui);
-        let Some(refined) = &self.refined else { return };
+        if self.work.outcome().is_none() {
+            return;
+        }
         ui.add_space(space::WIDGET);
-        let rig = match &refined.outcome {
-            Ok(rig) => rig,
-            Err(why) => {
-                let why = format!("{}.", format::capitalised(why));
-                ui.label(RichText::new(why).color(palette.warn));
-                return;
-            }
-        };
+        let Some(rig) = self.work.result() else { return self.work.no_result(ui, "") };
         match self.in_use(context) {
             Some((_, true)) => {
                 let text = "In use now: the cameras below. Undo takes them back. Track again with them.";
                 ui.label(RichText::new(text).color(palette.ok));
             }
-            _ if !self.is_current(context) => {
+            _ if !self.work.is_current(context) => {
                 hint(
                     ui,
                     "What stands below is about other cameras. Refine again to begin with those in use.",
@@ -85,10 +80,10 @@ impl CameraRefinement {
             ui.spacing_mut().item_spacing.y = 0.0;
             held_out(ui, rig);
             ui.add_space(space::WIDGET);
-            changed(ui, rig, &refined.choice);
+            changed(ui, rig, &rig.choice);
             ui.add_space(space::WIDGET);
             hint(ui, format!("{}.", format::capitalised(HELD)));
-            if refined.choice.offset || refined.choice.drift {
+            if rig.choice.offset || rig.choice.drift {
                 ui.add_space(space::ROW);
                 hint(ui, "Clocks are told, not changed. Shift cameras by whole frames with this:");
                 ui.add_space(space::ROW);
@@ -99,13 +94,12 @@ impl CameraRefinement {
 
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let text = if self.refined.is_some() { "Refine again" } else { "Refine" };
         let in_use = self.in_use(context).map(|(_, is_used)| is_used);
-        let is_current = self.is_current(context);
+        let is_current = self.work.is_current(context);
         let is_newest = context.history.undo_text() == Some(&*Edit::SetCalibration(None).text());
         let is_old = !is_current && in_use != Some(true);
         let mut is_taken = false;
-        let answer = work_buttons(ui, self.is_busy(), (text, is_old), |ui| {
+        let is_closed = self.work.buttons(ui, ("Refine", is_old), |ui| {
             if in_use == Some(true) && is_newest {
                 let undo = Command::History(HistoryCommand::Undo);
                 command_button::named_button(ui, context, requests, undo, "Undo refinement");
@@ -118,12 +112,7 @@ impl CameraRefinement {
         if is_taken {
             self.use_refined(context, requests);
         }
-        match answer {
-            Some(WorkAnswer::Stop) => self.stop(),
-            Some(WorkAnswer::Again) => self.is_wanted = true,
-            Some(WorkAnswer::Close) | None => {}
-        }
-        answer == Some(WorkAnswer::Close)
+        is_closed
     }
 }
 

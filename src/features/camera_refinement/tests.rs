@@ -13,24 +13,24 @@ fn open() -> TestWindow {
 }
 
 fn refine(app: &mut TestWindow) {
-    app.features.camera_refinement.is_wanted = true;
+    app.features.camera_refinement.work.want();
     app.settle();
 }
 
 #[test]
-fn a_refinement_that_is_stopped_says_nothing_and_two_cameras_are_refused() {
+fn a_refinement_that_is_stopped_says_nothing_and_one_camera_is_refused() {
     let mut app = open();
-    app.features.camera_refinement.is_wanted = true;
+    app.features.camera_refinement.work.want();
     app.frames(1);
-    assert!(app.features.camera_refinement.is_busy());
-    app.features.camera_refinement.stop();
+    assert!(app.features.camera_refinement.work.is_busy());
+    app.features.camera_refinement.work.stop();
     app.settle();
-    assert!(app.features.camera_refinement.refined.is_none());
+    assert!(app.features.camera_refinement.work.outcome().is_none());
     let why = |app: &TestWindow| app.features.unavailable(Command::CameraRefinement, &app.context());
     assert_eq!(why(&app), None);
-    app.state.edit(Edit::UseOnly { cameras: vec![0, 1] }, None);
+    app.state.edit(Edit::UseOnly { cameras: vec![0] }, None);
     app.settle();
-    assert!(why(&app).unwrap().contains("three or more"));
+    assert!(why(&app).unwrap().contains("two or more"));
 }
 
 #[test]
@@ -39,8 +39,7 @@ fn what_cannot_be_refined_is_told() {
     let last = app.state.session.frame_count() - 1;
     app.state.selection.frame = last;
     refine(&mut app);
-    assert_eq!(app.features.camera_refinement.progress, None);
-    let refined = app.features.camera_refinement.refined.as_ref().unwrap();
-    let why = refined.outcome.as_ref().unwrap_err();
+    assert_eq!(app.features.camera_refinement.work.progress(), None);
+    let why = app.features.camera_refinement.work.outcome().unwrap().as_ref().unwrap_err();
     assert!(why.contains("frames can be used, expected"), "{why}");
 }

@@ -211,9 +211,7 @@ impl Job<Applied> for TrackJob {
 /// of when it is their turn.
 fn changed_footage(reader: &WindowReader, cameras: &[usize], out: &Outbox<Applied>) -> Option<WindowReader> {
     let (footage, frames) = (&*reader.footage, (0..reader.footage.frame_count()).collect::<Vec<usize>>());
-    let picture = |camera, frame| footage.picture(camera, frame);
-    let survey =
-        ChangeSurvey { footage, cameras, frames: &frames, measurement: &reader.measurement, picture };
+    let survey = ChangeSurvey { measurement: &reader.measurement, ..footage.change_survey(cameras, &frames) };
     let tell = |frames| {
         let at = Instant::now();
         out.send(applied(move |tracking, _, _| tracking.surveyed(frames, at)));

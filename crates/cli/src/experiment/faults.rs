@@ -1,17 +1,20 @@
 //! Calibrations with one known fault, and what the check of the cameras says of them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use backlit_formats::Footage;
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::synchronise::record;
 use backlit_lab::experiment::calibration_faults::{Fault, FilmedPerson};
 use backlit_tracking::body::builtin;
-use backlit_tracking::camera::Camera;
+use backlit_tracking::camera::{Camera, Distortion};
 use backlit_tracking::diagnosis::{DiagnosisOptions, FaultKind, Finding, diagnose};
 use backlit_tracking::statistics::upper_median;
+use backlit_tracking::synchronise::Recording;
 use clap::Args;
+use glam::DVec2;
 use serde::Serialize;
 
 use super::{Experiment, Run};
@@ -33,6 +36,12 @@ pub(crate) struct CalibrationFaults {
     /// A fault is told where it explains so much more than none, nats [0 to 1000]
     #[arg(long, value_name = "NATS", default_value_t = DiagnosisOptions::default().least_evidence, allow_negative_numbers = true, value_parser = within(0.0..=1e3_f64))]
     least_evidence: f64,
+    /// Keypoints of the simulated person are off by so much, pixels; there are none without it [0.1 to 100]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = within(0.1..=100.0_f64))]
+    keypoint_noise: Option<f64>,
+    /// Keypoints of the takes: CSV of camera, frame, marker (`RKnee`), `u_WIDTH`, `v_HEIGHT`, confidence, in pictures of that size
+    #[arg(long, value_name = "FILE")]
+    keypoints: Option<PathBuf>,
     /// Only this kind of fault
     #[arg(long, value_name = "KIND", value_parser = clap::builder::PossibleValuesParser::new(FaultKind::ALL.map(FaultKind::name)))]
     only: Option<String>,
@@ -70,7 +79,7 @@ struct ToldFault {
 fn faults(cameras: &[Camera]) -> Vec<Fault> {
     use FaultKind as K;
     let mut all = Vec::new();
-    for camera in 0..cameras.len() {
+    for (camera, own) in cameras.iter().enumerate() {
         let seed = camera as u64;
         let with = (camera + 1) % cameras.len();
         let fault = |kind, size| Fault { kind, camera: Some(camera), with, size, seed };
@@ -83,7 +92,6 @@ fn faults(cameras: &[Camera]) -> Vec<Fault> {
             fault(K::WorldAxes, 0.0),
             fault(K::CameraAxes, 0.0),
             fault(K::Swapped, 0.0),
-            fault(K::LensOrder, 0.0),
             fault(K::Focal, 1.0 + 0.05 * sign),
             fault(K::PrincipalPoint, 0.04),
             fault(K::Turned, 0.5_f64.to_radians()),
@@ -96,6 +104,10 @@ fn faults(cameras: &[Camera]) -> Vec<Fault> {
             fault(K::FrameRate, [0.5, 1.2, 0.8][camera % 3]),
             fault(K::Bumped, 1.0_f64.to_radians()),
         ]);
+        // Other lenses have no coefficients that tools write in different orders.
+        if matches!(own.distortion(), Distortion::OpenCv { .. }) {
+            all.push(fault(K::LensOrder, 0.0));
+        }
     }
     let of_all = |kind, size| Fault { kind, camera: None, with: 0, size, seed: 0 };
     all.extend([
@@ -105,6 +117,56 @@ fn faults(cameras: &[Camera]) -> Vec<Fault> {
         of_all(K::Unit, 0.001),
     ]);
     all
+}
+
+/// Markers of twelve joints as tools of keypoints name them.
+const MARKERS: [&str; 12] = [
+    "LShoulder",
+    "RShoulder",
+    "LElbow",
+    "RElbow",
+    "LWrist",
+    "RWrist",
+    "LHip",
+    "RHip",
+    "LKnee",
+    "RKnee",
+    "LAnkle",
+    "RAnkle",
+];
+/// Keypoints of which the tool is less sure do not count.
+const LEAST_CONFIDENCE: f64 = 0.3;
+
+/// Gives recordings of all frames the keypoints of a file.
+fn add_keypoints(path: &Path, footage: &Footage, recordings: &mut [Recording]) -> Result<()> {
+    let mut reader = csv::Reader::from_path(path).with_context(|| path.display().to_string())?;
+    let titles = reader.headers()?.clone();
+    let size = |at: usize| titles.get(at)?.rsplit_once('_')?.1.parse::<f64>().ok();
+    let size = size(3).zip(size(4)).with_context(|| {
+        format!("{}: expected camera, frame, marker, u_WIDTH, v_HEIGHT, confidence", path.display())
+    })?;
+    let cameras = footage.take().rig().cameras();
+    let mut pixels: Vec<Vec<[Option<DVec2>; 12]>> =
+        recordings.iter().map(|recording| vec![[None; 12]; recording.frame_count()]).collect();
+    for (line, row) in reader.deserialize().enumerate() {
+        let row: (String, usize, String, f64, f64, f64) =
+            row.with_context(|| format!("{}: line {}", path.display(), line + 2))?;
+        let (name, frame, marker, u, v, confidence) = row;
+        let camera = cameras.iter().position(|camera| camera.name() == name);
+        let joint = MARKERS.iter().position(|own| *own == marker);
+        let (Some(camera), Some(joint)) = (camera, joint) else { continue };
+        let (lens, ideal) = (&cameras[camera], &footage.cameras[camera]);
+        let scale = DVec2::new(lens.width() as f64 / size.0, lens.height() as f64 / size.1);
+        let place = (DVec2::new(u, v) + 0.5) * scale - 0.5;
+        let seen = lens.ray_in_world(place).and_then(|ray| ideal.project(ideal.centre() + ray));
+        if let Some(slot) = pixels[camera].get_mut(frame) {
+            slot[joint] = seen.filter(|_| confidence >= LEAST_CONFIDENCE);
+        }
+    }
+    for (recording, pixels) in recordings.iter_mut().zip(pixels) {
+        pixels.iter().enumerate().for_each(|(frame, pixels)| recording.set_keypoints(frame, pixels));
+    }
+    Ok(())
 }
 
 impl Experiment for CalibrationFaults {
@@ -117,18 +179,28 @@ impl Experiment for CalibrationFaults {
         let studio = backlit_lab::synthetic::studio::cameras();
         rigs.push((
             "built-in".to_owned(),
-            FilmedPerson::simulated(studio.cameras(), &model, self.height, self.frames)?,
+            FilmedPerson::simulated(studio.cameras(), &model, self.height, self.frames, self.keypoint_noise)?,
         ));
         for path in &self.calibrations {
             let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             if path.is_dir() || path.ends_with("take.toml") {
                 let footage = crate::take_options::open(path)?;
-                let recordings = record(&footage, 1, &run.cancel, |_, _| {})?;
+                let mut recordings = record(&footage, 1, &run.cancel, |_, _| {})?;
+                if let Some(path) = &self.keypoints {
+                    add_keypoints(path, &footage, &mut recordings)?;
+                }
                 rigs.push((name, FilmedPerson::real(footage.take().rig().cameras().to_vec(), recordings)));
                 continue;
             }
             let rig = calibration::load(path, CalibrationOptions::default())?.rig;
-            rigs.push((name, FilmedPerson::simulated(rig.cameras(), &model, self.height, self.frames)?));
+            let person = FilmedPerson::simulated(
+                rig.cameras(),
+                &model,
+                self.height,
+                self.frames,
+                self.keypoint_noise,
+            )?;
+            rigs.push((name, person));
         }
         let mut cases = Vec::new();
         for (at, (rig, person)) in rigs.iter().enumerate() {

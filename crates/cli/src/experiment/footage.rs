@@ -99,9 +99,8 @@ impl DisturbedReader {
 
     /// Learns backgrounds again that change in these frames, and says which.
     fn relearn(&mut self, frames: &[usize]) -> anyhow::Result<()> {
-        let (footage, cameras, picture) =
-            (&*self.footage, &self.cameras[..], |camera, frame| self.picture(camera, frame));
-        let measurement = footage.take().measurement();
+        let (footage, picture) = (&*self.footage, |camera, frame| self.picture(camera, frame));
+        let (cameras, measurement) = (&self.cameras, footage.take().measurement());
         let survey = ChangeSurvey { footage, cameras, frames, measurement, picture };
         let found = survey.changes(&CancelToken::new(), |_| {})?.unwrap_or_default();
         let take = self.footage.take();

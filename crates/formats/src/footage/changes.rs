@@ -41,6 +41,19 @@ struct CameraSurvey {
     light: Vec<(usize, LightField)>,
 }
 
+impl Footage {
+    /// The survey of these cameras in these frames, by the footage's own pictures and the take's measurement.
+    pub fn change_survey<'a>(
+        &'a self,
+        cameras: &'a [usize],
+        frames: &'a [usize],
+    ) -> ChangeSurvey<'a, impl Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync + 'a> {
+        let measurement = self.take().measurement();
+        let picture = |camera, frame| self.picture(camera, frame);
+        ChangeSurvey { footage: self, cameras, frames, measurement, picture }
+    }
+}
+
 impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<'_, P> {
     /// The changes, in the order of cameras and frames; none with fewer than three cameras. Cameras whose silhouettes are given, and
     /// those that [need no support](SegmentOptions::needs_support), are left as they are. `tell` hears how many frames were looked at,

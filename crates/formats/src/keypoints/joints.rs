@@ -104,13 +104,25 @@ pub fn cues_of(
     camera: &Camera,
     working: &Camera,
 ) -> Vec<JointKeypoint> {
-    let cue = |(name, index): (&&str, usize)| {
+    let cue = |(name, seen): (&&str, Option<(DVec2, f64)>)| {
+        let (pixel, score) = seen?;
+        Some(JointKeypoint { limb: model.limb_index(name)?, pixel, score: score.min(1.0) })
+    };
+    LIMBS.iter().zip(joint_pixels(person, order, camera, working)).filter_map(cue).collect()
+}
+
+/// Where `working` sees the second joints of `LIMBS`, pixels, and the keypoints' scores.
+pub(crate) fn joint_pixels(
+    person: &Person,
+    order: KeypointOrder,
+    camera: &Camera,
+    working: &Camera,
+) -> [Option<(DVec2, f64)>; 12] {
+    order.0.map(|index| {
         let keypoint = (*person.get(index)?)?;
         let ray = camera.ray_in_camera(keypoint.place)?;
-        let pixel = working.intrinsics().pixel_from_plane(ray.truncate() / ray.z);
-        Some(JointKeypoint { limb: model.limb_index(name)?, pixel, score: keypoint.score.min(1.0) })
-    };
-    LIMBS.iter().zip(order.0).filter_map(cue).collect()
+        Some((working.intrinsics().pixel_from_plane(ray.truncate() / ray.z), keypoint.score))
+    })
 }
 
 /// The person in COCO's order whose keypoints these are: the other way round than [`cues_of`], for a camera that is both.

@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::reader::TakeReader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
-use crate::keypoints::joints::{KeypointOrder, body_of, cues_of, joints_of};
+use crate::keypoints::joints::{KeypointOrder, LOWEST_SCORE, body_of, cues_of, joint_pixels, joints_of};
 use crate::keypoints::{self, Person, tallest};
 use crate::plate;
 use crate::{MAX_TEXT_BYTES, Result};
@@ -114,11 +114,36 @@ impl Take {
         frame: usize,
         working: &Camera,
     ) -> Result<Vec<JointKeypoint>, TakeError> {
-        let Some(order) = self.keypoint_order()? else { return Ok(Vec::new()) };
+        let cues = |person: &Person, order, full: &Camera| cues_of(&self.model, person, order, full, working);
+        Ok(self.of_subject(camera, frame, cues)?.unwrap_or_default())
+    }
+
+    /// Where the `working` camera sees twelve joints of the person (shoulders, elbows, wrists, hips, knees, ankles) in a frame,
+    /// pixels, as far as keypoints are sure of them. Empty where there are none.
+    pub fn joint_pixels(
+        &self,
+        camera: usize,
+        frame: usize,
+        working: &Camera,
+    ) -> Result<Vec<Option<DVec2>>, TakeError> {
+        let pixels = |person: &Person, order, full: &Camera| {
+            let sure = |seen: Option<(DVec2, f64)>| Some(seen.filter(|seen| seen.1 >= LOWEST_SCORE)?.0);
+            joint_pixels(person, order, full, working).map(sure).to_vec()
+        };
+        Ok(self.of_subject(camera, frame, pixels)?.unwrap_or_default())
+    }
+
+    /// Calls `tell` with the person's keypoints in a camera's frame, their order and their camera; `None` without keypoints.
+    fn of_subject<T>(
+        &self,
+        camera: usize,
+        frame: usize,
+        tell: impl FnOnce(&Person, KeypointOrder, &Camera) -> T,
+    ) -> Result<Option<T>, TakeError> {
+        let Some(order) = self.keypoint_order()? else { return Ok(None) };
         let people = self.people(camera, frame)?;
-        let Some(full) = self.full_rig.cameras().get(camera) else { return Ok(Vec::new()) };
-        let person = self.subject(&people, full, frame);
-        Ok(person.map_or_else(Vec::new, |person| cues_of(&self.model, person, order, full, working)))
+        let Some(full) = self.full_rig.cameras().get(camera) else { return Ok(None) };
+        Ok(self.subject(&people, full, frame).map(|person| tell(person, order, full)))
     }
 
     /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.

@@ -2,19 +2,21 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::Model;
+use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, up_of};
 use backlit_tracking::diagnosis::{FaultKind, turned_for};
 use backlit_tracking::geometry::NearestToLines;
 use backlit_tracking::silhouette::Mask;
+use backlit_tracking::statistics::normal_vector;
 use backlit_tracking::synchronise::Recording;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::ExperimentError;
+use crate::synthetic::filmed::KEYPOINTS;
 use crate::synthetic::{capsules, exercise, masks};
 
 /// A fault of one camera, or of all.
@@ -38,7 +40,15 @@ pub struct FilmedPerson {
     cameras: Vec<Camera>,
     recordings: Vec<Recording>,
     /// Who is filmed, and when; of real footage not known.
-    simulated: Option<(Arc<Model>, Vec<f64>)>,
+    simulated: Option<Simulation>,
+}
+
+#[derive(Debug, Clone)]
+struct Simulation {
+    model: Arc<Model>,
+    seconds: Vec<f64>,
+    /// Deviation of keypoints, pixels; `None`: there are none.
+    keypoint_px: Option<f64>,
 }
 
 /// Share of wrong pixels along the edges of silhouettes.
@@ -54,7 +64,8 @@ const TARGET: DVec3 = DVec3::new(0.0, -0.4, 0.9);
 
 impl FilmedPerson {
     /// A person who walks, squats, signals and boxes, filmed with these cameras, whose pictures are brought to `height` pixels. A rig that is
-    /// made for mice or in an unknown unit is scaled so that a person suits it.
+    /// made for mice or in an unknown unit is scaled so that a person suits it. Keypoints are off by `keypoint_px`, half of it (of the
+    /// variance) the same in all frames of a camera, as detectors are.
     ///
     /// # Errors
     /// The cameras look past one another, or cannot have pictures of that size.
@@ -63,14 +74,16 @@ impl FilmedPerson {
         model: &Arc<Model>,
         height: u64,
         frames: usize,
+        keypoint_px: Option<f64>,
     ) -> Result<Self, ExperimentError> {
         let cameras = standing_about(rig, height)?;
         let step = exercise::SECONDS / frames.max(1) as f64;
         let seconds: Vec<f64> = (0..frames).map(|frame| frame as f64 * step).collect();
+        let simulation = Simulation { model: Arc::clone(model), seconds, keypoint_px };
         let recordings =
-            cameras.iter().enumerate().map(|(index, camera)| filmed(model, camera, camera, &seconds, index));
+            cameras.iter().enumerate().map(|(index, camera)| simulation.filmed(camera, camera, index));
         let recordings = recordings.collect::<Result<_, _>>()?;
-        Ok(Self { cameras, recordings, simulated: Some((model.clone(), seconds)) })
+        Ok(Self { cameras, recordings, simulated: Some(simulation) })
     }
 
     /// Real footage: its cameras, and what they recorded.
@@ -99,7 +112,7 @@ impl FilmedPerson {
                 let [first, last] = recordings[index].span();
                 let moved = Fault { kind: FaultKind::Moved, ..fault }.applied(own, own)?;
                 let after = match &self.simulated {
-                    Some((model, seconds)) => filmed(model, &moved, own, seconds, index + 100)?,
+                    Some(simulation) => simulation.filmed(&moved, own, index + 100)?,
                     None => recordings[index].with_calibration(own, &moved),
                 };
                 recordings[index] =
@@ -116,27 +129,46 @@ impl FilmedPerson {
     }
 }
 
-/// What `camera` films, by one who believes it to be `believed`.
-fn filmed(
-    model: &Model,
-    camera: &Camera,
-    believed: &Camera,
-    seconds: &[f64],
-    seed: usize,
-) -> Result<Recording, ExperimentError> {
-    let ideal = camera.without_distortion();
-    let mask = |(frame, &seconds): (usize, &f64)| {
-        let exact = capsules::hard_mask(model, &exercise::pose(model, seconds), &ideal)?;
-        let mut random = Pcg64Mcg::seed_from_u64((1000 * seed + frame) as u64);
-        Ok(masks::noisy(&exact, EDGE_NOISE, 0.0, &mut random))
-    };
-    let masks: Vec<Mask> =
-        seconds.par_iter().enumerate().map(mask).collect::<Result<_, ExperimentError>>()?;
-    let mut recording = Recording::new(believed.without_distortion());
-    for (seconds, mask) in seconds.iter().zip(&masks) {
-        recording.push(*seconds, mask);
+impl Simulation {
+    /// What `camera` films, by one who believes it to be `believed`.
+    fn filmed(&self, camera: &Camera, believed: &Camera, seed: usize) -> Result<Recording, ExperimentError> {
+        let Self { model, seconds, .. } = self;
+        let ideal = camera.without_distortion();
+        let mask = |(frame, &seconds): (usize, &f64)| {
+            let exact = capsules::hard_mask(model, &exercise::pose(model, seconds), &ideal)?;
+            let mut random = Pcg64Mcg::seed_from_u64((1000 * seed + frame) as u64);
+            Ok(masks::noisy(&exact, EDGE_NOISE, 0.0, &mut random))
+        };
+        let masks: Vec<Mask> =
+            seconds.par_iter().enumerate().map(mask).collect::<Result<_, ExperimentError>>()?;
+        let mut recording = Recording::new(believed.without_distortion());
+        for (seconds, mask) in seconds.iter().zip(&masks) {
+            recording.push(*seconds, mask);
+        }
+        if let Some(deviation) = self.keypoint_px {
+            self.add_keypoints(&mut recording, &ideal, deviation, seed % 100);
+        }
+        Ok(recording)
     }
-    Ok(recording)
+
+    fn add_keypoints(&self, recording: &mut Recording, camera: &Camera, deviation: f64, seed: usize) {
+        let mut random = Pcg64Mcg::seed_from_u64((1_000_000 + seed) as u64);
+        let off = deviation / std::f64::consts::SQRT_2;
+        let mut noise = || normal_vector(&mut random).truncate() * off;
+        let constant = KEYPOINTS.map(|_| noise());
+        let size = DVec2::new(camera.width() as f64, camera.height() as f64);
+        for (frame, &seconds) in self.seconds.iter().enumerate() {
+            let joints = Kinematics::new(&self.model, &exercise::pose(&self.model, seconds));
+            let mut pixels = Vec::new();
+            for (name, constant) in KEYPOINTS.iter().zip(constant) {
+                let limb = self.model.limb_index(name);
+                let place = limb.and_then(|limb| camera.project(joints.ends()[limb]));
+                let place = place.map(|place| place + constant + noise());
+                pixels.push(place.filter(|at| at.min_element() >= 0.0 && (size - *at).min_element() >= 1.0));
+            }
+            recording.set_keypoints(frame, &pixels);
+        }
+    }
 }
 
 /// The cameras in a world whose z is up, about a person.

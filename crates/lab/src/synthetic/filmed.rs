@@ -29,7 +29,7 @@ const TOO_WIDE: f64 = 0.045;
 const PATTERN: f64 = 0.5;
 
 /// Limbs whose second joints tools of keypoints see: those of COCO.
-const KEYPOINTS: [&str; 12] = [
+pub(crate) const KEYPOINTS: [&str; 12] = [
     "left clavicle",
     "right clavicle",
     "left upper arm",

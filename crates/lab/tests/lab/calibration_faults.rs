@@ -10,7 +10,12 @@ use backlit_tracking::diagnosis::{Diagnosis, DiagnosisError, DiagnosisOptions, F
 use backlit_tracking::synchronise::Recording;
 
 fn person() -> FilmedPerson {
-    FilmedPerson::simulated(studio::cameras().cameras(), &Arc::new(builtin::full_body()), 320, 124).unwrap()
+    filmed(None)
+}
+
+fn filmed(keypoint_px: Option<f64>) -> FilmedPerson {
+    let model = Arc::new(builtin::full_body());
+    FilmedPerson::simulated(studio::cameras().cameras(), &model, 320, 124, keypoint_px).unwrap()
 }
 
 fn checked(person: &FilmedPerson, fault: Option<Fault>) -> Diagnosis {
@@ -65,6 +70,24 @@ fn a_fault_is_told_with_its_camera_and_its_size() {
             assert_eq!(checked(&repaired, None).findings, [], "{fault:?} is repaired");
         }
     }
+}
+
+/// Keypoints that are a little off accuse nobody, and where a camera is wrong they say so too.
+#[test]
+fn keypoints_bear_witness_beside_silhouettes() {
+    let [without, with] = [None, Some(1.5)].map(filmed);
+    let healthy = checked(&with, None);
+    assert_eq!(healthy.findings, []);
+    assert!(healthy.keypoint_noise_px.is_some_and(|px| (1.0..3.0).contains(&px)), "{healthy:?}");
+    assert!(healthy.pairs.iter().all(|pair| pair.keypoints_apart_px[0].is_some_and(|px| px < 3.0)));
+    let fault = Fault { kind: FaultKind::Focal, camera: Some(3), with: 0, size: 1.05, seed: 0 };
+    let [without, with] = [without, with].map(|person| checked(&person, Some(fault)));
+    assert_eq!((without.keypoint_noise_px, without.findings[0].keypoints_apart_px), (None, None));
+    let [found] = &with.findings[..] else { panic!("{:?}", with.findings) };
+    assert_eq!((found.kind, found.camera), (fault.kind, fault.camera));
+    assert!((found.sizes[0].value - 5.0).abs() < 0.6, "{:?}", found.sizes);
+    let [before, after] = found.keypoints_apart_px.unwrap();
+    assert!(before > 1.5 * after, "keypoints are {before} px apart, {after} repaired");
 }
 
 #[test]

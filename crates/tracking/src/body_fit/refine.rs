@@ -24,7 +24,7 @@ use crate::fit::{Fit, FitOptions, FitView};
 use crate::silhouette::Overlap;
 
 /// Fewer cameras than this have nothing to agree on.
-const FEWEST_CAMERAS: usize = 2;
+pub const FEWEST_CAMERAS: usize = 2;
 /// Fewer frames than this say too little of cameras.
 const FEWEST_FRAMES: usize = 3;
 /// Neighbours in time that are farther apart say nothing of a pose's rate, seconds.

@@ -4,8 +4,8 @@ use thiserror::Error;
 
 use super::fault::{ClockChange, FaultKind, Size};
 use super::outlines::Outlines;
+use super::pair_angles::{Residuals, median_px};
 use super::state::State;
-use super::tangency::median_px;
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::synchronise::Recording;
@@ -38,6 +38,8 @@ pub struct Diagnosis {
     pub subject_m: Option<f64>,
     /// Deviation of where a silhouette's edge is seen with all findings repaired, pixels.
     pub noise_px: f64,
+    /// The same of keypoints; `None` without any.
+    pub keypoint_noise_px: Option<f64>,
 }
 
 /// How far two cameras agree on the half-planes that touch the subject.
@@ -48,6 +50,8 @@ pub struct PairAgreement {
     /// Median size of what they are apart, pixels: as the take is, and with all findings repaired. `None` where no half-plane
     /// touches both silhouettes.
     pub apart_px: [Option<f64>; 2],
+    /// The same of the half-planes through joints that keypoints show; `None` without any.
+    pub keypoints_apart_px: [Option<f64>; 2],
     /// Share of frames that say something.
     pub share: f64,
 }
@@ -70,6 +74,8 @@ pub struct Finding {
     /// Median distance of what this camera and the others see from what would agree, pixels: before and after the repair. For a
     /// unit that all have, `None`.
     pub apart_px: Option<[f64; 2]>,
+    /// The same of keypoints; `None` without any.
+    pub keypoints_apart_px: Option<[f64; 2]>,
     /// Other explanations that are less likely by no more than a factor of a thousand, the best first.
     pub rivals: Vec<Rival>,
     /// All cameras with this and the findings before it repaired.
@@ -143,11 +149,15 @@ pub fn diagnose(
         findings.push(finding);
     }
     let agreement = |(at, cameras): (usize, &[usize; 2])| {
-        let [a, b] = [&before[at], &state.full.residuals[at]];
-        let said = a.iter().flatten().count();
-        let share = said as f64 / a.len().max(1) as f64;
-        PairAgreement { cameras: *cameras, apart_px: [median_px(a), median_px(b)], share }
+        let both: [&Residuals; 2] = [&before[at], &state.full.residuals[at]];
+        let apart = |witness: usize| both.map(|residuals| median_px(residuals.by_witness()[witness]));
+        let [silhouettes, _] = both[0].by_witness();
+        let share = silhouettes.iter().flatten().count() as f64 / silhouettes.len().max(1) as f64;
+        PairAgreement { cameras: *cameras, apart_px: apart(0), keypoints_apart_px: apart(1), share }
     };
-    let pairs = state.pairs.iter().enumerate().map(agreement).collect();
-    Ok(Diagnosis { findings, pairs, subject_m, noise_px })
+    let pairs: Vec<PairAgreement> = state.pairs.iter().enumerate().map(agreement).collect();
+    let [noise_px, keypoint_noise_px] = noise_px;
+    let has_keypoints = pairs.iter().any(|pair| pair.keypoints_apart_px[0].is_some());
+    let keypoint_noise_px = has_keypoints.then_some(keypoint_noise_px);
+    Ok(Diagnosis { findings, pairs, subject_m, noise_px, keypoint_noise_px })
 }

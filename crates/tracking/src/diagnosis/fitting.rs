@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fault::FaultKind;
 use super::hypothesis::{BUMPS, Hypothesis};
-use super::state::State;
-use super::tangency::{Residuals, loss, support, weight};
+use super::pair_angles::{ByWitness, Residuals, correlation_lengths, loss, support, support_of, weight};
+use super::state::{Sampled, State};
 
 /// Widths of the loss, in deviations, from a coarse fit to the last.
 const WIDTHS: [f64; 3] = [32.0, 5.0, 1.0];
@@ -31,7 +31,7 @@ pub(super) struct Tried {
 
 impl State {
     /// The best size of a fault of this kind.
-    pub(super) fn fit(&self, hypothesis: Hypothesis, noise: f64) -> Option<Tried> {
+    pub(super) fn fit(&self, hypothesis: Hypothesis, noise: ByWitness) -> Option<Tried> {
         let mut start = hypothesis.start();
         if hypothesis.kind == FaultKind::Bumped {
             return self.fit_bump(hypothesis, noise);
@@ -43,7 +43,7 @@ impl State {
         self.descend(hypothesis, start, &WIDTHS, 0.0, noise)
     }
 
-    fn best_offset(&self, hypothesis: &Hypothesis, noise: f64) -> Option<f64> {
+    fn best_offset(&self, hypothesis: &Hypothesis, noise: ByWitness) -> Option<f64> {
         let camera = hypothesis.camera?;
         let step = OFFSET_STEP * self.full.recordings[camera].period();
         let spread = self.spread();
@@ -56,7 +56,7 @@ impl State {
             by[0] = about + f64::from(k) * step;
             let repair = hypothesis.repair(&self.cameras, &by, [first, last], 0.0)?;
             let all = self.with(&self.full, &repair);
-            let sum: f64 = all.iter().map(|(_, residuals)| support(residuals, noise, spread)).sum();
+            let sum = all.iter().flat_map(|(_, residuals)| support(residuals, noise, spread)).sum::<f64>();
             Some((by[0], sum))
         };
         let all: Vec<(f64, f64)> = (-most..=most).filter_map(support_at).collect();
@@ -64,7 +64,7 @@ impl State {
     }
 
     /// A camera that was moved and when: the size by descent, the moment by what fits before and after, in turns.
-    fn fit_bump(&self, hypothesis: Hypothesis, noise: f64) -> Option<Tried> {
+    fn fit_bump(&self, hypothesis: Hypothesis, noise: ByWitness) -> Option<Tried> {
         let span = self.span(&hypothesis);
         let mut split = span[0] + BUMPS[hypothesis.form] * (span[1] - span[0]);
         let mut by = hypothesis.start();
@@ -90,7 +90,7 @@ impl State {
     }
 
     /// The moment before which the camera as it is, and after which the repaired one fits best.
-    fn best_split(&self, hypothesis: &Hypothesis, by: &[f64], noise: f64) -> Option<f64> {
+    fn best_split(&self, hypothesis: &Hypothesis, by: &[f64], noise: ByWitness) -> Option<f64> {
         let camera = hypothesis.camera?;
         let span = self.span(hypothesis);
         let always = self.with(&self.full, &hypothesis.repair(&self.cameras, by, span, f64::NEG_INFINITY)?);
@@ -99,9 +99,10 @@ impl State {
         let mut gains: Vec<(f64, f64)> = Vec::new();
         for (pair, residuals) in &always {
             let seconds = &self.full.recordings[self.pairs[*pair][0]].sightings;
-            for (at, (after, before)) in residuals.iter().zip(&self.full.residuals[*pair]).enumerate() {
-                let of = |residual: &Option<f64>| support(&[*residual], noise, spread);
-                gains.push((seconds[at % seconds.len()].seconds, of(after) - of(before)));
+            let before = self.full.residuals[*pair].values();
+            for (at, ((after, noise), before)) in residuals.each_with(noise).zip(before).enumerate() {
+                let of = |residual| support_of(residual, noise, spread);
+                gains.push((seconds[at % seconds.len()].seconds, of(after) - of(*before)));
             }
         }
         gains.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -119,6 +120,12 @@ impl State {
         best.map(|best| best.0)
     }
 
+    /// How much a residual of each witness weighs, beside one of silhouettes: those that hang together more say less.
+    fn shares(&self, noise: ByWitness) -> ByWitness {
+        let [silhouettes, keypoints] = correlation_lengths(&self.full.residuals, noise);
+        [1.0, (silhouettes / keypoints).min(1.0)]
+    }
+
     /// Gauss and Newton with a loss that becomes narrower.
     fn descend(
         &self,
@@ -126,7 +133,7 @@ impl State {
         start: Vec<f64>,
         widths: &[f64],
         split: f64,
-        noise: f64,
+        noise: ByWitness,
     ) -> Option<Tried> {
         let parameters = hypothesis.parameters();
         let span = self.span(&hypothesis);
@@ -135,13 +142,23 @@ impl State {
         let (mut by, mut residuals) = (start.clone(), at(&start)?);
         let mut deviations = vec![0.0; by.len()];
         let spread = self.spread();
+        let shares = self.shares(noise);
         for &width in if parameters.is_empty() { &[][..] } else { widths } {
-            let scale = width * noise;
+            let scales = noise.map(|noise| width * noise);
             let cost = |residuals: &[(usize, Residuals)], by: &[f64]| {
                 // What is missing costs as much as what does not fit at all.
-                let most = loss(spread.max(2.0 * scale) / scale);
-                let of = |residual: &Option<f64>| residual.map_or(most, |px| loss(px / scale).min(most));
-                let data: f64 = residuals.iter().flat_map(|(_, residuals)| residuals).map(of).sum();
+                let of = |residual: &Option<f64>, scale: f64| {
+                    let most = loss(spread.max(2.0 * scale) / scale);
+                    residual.map_or(most, |px| loss(px / scale).min(most))
+                };
+                let all = residuals.iter().flat_map(|(_, residuals)| {
+                    residuals.by_witness().into_iter().zip(scales).zip(shares).map(
+                        |((said, scale), share)| {
+                            share * said.iter().map(|residual| of(residual, scale)).sum::<f64>()
+                        },
+                    )
+                });
+                let data: f64 = all.sum();
                 let prior: f64 = by
                     .iter()
                     .zip(&start)
@@ -160,7 +177,8 @@ impl State {
                     })
                     .collect::<Option<_>>()?;
                 let steps: Vec<f64> = parameters.iter().map(|parameter| parameter.step).collect();
-                let (mut normal, mut right) = normal_equations(&residuals, &columns, &steps, scale);
+                let (mut normal, mut right) =
+                    normal_equations(&residuals, &columns, &steps, (scales, shares));
                 for (index, parameter) in parameters.iter().enumerate() {
                     let prior = parameter.usual.powi(-2);
                     normal[(index, index)] += prior;
@@ -193,7 +211,8 @@ impl State {
             }
         }
         // More samples than it was fitted by say so much more.
-        let share = sampled.residuals[0].len() as f64 / self.full.residuals[0].len().max(1) as f64;
+        let of = |sampled: &Sampled| sampled.residuals[0].values().len() as f64;
+        let share = of(sampled) / of(&self.full).max(1.0);
         deviations.iter_mut().for_each(|deviation| *deviation *= share.sqrt());
         let residuals = self.with(&self.full, &hypothesis.repair(&self.cameras, &by, span, split)?);
         Some(Tried { hypothesis, by, deviations, split, residuals })
@@ -205,16 +224,17 @@ fn normal_equations(
     residuals: &[(usize, Residuals)],
     columns: &[Vec<(usize, Residuals)>],
     steps: &[f64],
-    scale: f64,
+    (scales, shares): (ByWitness, ByWitness),
 ) -> (DMatrix<f64>, DVector<f64>) {
     let count = columns.len();
     let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
     let mut row = vec![0.0; count];
     for (pair, (_, own)) in residuals.iter().enumerate() {
-        for (at, residual) in own.iter().enumerate() {
+        let both = own.each_with(scales).zip(own.each_with(shares));
+        for (at, ((residual, scale), (_, share))) in both.enumerate() {
             let Some(residual) = residual else { continue };
             let is_whole = columns.iter().zip(steps).zip(row.iter_mut()).all(|((column, step), entry)| {
-                column[pair].1[at].is_some_and(|moved| {
+                column[pair].1.values()[at].is_some_and(|moved| {
                     *entry = (moved - residual) / (step * scale);
                     true
                 })
@@ -223,7 +243,7 @@ fn normal_equations(
                 continue;
             }
             let deviations = residual / scale;
-            let weight = weight(deviations);
+            let weight = share * weight(deviations);
             for i in 0..count {
                 right[i] -= weight * row[i] * deviations;
                 for j in 0..count {

@@ -14,6 +14,8 @@ pub(super) const UNITS: [f64; 5] = [1000.0, 100.0, 10.0, 0.3048, 0.0254];
 const RATES: [f64; 8] = [24.0, 25.0, 30.0, 50.0, 60.0, 100.0, 120.0, 240.0];
 /// Pictures were scaled by less than this with another name: the focal length is wrong.
 const LEAST_SCALE: f64 = 0.02;
+/// Nor are they scaled by more, as a logarithm.
+const MOST_SCALE: f64 = 2.2;
 
 /// One hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -257,10 +259,12 @@ impl Hypothesis {
         0.5 * sizes as f64 * ln_samples + 0.5 * unusual.sum::<f64>() + self.kind.rarity()
     }
 
-    /// Whether fitted numbers are a fault of this kind at all, and not too small to matter.
-    pub(super) fn is_large_enough(&self, by: &[f64]) -> bool {
+    /// Whether fitted numbers are a fault of this kind at all: not too small to matter, and not so large that all that is seen comes
+    /// together in a point.
+    pub(super) fn is_credible(&self, by: &[f64]) -> bool {
         match self.kind {
-            FaultKind::PictureScaled => by[0].abs() > LEAST_SCALE,
+            FaultKind::PictureScaled => (LEAST_SCALE..MOST_SCALE).contains(&by[0].abs()),
+            FaultKind::Focal => by[0].abs() < MOST_SCALE,
             _ => true,
         }
     }

@@ -18,6 +18,8 @@ struct Outline {
     area: f64,
     /// Pixels, and whether the subject may go on there.
     corners: Vec<(DVec2, bool)>,
+    /// Pixels of joints that keypoints show.
+    keypoints: Vec<Option<DVec2>>,
 }
 
 /// When a camera's clock says what, beside what it is believed to say.
@@ -59,6 +61,7 @@ impl Outlines {
                 .iter()
                 .filter_map(|corner| Some((lens.project(centre + corner.ray)?, corner.is_open)))
                 .collect(),
+            keypoints: sighting.keypoints.iter().map(|ray| lens.project(centre + (*ray)?)).collect(),
         };
         Self { frames: recording.sightings.iter().map(outline).collect() }
     }
@@ -98,6 +101,7 @@ impl Outlines {
                 seconds: outline.seconds,
                 hull: outline.corners.iter().filter_map(corner).collect(),
                 area: outline.area,
+                keypoints: outline.keypoints.iter().map(|pixel| camera.ray_in_world((*pixel)?)).collect(),
             }
         };
         let sightings = self.frames.iter().map(sighting).collect();

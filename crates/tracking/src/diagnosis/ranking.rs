@@ -7,8 +7,8 @@ use super::fault::{ClockChange, FaultKind};
 use super::fitting::Tried;
 use super::hypothesis::{Hypothesis, Repair};
 use super::outlines::Clock;
+use super::pair_angles::{ByWitness, Residuals, correlation_lengths, median_px, noise, support};
 use super::state::State;
-use super::tangency::{Residuals, correlation_length, median_px, noise, support};
 use crate::cancel::CancelToken;
 
 /// A rival is told if it is no farther behind, nats.
@@ -23,10 +23,10 @@ const BATCH: usize = 16;
 pub(super) struct Ranking {
     /// With their evidence against no fault, nats.
     ranked: Vec<(f64, Tried)>,
-    /// Deviation of an edge under the best, pixels.
-    pub(super) noise_px: f64,
+    /// Deviation of an edge and of a keypoint under the best, pixels.
+    pub(super) noise_px: ByWitness,
     /// Over how many samples residuals hang together.
-    correlated: f64,
+    correlated: ByWitness,
 }
 
 impl State {
@@ -39,7 +39,7 @@ impl State {
         let spread = self.spread();
         let least = self.noise();
         // The loss is narrow even where a fault makes much of it noise.
-        let first = least.min(0.1 * spread);
+        let first = least.map(|least| least.min(0.1 * spread));
         let hypotheses = Hypothesis::all(&self.cameras);
         let mut tried: Vec<Tried> = Vec::new();
         for (batch, some) in hypotheses.chunks(BATCH).enumerate() {
@@ -50,22 +50,28 @@ impl State {
             tried.par_extend(some.par_iter().filter_map(|hypothesis| self.fit(*hypothesis, first)));
         }
         on_progress(hypotheses.len(), hypotheses.len());
-        let noise_px = tried.iter().map(|tried| noise(self.all(tried), spread)).fold(least, f64::min);
-        let supports = |all: &mut dyn Iterator<Item = &Residuals>| -> f64 {
-            all.map(|residuals| support(residuals, noise_px, spread)).sum()
+        tried.retain(|tried| tried.hypothesis.is_credible(&tried.by));
+        let noise_px = tried
+            .iter()
+            .map(|tried| noise(self.all(tried), spread))
+            .fold(least, |least, noise| [least[0].min(noise[0]), least[1].min(noise[1])]);
+        let supports = |all: &mut dyn Iterator<Item = &Residuals>| -> ByWitness {
+            all.map(|residuals| support(residuals, noise_px, spread)).fold([0.0; 2], sum)
         };
-        let totals: Vec<f64> = tried.iter().map(|tried| supports(&mut self.all(tried))).collect();
-        let best = (0..tried.len()).max_by(|&a, &b| totals[a].total_cmp(&totals[b]));
-        let correlated = best.map_or(1.0, |best| correlation_length(self.all(&tried[best]), noise_px));
-        let none = supports(&mut self.full.residuals.iter()) / correlated;
-        let samples: usize = self.full.residuals.iter().map(Vec::len).sum();
-        let ln_samples = (samples as f64 / correlated).max(2.0).ln();
-        let evidence = |(tried, total): (Tried, f64)| {
-            let evidence = total / correlated - tried.hypothesis.cost(&tried.by, ln_samples) - none;
+        let totals: Vec<ByWitness> = tried.iter().map(|tried| supports(&mut self.all(tried))).collect();
+        let best = (0..tried.len())
+            .max_by(|&a, &b| totals[a].iter().sum::<f64>().total_cmp(&totals[b].iter().sum()));
+        let correlated = best.map_or([1.0; 2], |best| correlation_lengths(self.all(&tried[best]), noise_px));
+        let independent = |of: ByWitness| of[0] / correlated[0] + of[1] / correlated[1];
+        let none = independent(supports(&mut self.full.residuals.iter()));
+        let samples = self.full.residuals.iter().map(samples).fold([0.0; 2], sum);
+        let ln_samples = independent(samples).max(2.0).ln();
+        let evidence = |(tried, total): (Tried, ByWitness)| {
+            let evidence = independent(total) - tried.hypothesis.cost(&tried.by, ln_samples) - none;
             (evidence, tried)
         };
         let mut ranked: Vec<(f64, Tried)> = tried.into_iter().zip(totals).map(evidence).collect();
-        ranked.retain(|(_, tried)| tried.hypothesis.is_large_enough(&tried.by) && self.is_no_chance(tried));
+        ranked.retain(|(_, tried)| self.is_no_chance(tried));
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         Some(Ranking { ranked, noise_px, correlated })
     }
@@ -84,11 +90,15 @@ impl State {
         for (index, camera) in repair.cameras.iter().filter(|_| repair.after.is_none()) {
             cameras[*index] = camera.clone();
         }
-        let of_pair = |(pair, _): &(usize, Residuals)| self.full.residuals[*pair].clone();
-        let before: Residuals = best.residuals.iter().flat_map(of_pair).collect();
-        let after: Residuals = best.residuals.iter().flat_map(|(_, after)| after.clone()).collect();
-        let deviations: Vec<f64> =
-            best.deviations.iter().map(|deviation| deviation * ranking.correlated.sqrt()).collect();
+        let apart = |witness: usize| {
+            let before =
+                best.residuals.iter().flat_map(|(pair, _)| self.full.residuals[*pair].by_witness()[witness]);
+            let after = best.residuals.iter().flat_map(|(_, after)| after.by_witness()[witness]);
+            Some([median_px(before)?, median_px(after)?])
+        };
+        // Keypoints weighed less in the fit by how much more they hang together.
+        let correlated = ranking.correlated[0].sqrt();
+        let deviations: Vec<f64> = best.deviations.iter().map(|deviation| deviation * correlated).collect();
         let Clock { offset_s, rate } = repair.clock;
         let clock = hypothesis.camera.filter(|_| hypothesis.kind.is_clock());
         let finding = Finding {
@@ -98,7 +108,8 @@ impl State {
             sizes: hypothesis.sizes(camera, &best.by, &deviations),
             since_s: repair.after,
             evidence: *evidence,
-            apart_px: median_px(&before).zip(median_px(&after)).map(|(before, after)| [before, after]),
+            apart_px: apart(0),
+            keypoints_apart_px: apart(1),
             rivals: ranking.rivals(),
             cameras,
             clock: clock.map(|camera| ClockChange { camera, offset_s, rate }),
@@ -111,11 +122,10 @@ impl State {
         if tried.hypothesis.kind != FaultKind::Bumped {
             return true;
         }
-        let (mut before, mut after) = (Residuals::new(), Residuals::new());
+        let (mut before, mut after) = (Vec::new(), Vec::new());
         for (pair, residuals) in &tried.residuals {
-            let moved =
-                residuals.iter().zip(&self.full.residuals[*pair]).filter(|(after, before)| after != before);
-            for (one, other) in moved {
+            let both = residuals.values().iter().zip(self.full.residuals[*pair].values());
+            for (one, other) in both.filter(|(after, before)| after != before) {
                 after.push(*one);
                 before.push(*other);
             }
@@ -139,7 +149,7 @@ impl State {
     fn effect(&self, tried: &Tried) -> f64 {
         let mut changes: Vec<f64> = Vec::new();
         for (pair, residuals) in &tried.residuals {
-            for (after, before) in residuals.iter().zip(&self.full.residuals[*pair]) {
+            for (after, before) in residuals.values().iter().zip(self.full.residuals[*pair].values()) {
                 match (after, before) {
                     (Some(after), Some(before)) => changes.push((after - before).abs()),
                     (Some(_), None) => changes.push(self.spread()),
@@ -153,6 +163,17 @@ impl State {
         changes.sort_by(f64::total_cmp);
         changes.get(changes.len() * 9 / 10).copied().unwrap_or(0.0)
     }
+}
+
+/// Both witnesses' numbers, each with the other's.
+fn sum(a: ByWitness, b: ByWitness) -> ByWitness {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+/// How many numbers each witness can give: joints only where keypoints show them.
+fn samples(residuals: &Residuals) -> ByWitness {
+    let [silhouettes, keypoints] = residuals.by_witness();
+    [silhouettes.len() as f64, keypoints.iter().flatten().count() as f64]
 }
 
 impl Ranking {

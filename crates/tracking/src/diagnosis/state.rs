@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::hypothesis::{Hypothesis, Repair};
 use super::outlines::{Clock, Outlines};
-use super::tangency::{PairTangents, Residuals, noise};
+use super::pair_angles::{ByWitness, PairAngles, Residuals, noise};
 use crate::camera::Camera;
 use crate::synchronise::Recording;
 
@@ -28,7 +28,7 @@ pub(super) struct State {
 pub(super) struct Sampled {
     pub(super) outlines: Vec<Outlines>,
     pub(super) recordings: Vec<Recording>,
-    pub(super) tangents: Vec<PairTangents>,
+    pub(super) angles: Vec<PairAngles>,
     pub(super) residuals: Vec<Residuals>,
 }
 
@@ -36,10 +36,10 @@ impl Sampled {
     fn new(outlines: Vec<Outlines>, cameras: &[Camera], pairs: &[[usize; 2]]) -> Self {
         let recordings: Vec<Recording> =
             outlines.iter().zip(cameras).map(|(outlines, camera)| outlines.seen_by(camera)).collect();
-        let tangents: Vec<PairTangents> =
-            pairs.iter().map(|&[a, b]| PairTangents::of(&recordings[a], &recordings[b])).collect();
-        let residuals = tangents.iter().map(|tangents| tangents.residuals([Clock::RIGHT; 2])).collect();
-        Self { outlines, recordings, tangents, residuals }
+        let angles: Vec<PairAngles> =
+            pairs.iter().map(|&[a, b]| PairAngles::of(&recordings[a], &recordings[b])).collect();
+        let residuals = angles.iter().map(|angles| angles.residuals([Clock::RIGHT; 2])).collect();
+        Self { outlines, recordings, angles, residuals }
     }
 
     /// What a repair leaves the pairs apart that it concerns.
@@ -61,18 +61,13 @@ impl Sampled {
             }
             let clocks = [clock(a), clock(b)];
             let mut residuals = if is_clock {
-                self.tangents[at].residuals(clocks)
+                self.angles[at].residuals(clocks)
             } else {
-                PairTangents::of(&changed[a], &changed[b]).residuals(clocks)
+                PairAngles::of(&changed[a], &changed[b]).residuals(clocks)
             };
             if let Some(split) = repair.after {
                 let seconds = self.recordings[a].sightings.iter().map(|sighting| sighting.seconds);
-                let before = seconds.cycle().zip(&self.residuals[at]);
-                for (residual, (seconds, before)) in residuals.iter_mut().zip(before) {
-                    if seconds < split {
-                        *residual = *before;
-                    }
-                }
+                residuals.keep_before(&self.residuals[at], seconds, split);
             }
             Some((at, residuals))
         };
@@ -91,7 +86,7 @@ impl Sampled {
         }
         for (at, &[a, b]) in pairs.iter().enumerate() {
             if repair.cameras.iter().any(|(index, _)| *index == a || *index == b) {
-                self.tangents[at] = PairTangents::of(&self.recordings[a], &self.recordings[b]);
+                self.angles[at] = PairAngles::of(&self.recordings[a], &self.recordings[b]);
             }
         }
     }
@@ -126,7 +121,7 @@ impl State {
         (SPREAD * tallest as f64).max(4.0)
     }
 
-    pub(super) fn noise(&self) -> f64 {
+    pub(super) fn noise(&self) -> ByWitness {
         noise(&self.full.residuals, self.spread())
     }
 

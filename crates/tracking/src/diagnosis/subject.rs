@@ -72,6 +72,7 @@ impl State {
             since_s: None,
             evidence: f64::INFINITY,
             apart_px: None,
+            keypoints_apart_px: None,
             rivals: Vec::new(),
             cameras: self.cameras.iter().map(in_metres).collect::<Option<Vec<_>>>()?,
             clock: None,

@@ -32,6 +32,8 @@ pub(crate) struct Sighting {
     pub(crate) hull: Vec<Corner>,
     /// Subject pixels.
     pub(crate) area: f64,
+    /// Unit rays to joints in world axes, in an order that all cameras share; empty without keypoints.
+    pub(crate) keypoints: Vec<Option<DVec3>>,
 }
 
 /// What one camera saw over time.
@@ -62,7 +64,17 @@ impl Recording {
             self.camera.ray_in_world(pixel).map(|ray| Corner { ray, is_open })
         };
         let hull = corners.into_iter().filter_map(corner).collect();
-        self.sightings.push(Sighting { seconds, hull, area: mask.count(Label::Subject) as f64 });
+        let area = mask.count(Label::Subject) as f64;
+        self.sightings.push(Sighting { seconds, hull, area, keypoints: Vec::new() });
+    }
+
+    /// Gives a frame that was [pushed](Self::push) its keypoints: the same joints in the same order for all cameras and frames, in
+    /// pixels of this camera. `None` for those that it does not show.
+    pub fn set_keypoints(&mut self, frame: usize, pixels: &[Option<DVec2>]) {
+        let ray = |pixel: &Option<DVec2>| pixel.and_then(|pixel| self.camera.ray_in_world(pixel));
+        if let Some(sighting) = self.sightings.get_mut(frame) {
+            sighting.keypoints = pixels.iter().map(ray).collect();
+        }
     }
 
     /// Frames so far.

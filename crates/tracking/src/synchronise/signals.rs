@@ -194,6 +194,16 @@ pub(crate) fn tangents(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
     a.into_iter().zip(b).map(|(a, b)| [a, b]).collect()
 }
 
+/// The angles of joints that keypoints show, of both cameras, one pair a joint.
+pub(crate) fn keypoint_angles(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
+    let joints = |recording: &Recording| {
+        recording.sightings.iter().map(|sighting| sighting.keypoints.len()).max().unwrap_or(0)
+    };
+    let count = recordings.into_iter().map(joints).min().unwrap_or(0);
+    let Some(pencil) = Pencil::of(recordings).filter(|_| count > 0) else { return Vec::new() };
+    (0..count).map(|joint| recordings.map(|recording| pencil.joint(recording, joint))).collect()
+}
+
 /// The half-planes that the line through two cameras' centres bounds.
 struct Pencil {
     baseline: DVec3,
@@ -241,14 +251,29 @@ impl Pencil {
                     corner.is_open && (angle.0 - extreme.0).abs() <= NEAR_EXTREME * extent
                 });
                 if !is_open && extreme.1 > pixel {
-                    let pixel = pixel / extreme.1;
-                    let (value, along) = (extreme.0, extreme.2);
-                    signal.push(Sample { seconds: sighting.seconds, value, pixel, velocity: 0.0, along });
+                    signal.push(sample_of(extreme, pixel, sighting.seconds));
                 }
             }
         }
         both
     }
+
+    /// The angle of a joint over time, where a keypoint shows it.
+    fn joint(&self, recording: &Recording, joint: usize) -> Vec<Sample> {
+        let pixel = 1.0 / recording.camera.intrinsics().mean_focal_px();
+        let sample = |sighting: &Sighting| {
+            let angle = self.angle((*sighting.keypoints.get(joint)?)?);
+            // Beyond, angles begin again from the other end.
+            let is_clear = angle.1 > pixel && angle.0.abs() < WIDEST;
+            is_clear.then(|| sample_of(angle, pixel, sighting.seconds))
+        };
+        recording.sightings.iter().filter_map(sample).collect()
+    }
+}
+
+/// An [angle](Pencil::angle) that was seen at a time, with what a pixel in the middle of the picture is, radians.
+fn sample_of((value, sine, along): (f64, f64, f64), pixel: f64, seconds: f64) -> Sample {
+    Sample { seconds, value, pixel: pixel / sine, velocity: 0.0, along }
 }
 
 /// The height of the top over the horizon and the logarithm of the area.
