@@ -8,9 +8,11 @@ mod runs_table;
 mod tests;
 mod work;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_formats::Footage;
 use backlit_jobs::{Task, once};
 use backlit_tracking::metrics::comparison::TrackComparison;
@@ -43,11 +45,15 @@ enum Side {
 #[derive(Debug, Default)]
 pub(crate) struct Compare {
     side: Side,
-    /// Files that were added, in their order.
-    paths: Vec<PathBuf>,
+    /// Files that were asked for and are not the document's yet: they are once they have been read.
+    asked: Vec<PathBuf>,
+    /// The one that was added last, until it is selected.
+    added: Option<PathBuf>,
     reading: Task<PathBuf, (PathBuf, Result<Arc<NamedReference>, String>), { priority::COMPARE }>,
-    /// What is still to be read.
-    queue: Vec<PathBuf>,
+    /// What files hold; `None` where one cannot be read, which was told.
+    read: BTreeMap<PathBuf, Option<Arc<NamedReference>>>,
+    of_take: Option<Arc<NamedReference>>,
+    /// The take's own, then the document's as far as they were read.
     references: Vec<Arc<NamedReference>>,
     comparing: Task<ComparisonInputs, Vec<Arc<TrackComparison>>, { priority::COMPARE }>,
     /// By reference.
@@ -64,26 +70,11 @@ pub(crate) struct Compare {
 
 impl Feature for Compare {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        let answers = self.dialogs.answers();
-        self.queue.extend(answers.into_iter().map(|((), path)| path));
-        for (path, read) in requests.outputs("Reading a reference", &mut self.reading) {
-            match read {
-                Ok(reference) => {
-                    self.paths.push(path);
-                    self.references.push(reference);
-                    self.selected = self.references.len() - 1;
-                }
-                Err(why) => requests.complain(why),
-            }
+        for ((), path) in self.dialogs.answers() {
+            self.add(path);
         }
-        if !self.reading.is_busy()
-            && let Some(path) = self.queue.pop()
-        {
-            self.reading.begin(context.pool, path, |path| {
-                let path = path.clone();
-                once(move |_| (path.clone(), work::read(&path)))
-            });
-        }
+        self.read(context, requests);
+        self.name_references(context);
         self.compare(context, requests);
         self.marks = Arc::new(self.marks_of(context));
     }
@@ -101,8 +92,7 @@ impl Feature for Compare {
                 self.dialogs.ask(context.egui, (), ask, |why| requests.complain(why));
             }
             CompareCommand::RemoveReferences => {
-                self.references.retain(|reference| reference.is_of_take);
-                (self.selected, self.paths) = (0, Vec::new());
+                requests.edit(Edit::SetReferences(Vec::new()));
             }
         }
         true
@@ -112,10 +102,9 @@ impl Feature for Compare {
         let Command::Compare(command) = command else { return None };
         match command {
             CompareCommand::AddReference => no_take(context),
-            CompareCommand::RemoveReferences => because(
-                self.references.iter().all(|reference| reference.is_of_take),
-                "No reference was added",
-            ),
+            CompareCommand::RemoveReferences => {
+                because(context.document().references.is_empty(), "No reference was added")
+            }
         }
     }
 
@@ -133,8 +122,8 @@ impl Feature for Compare {
     }
 
     fn reset(&mut self, take: &Footage) {
-        let references = NamedReference::of_take(take.take()).into_iter().map(Arc::new).collect();
-        *self = Self { side: self.side, references, ..Self::default() };
+        let of_take = NamedReference::of_take(take.take()).map(Arc::new);
+        *self = Self { side: self.side, of_take, ..Self::default() };
     }
 
     fn freeze_times(&mut self) {
@@ -144,7 +133,8 @@ impl Feature for Compare {
     fn at_rest(&self) -> Self {
         Self {
             side: self.side,
-            paths: self.paths.clone(),
+            read: self.read.clone(),
+            of_take: self.of_take.clone(),
             references: self.references.clone(),
             found: self.found.clone(),
             selected: self.selected,
@@ -158,6 +148,63 @@ impl Feature for Compare {
 }
 
 impl Compare {
+    /// Asks for a file. It is read anew: it may be another than before.
+    fn add(&mut self, path: PathBuf) {
+        self.read.remove(&path);
+        self.asked.push(path);
+    }
+
+    /// Reads files that were asked for or that the document names, one after the other.
+    fn read(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let paths = &context.document().references;
+        for (path, read) in requests.outputs("Reading a reference", &mut self.reading) {
+            let is_asked = self.asked.contains(&path);
+            self.asked.retain(|asked| *asked != path);
+            match &read {
+                Err(why) => requests.complain(why.clone()),
+                Ok(_) if is_asked => {
+                    self.added = Some(path.clone());
+                    let others = paths.iter().filter(|other| **other != path);
+                    requests.edit(Edit::SetReferences(others.chain([&path]).cloned().collect()));
+                }
+                Ok(_) => {}
+            }
+            self.read.insert(path, read.ok());
+        }
+        let mut named = self.asked.iter().chain(paths.iter());
+        if !self.reading.is_busy()
+            && let Some(path) = named.find(|path| !self.read.contains_key(*path))
+        {
+            self.reading.begin(context.pool, path.clone(), |path| {
+                let path = path.clone();
+                once(move |_| (path.clone(), work::read(&path)))
+            });
+        }
+    }
+
+    /// Renews the list of references. A comparison goes with its reference.
+    fn name_references(&mut self, context: &Context<'_>) {
+        let of_file = |path: &PathBuf| self.read.get(path)?.clone();
+        let of_document = context.document().references.iter().filter_map(of_file);
+        let now: Vec<Arc<NamedReference>> = self.of_take.iter().cloned().chain(of_document).collect();
+        if now.len() == self.references.len()
+            && now.iter().zip(&self.references).all(|(a, b)| Arc::ptr_eq(a, b))
+        {
+            return;
+        }
+        let found_of = |one: &Arc<NamedReference>| {
+            let at = self.references.iter().position(|other| Arc::ptr_eq(one, other))?;
+            self.found.get(at).cloned()
+        };
+        self.found = now.iter().map_while(found_of).collect();
+        self.references = now;
+        let last = self.references.last().and_then(|last| last.path.as_ref());
+        self.selected = match self.added.take_if(|added| last == Some(added)) {
+            Some(_) => self.references.len() - 1,
+            None => self.selected.min(self.references.len().saturating_sub(1)),
+        };
+    }
+
     /// Compares again where the poses or the references are others, and the pane is to be seen.
     fn compare(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for found in requests.outputs("Comparing with references", &mut self.comparing) {
@@ -188,17 +235,6 @@ impl Compare {
     /// The comparison with a reference, if it is done.
     fn found_of(&self, reference: usize) -> Option<&TrackComparison> {
         self.found.get(reference).map(|found| &**found)
-    }
-
-    /// Takes a reference away.
-    fn remove(&mut self, reference: usize) {
-        if reference < self.references.len() {
-            self.references.remove(reference);
-        }
-        if reference < self.found.len() {
-            self.found.remove(reference);
-        }
-        self.selected = self.selected.min(self.references.len().saturating_sub(1));
     }
 
     /// The selected reference's joints in the frame on the screen, while the pane is open.

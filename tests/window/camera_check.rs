@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use backlit_document::project::read_project;
+use backlit_take::demonstration::Demonstration;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
@@ -13,7 +14,8 @@ use crate::drop::drop_on;
 use crate::readable::{SIZES, assert_readable, look_over};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::window::{
-    Window, WindowState, at, built_in, choose, click, close_notices, command, press, save, undo,
+    Window, WindowState, at, built_in, choose, click, close_notices, command, demonstration, press, save,
+    undo,
 };
 
 const WRONG: &str = "cam3 has a wrong focal length";
@@ -96,5 +98,10 @@ fn the_card_in_both_themes() {
             click(&mut window, REPAIR);
             snapshots.part(&mut window, card, "panel_camera_check_repaired");
         }
+        let mut window = demonstration(Demonstration::Cues).theme(theme).sized(1024.0, 640.0).open();
+        close_notices(&mut window);
+        window.set_render_cursor(false);
+        command(&mut window, "Check cameras…");
+        snapshots.part(&mut window, card, &format!("panel_camera_check_keypoints_{}", theme_name(theme)));
     }
 }

@@ -22,8 +22,9 @@ const AFTER_HELP: &str = "\
 A half-plane through two cameras that touches the person touches both silhouettes. Where cameras disagree on \
 these, every usual fault is tried (extrinsics the wrong way round, units, axes, pictures turned or scaled, cameras \
 exchanged, lens, focal length, principal point, a camera turned, shifted or moved half-way, clocks), and what explains \
-the silhouettes best is told; keypoints are compared in the same way where the take has them. So are backgrounds that change while the take is filmed: a thing that was put down, other light, a \
-knock. The person must move. Two cameras show that something is wrong, but not in which.
+the silhouettes best is told. Keypoints are compared in the same way where the take has them. Backgrounds that change \
+while the take is filmed are told too: a thing that was put down, other light, a knock. The person must move. Two \
+cameras show that something is wrong, but not in which.
 
 Examples:
   backlit check TAKE

@@ -104,6 +104,8 @@ pub enum Edit {
     RemoveBookmark { index: usize },
     /// Backgrounds that change while the take is filmed.
     SetChanges(Arc<Vec<BackgroundChange>>),
+    /// Files that poses are compared with.
+    SetReferences(Vec<PathBuf>),
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
         limb: usize,
@@ -187,6 +189,7 @@ impl Edit {
             Self::ChangeBookmark { .. } => "Change bookmark".to_owned(),
             Self::RemoveBookmark { .. } => "Remove bookmark".to_owned(),
             Self::SetChanges(_) => "Learn changed backgrounds".to_owned(),
+            Self::SetReferences(_) => "Change references".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
         }
@@ -264,6 +267,7 @@ impl Document {
             | Edit::EraseBrush { .. }
             | Edit::SetRegion { .. }
             | Edit::SetChanges(_)) => self.steer_silhouettes(edit)?,
+            Edit::SetReferences(paths) => self.references = Arc::new(paths),
             edit @ (Edit::AddBookmark(_) | Edit::ChangeBookmark { .. } | Edit::RemoveBookmark { .. }) => {
                 self.mark(edit)?;
             }

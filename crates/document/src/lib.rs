@@ -19,6 +19,7 @@ pub mod told;
 pub mod tracking_choices;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_formats::Footage;
@@ -134,6 +135,8 @@ pub struct Document {
     pub changes: Arc<Vec<BackgroundChange>>,
     /// Places that somebody marked, in the order of their frames.
     pub bookmarks: Arc<Vec<Bookmark>>,
+    /// Files that poses are compared with, in the order in which they were added.
+    pub references: Arc<Vec<PathBuf>>,
 }
 
 impl Document {
@@ -159,6 +162,7 @@ impl Document {
             person: None,
             changes: Arc::default(),
             bookmarks: Arc::default(),
+            references: Arc::default(),
         }
     }
 

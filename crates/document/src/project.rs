@@ -272,6 +272,7 @@ mod tests {
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
             Edit::SetCalibration(Some(calibration())),
+            Edit::SetReferences(vec![PathBuf::from("/motions/squat.trc")]),
             Edit::SetPlates(BTreeMap::from([(0, PathBuf::from("/plates/cam01.png"))])),
             Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
             Edit::Paint(vec![BrushStroke {

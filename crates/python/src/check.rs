@@ -51,7 +51,7 @@ impl PyFinding {
 ///
 /// ``cams`` is a :class:`CameraGroup` beside ``masks`` (C, T, H, W), or a :class:`Take` alone. At most ``frames`` frames are looked
 /// at. ``fps``, ``mask_values``, ``n_threads`` and ``progress`` are as of :func:`fit`. Returns a :class:`Finding` each fault, the
-/// gravest first; an empty list where nothing is wrong as far as silhouettes tell. Two cameras show that something is wrong, but
+/// gravest first; an empty list where nothing is wrong as far as the recording tells. Two cameras show that something is wrong, but
 /// not in which. Raises :class:`InputError`, :class:`FileError` or :class:`Error`.
 #[pyfunction]
 #[pyo3(signature = (cams, masks = None, *, fps = None, frames = USUAL_FRAMES, mask_values = None, n_threads = None,

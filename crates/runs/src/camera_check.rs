@@ -13,7 +13,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 /// What is said where no fault is found.
-pub const NOTHING_WRONG: &str = "nothing is wrong with the cameras, as far as their silhouettes tell";
+pub const NOTHING_WRONG: &str = "nothing is wrong with the cameras, as far as the recording tells";
 
 /// From this factor on, how much less likely a rival is stands as a number.
 const TELLS_FACTOR_FROM: f64 = 1.5;

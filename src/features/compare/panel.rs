@@ -1,5 +1,6 @@
 //! The Compare pane: references with their figures, then joints and angles of the selected one; a row chooses the curve beside it.
 
+use backlit_document::edit::Edit;
 use backlit_runs::comparison::{clock_words, world_words};
 use backlit_tracking::metrics::comparison::{AngleAgreement, ErrorStatistics, PCK_MM, TrackComparison};
 use backlit_tracking::statistics::Statistics;
@@ -98,7 +99,9 @@ impl Compare {
             ui.horizontal_top(|ui| {
                 let tables = vec2(TABLES, area.y);
                 ui.allocate_ui_with_layout(tables, Direction::top_down(Align::Min), |ui| {
-                    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.tables(ui));
+                    ScrollArea::vertical()
+                        .auto_shrink(false)
+                        .show(ui, |ui| self.tables(ui, context, requests));
                 });
                 ui.vertical(|ui| self.plot(ui, context, requests));
             });
@@ -106,15 +109,14 @@ impl Compare {
         }
         let tables = vec2(area.x, (area.y - PLOT).max(100.0));
         ui.allocate_ui_with_layout(tables, Direction::top_down(Align::Min), |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.tables(ui));
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.tables(ui, context, requests));
         });
         self.plot(ui, context, requests);
     }
 
-    fn tables(&mut self, ui: &mut Ui) {
+    fn tables(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         ui.spacing_mut().item_spacing.y = 0.0;
         titles(ui, "Reference", &ERRORS.map(|column| (column.0, column.1)));
-        let mut removed = None;
         for index in 0..self.references.len() {
             let named = &self.references[index];
             let found = self.found.get(index);
@@ -131,15 +133,13 @@ impl Compare {
             if response.clicked() {
                 self.selected = index;
             }
-            if !named.is_of_take
+            if let Some(path) = &named.path
                 && index == self.selected
                 && remove_button(ui, &response, &named.reference.name)
             {
-                removed = Some(index);
+                let others = context.document().references.iter().filter(|other| *other != path);
+                requests.edit(Edit::SetReferences(others.cloned().collect()));
             }
-        }
-        if let Some(index) = removed {
-            self.remove(index);
         }
         let Some(found) = self.found.get(self.selected).cloned() else { return };
         ui.add_space(space::WIDGET);

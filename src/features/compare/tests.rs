@@ -6,7 +6,7 @@ use backlit_take::source::TakeSource;
 use super::curves::{CurveChoice, ErrorKind};
 use super::{Compare, Side};
 use crate::app::testing::{TestWindow, open_source};
-use crate::context::command::{Command, CompareCommand, FitCommand, WindowCommand};
+use crate::context::command::{Command, CompareCommand, FitCommand, HistoryCommand, WindowCommand};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
@@ -39,9 +39,12 @@ fn references_are_compared_and_drawn_beside_the_body() {
         let edit = backlit_document::edit::Edit::SetPose { frame, pose: shown.clone(), what };
         app.state.edit(edit, None);
     }
-    app.features.compare.queue.push(path);
+    app.features.compare.add(path.clone());
+    // The file is read and goes into the document; then poses are compared with it.
+    app.settle();
     app.settle();
     assert_eq!(compare(&app).references.len(), 2, "{:?}", app.errors());
+    assert_eq!(*app.document().references, [path]);
     let found = compare(&app).found[1].clone();
     assert_eq!((found.frames.len(), compare(&app).selected), (4, 1));
     assert!(found.overall.as_ref().unwrap().raw.max < 1.0, "{:?}", found.overall);
@@ -51,6 +54,9 @@ fn references_are_compared_and_drawn_beside_the_body() {
     app.does(Command::Compare(CompareCommand::RemoveReferences));
     app.settle();
     assert_eq!((compare(&app).references.len(), compare(&app).found.len()), (1, 1));
+    app.does(Command::History(HistoryCommand::Undo));
+    app.settle();
+    assert_eq!((compare(&app).references.len(), compare(&app).found.len()), (2, 2), "taken back");
     app.features.compare.side = Side::Runs;
     app.settle();
     assert!(app.state.published.references.is_empty(), "runs have no references");
@@ -60,10 +66,11 @@ fn references_are_compared_and_drawn_beside_the_body() {
 #[test]
 fn a_file_that_is_no_recording_is_told() {
     let mut app = open();
-    app.features.compare.queue.push("nothing.trc".into());
+    app.features.compare.add("nothing.trc".into());
     app.settle();
     assert!(app.errors().iter().any(|error| error.contains("nothing.trc")), "{:?}", app.errors());
     assert_eq!(compare(&app).references.len(), 1);
+    assert!(app.document().references.is_empty());
 }
 
 /// One run with all cameras, and one without each.

@@ -1,7 +1,7 @@
 //! References are read, and the poses are compared with them, while the window goes on.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_document::{Document, Estimate};
@@ -15,16 +15,16 @@ use glam::DVec3;
 
 use crate::context::marks::ReferenceMark;
 
-/// A reference, and whether it is the take's own.
+/// A reference, and its file; `None` for the take's own.
 #[derive(Debug)]
 pub(super) struct NamedReference {
     pub(super) reference: ComparedReference,
-    pub(super) is_of_take: bool,
+    pub(super) path: Option<PathBuf>,
 }
 
 impl NamedReference {
     pub(super) fn of_take(take: &Take) -> Option<Self> {
-        Some(Self { reference: ComparedReference::of_take(take)?, is_of_take: true })
+        Some(Self { reference: ComparedReference::of_take(take)?, path: None })
     }
 }
 
@@ -32,7 +32,7 @@ impl NamedReference {
 pub(super) fn read(path: &Path) -> Result<Arc<NamedReference>, String> {
     let reference =
         read_reference(path, &RecordingOptions::default()).map_err(|error| format!("{error:#}"))?;
-    Ok(Arc::new(NamedReference { reference, is_of_take: false }))
+    Ok(Arc::new(NamedReference { reference, path: Some(path.to_owned()) }))
 }
 
 /// All that a comparison depends on.
@@ -82,7 +82,7 @@ impl ComparisonInputs {
 
     pub(super) fn compare(&self) -> Vec<Arc<TrackComparison>> {
         let one = |named: &Arc<NamedReference>| {
-            let options = if named.is_of_take { AS_IT_IS } else { ComparisonOptions::default() };
+            let options = if named.path.is_none() { AS_IT_IS } else { ComparisonOptions::default() };
             Arc::new(compare_motion(&self.motion, &named.reference, &options))
         };
         self.references.iter().map(one).collect()

@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use backlit_formats::Footage;
 use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::keypoints::joints::LOWEST_SCORE;
 use backlit_formats::synchronise::record;
 use backlit_lab::experiment::calibration_faults::{Fault, FilmedPerson};
 use backlit_tracking::body::builtin;
@@ -119,7 +120,7 @@ fn faults(cameras: &[Camera]) -> Vec<Fault> {
     all
 }
 
-/// Markers of twelve joints as tools of keypoints name them.
+/// `OpenPose`'s names of the joints of `KEYPOINT_LIMBS`.
 const MARKERS: [&str; 12] = [
     "LShoulder",
     "RShoulder",
@@ -134,8 +135,6 @@ const MARKERS: [&str; 12] = [
     "LAnkle",
     "RAnkle",
 ];
-/// Keypoints of which the tool is less sure do not count.
-const LEAST_CONFIDENCE: f64 = 0.3;
 
 /// Gives recordings of all frames the keypoints of a file.
 fn add_keypoints(path: &Path, footage: &Footage, recordings: &mut [Recording]) -> Result<()> {
@@ -160,7 +159,7 @@ fn add_keypoints(path: &Path, footage: &Footage, recordings: &mut [Recording]) -
         let place = (DVec2::new(u, v) + 0.5) * scale - 0.5;
         let seen = lens.ray_in_world(place).and_then(|ray| ideal.project(ideal.centre() + ray));
         if let Some(slot) = pixels[camera].get_mut(frame) {
-            slot[joint] = seen.filter(|_| confidence >= LEAST_CONFIDENCE);
+            slot[joint] = seen.filter(|_| confidence >= LOWEST_SCORE);
         }
     }
     for (recording, pixels) in recordings.iter_mut().zip(pixels) {

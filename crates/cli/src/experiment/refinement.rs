@@ -48,6 +48,9 @@ pub(crate) struct RefinedRigs {
     /// Disturbances that are tried [1 to 100]
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=100_u64))]
     seeds: u64,
+    /// Frames that are fitted to [3 to 64]
+    #[arg(long, value_name = "N", default_value_t = 16, allow_negative_numbers = true, value_parser = within(3..=64_usize))]
+    count: usize,
     /// Height of simulated pictures, pixels [60 to 2160]
     #[arg(long, value_name = "PIXELS", default_value_t = 480, allow_negative_numbers = true, value_parser = within(60..=2160_u64))]
     height: u64,
@@ -151,6 +154,7 @@ impl Experiment for RefinedRigs {
             };
             let mut options = CameraRefinementOptions::new(FitOptions::default(), frame_rate);
             options.choice = self.free.choice();
+            options.fitted = self.count;
             if self.take.is_none() {
                 options.fit = BodyFitOptions::default().with_proportions(WELL_SEEN);
             }

@@ -61,6 +61,9 @@ pub(crate) struct ProjectFile {
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    /// Files that poses are compared with; those whose path is relative lie beside the project.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) references: Vec<PathBuf>,
     /// Written apart, a line a stroke.
     #[serde(default, skip_serializing)]
     pub(crate) brush: Vec<StrokeRecord>,
@@ -142,6 +145,7 @@ impl ProjectFile {
                 .iter()
                 .map(|(frame, masks)| (*frame, file_records(document, masks)))
                 .collect(),
+            references: (*document.references).clone(),
             bookmarks: document.bookmarks.iter().map(|mark| BookmarkRecord::of(document, mark)).collect(),
             brush: document.brush.iter().filter_map(|one| StrokeRecord::of(document, one)).collect(),
             person: document.person.as_deref().cloned(),
@@ -196,6 +200,8 @@ impl ProjectFile {
             let (field, camera) = ("background_changes".to_owned(), wrong.camera.to_string());
             return Err(ProjectProblem::Camera { field, camera });
         }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let references = self.references.into_iter().map(|reference| folder.join(reference)).collect();
         let calibration = self.calibration.map(|record| record.read(path)).transpose()?;
         let runs = read_runs(&model, self.runs)?;
         let document = Document {
@@ -217,6 +223,7 @@ impl ProjectFile {
             person: self.person.map(Arc::new),
             changes: Arc::new(self.background_changes),
             bookmarks: Arc::new(bookmarks),
+            references: Arc::new(references),
         };
         Ok(Project { document, runs })
     }

@@ -1,6 +1,7 @@
 //! Joints in space from the keypoints of several cameras, and the body that they make.
 
-use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
+use backlit_tracking::body::builtin::{self, KEYPOINT_LIMBS};
+use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::body_fit::scale;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::JointKeypoint;
@@ -12,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::{Keypoint, Person};
 
 /// Keypoints with a lower score are not believed to be anywhere.
-pub(crate) const LOWEST_SCORE: f64 = 0.3;
+pub const LOWEST_SCORE: f64 = 0.3;
 /// A joint whose rays miss one another by more is not believed, metres.
 const FARTHEST_RAY: f64 = 0.12;
 /// Fewest joints that a pose is made of.
@@ -20,26 +21,10 @@ const FEWEST_JOINTS: usize = 8;
 /// A body whose joints are farther from the keypoints, metres in the mean, is not believed.
 const FARTHEST_JOINTS: f64 = 0.15;
 
-/// The limbs of the full body whose second joints keypoints show.
-const LIMBS: [&str; 12] = [
-    "left clavicle",
-    "right clavicle",
-    "left upper arm",
-    "right upper arm",
-    "left forearm",
-    "right forearm",
-    "left hip",
-    "right hip",
-    "left lower thigh",
-    "right lower thigh",
-    "left lower calf",
-    "right lower calf",
-];
-
 /// Keypoints of COCO's body.
 const COCO_KEYPOINTS: usize = 17;
 
-/// Which keypoint shows which limb's second joint, in the order of `LIMBS`.
+/// Which keypoint shows which limb's second joint, in the order of `KEYPOINT_LIMBS`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeypointOrder([usize; 12]);
 
@@ -81,7 +66,7 @@ pub fn body_of(people: &[(&Camera, Person)]) -> Option<KeypointBody> {
 #[must_use]
 pub fn joints_of(model: &Model, people: &[(&Camera, Person)], order: KeypointOrder) -> ReferenceJoints {
     let mut joints = ReferenceJoints::new();
-    for (name, index) in LIMBS.iter().zip(order.0) {
+    for (name, index) in KEYPOINT_LIMBS.iter().zip(order.0) {
         let seen = people.iter().filter_map(|(camera, person)| {
             let keypoint = (*person.get(index)?)?;
             (keypoint.score >= LOWEST_SCORE).then_some((*camera, keypoint.place))
@@ -108,10 +93,10 @@ pub fn cues_of(
         let (pixel, score) = seen?;
         Some(JointKeypoint { limb: model.limb_index(name)?, pixel, score: score.min(1.0) })
     };
-    LIMBS.iter().zip(joint_pixels(person, order, camera, working)).filter_map(cue).collect()
+    KEYPOINT_LIMBS.iter().zip(joint_pixels(person, order, camera, working)).filter_map(cue).collect()
 }
 
-/// Where `working` sees the second joints of `LIMBS`, pixels, and the keypoints' scores.
+/// Where `working` sees the second joints of `KEYPOINT_LIMBS`, pixels, and the keypoints' scores.
 pub(crate) fn joint_pixels(
     person: &Person,
     order: KeypointOrder,
@@ -129,7 +114,7 @@ pub(crate) fn joint_pixels(
 #[must_use]
 pub fn person_of(model: &Model, cues: &[JointKeypoint]) -> Person {
     let mut person = vec![None; COCO_KEYPOINTS];
-    for (name, index) in LIMBS.iter().zip(ORDERS[0].0) {
+    for (name, index) in KEYPOINT_LIMBS.iter().zip(ORDERS[0].0) {
         let cue = cues.iter().find(|cue| model.limb_index(name) == Some(cue.limb));
         person[index] = cue.map(|cue| Keypoint { place: cue.pixel, score: cue.score });
     }
@@ -196,7 +181,7 @@ mod tests {
         let camera = Camera::new("c", [240, 320], pinhole, lens, place).unwrap();
         let working = camera.without_distortion().reduced(2).unwrap();
         let mut person: Person = vec![None; 17];
-        for (name, index) in LIMBS.iter().zip(ORDERS[0].0) {
+        for (name, index) in KEYPOINT_LIMBS.iter().zip(ORDERS[0].0) {
             let place = camera.project(joints.ends()[model.limb_index(name).unwrap()]).unwrap();
             person[index] = Some(Keypoint { place, score: 1.4 });
         }

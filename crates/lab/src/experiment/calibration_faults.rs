@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_tracking::body::builtin::KEYPOINT_LIMBS;
 use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, up_of};
 use backlit_tracking::diagnosis::{FaultKind, turned_for};
@@ -16,7 +17,6 @@ use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::ExperimentError;
-use crate::synthetic::filmed::KEYPOINTS;
 use crate::synthetic::{capsules, exercise, masks};
 
 /// A fault of one camera, or of all.
@@ -155,12 +155,12 @@ impl Simulation {
         let mut random = Pcg64Mcg::seed_from_u64((1_000_000 + seed) as u64);
         let off = deviation / std::f64::consts::SQRT_2;
         let mut noise = || normal_vector(&mut random).truncate() * off;
-        let constant = KEYPOINTS.map(|_| noise());
+        let constant = KEYPOINT_LIMBS.map(|_| noise());
         let size = DVec2::new(camera.width() as f64, camera.height() as f64);
         for (frame, &seconds) in self.seconds.iter().enumerate() {
             let joints = Kinematics::new(&self.model, &exercise::pose(&self.model, seconds));
             let mut pixels = Vec::new();
-            for (name, constant) in KEYPOINTS.iter().zip(constant) {
+            for (name, constant) in KEYPOINT_LIMBS.iter().zip(constant) {
                 let limb = self.model.limb_index(name);
                 let place = limb.and_then(|limb| camera.project(joints.ends()[limb]));
                 let place = place.map(|place| place + constant + noise());

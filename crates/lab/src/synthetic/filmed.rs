@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use backlit_tracking::body::builtin::KEYPOINT_LIMBS;
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture, JointKeypoint, WatchedCamera};
@@ -28,21 +29,6 @@ const TOO_WIDE: f64 = 0.045;
 /// Contrast of the pattern on the clothes.
 const PATTERN: f64 = 0.5;
 
-/// Limbs whose second joints tools of keypoints see: those of COCO.
-pub(crate) const KEYPOINTS: [&str; 12] = [
-    "left clavicle",
-    "right clavicle",
-    "left upper arm",
-    "right upper arm",
-    "left forearm",
-    "right forearm",
-    "left hip",
-    "right hip",
-    "left lower thigh",
-    "right lower thigh",
-    "left lower calf",
-    "right lower calf",
-];
 /// How far off keypoints are in each direction, in metres at the person's distance: a deviation from frame to frame, one that
 /// a joint keeps, and a joint's from frame to frame that the camera does not see.
 const NOISE_M: f64 = 0.012;
@@ -80,7 +66,7 @@ pub fn film(
     let room = Room::default();
     let plates: Vec<Plate> = cameras.iter().map(|camera| Plate::new(&room, camera, 1)).collect();
     let mut random = Pcg64Mcg::seed_from_u64(SEED);
-    let offsets = KEYPOINTS.map(|_| normal_vector(&mut random) * OFFSET_M);
+    let offsets = KEYPOINT_LIMBS.map(|_| normal_vector(&mut random) * OFFSET_M);
     let count = (seconds * DRAWN_RATE).ceil() as usize;
     let total = count.div_ceil(every);
     let mut frames = Vec::with_capacity(total);
@@ -129,11 +115,11 @@ fn keypoints(
     joints: &Kinematics,
     figure: &Figure,
     camera: &Camera,
-    offsets: &[DVec3; KEYPOINTS.len()],
+    offsets: &[DVec3; KEYPOINT_LIMBS.len()],
     random: &mut Pcg64Mcg,
 ) -> Vec<JointKeypoint> {
     let mut found = Vec::new();
-    for (name, offset) in KEYPOINTS.iter().zip(offsets) {
+    for (name, offset) in KEYPOINT_LIMBS.iter().zip(offsets) {
         let Some(limb) = model.limb_index(name) else { continue };
         let turn = joints.world_rotations()[model.limbs()[limb].rotation];
         let place = joints.ends()[limb] + turn * *offset;

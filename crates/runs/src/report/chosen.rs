@@ -6,6 +6,12 @@ use super::{ReportOptions, ReportSource};
 
 /// This share of the pictures goes to the most doubtful frames.
 const DOUBTFUL_SHARE: usize = 4;
+/// Doubtful frames are so far apart, seconds: each stands for its surroundings.
+const DOUBTS_APART_S: f64 = 0.5;
+/// A frame beside a doubtful one stands for it if it is this share as doubtful, and decoded sooner.
+const NEARLY_AS_DOUBTFUL: f64 = 0.75;
+/// Pictures that may be decoded on the way to doubtful frames for each picture of a page, which is wanted soon.
+const DECODED_PER_PICTURE: usize = 8;
 
 /// The chosen frames.
 pub(super) struct Chosen {
@@ -15,8 +21,8 @@ pub(super) struct Chosen {
     pub(super) stepped: Vec<usize>,
 }
 
-/// Frames of the track that lie in the take, which has `count`. Of those that are spread evenly the take may have an earlier one
-/// sooner.
+/// Frames of the track that lie in the take, which has `count`. `sooner` is the last frame, up to one, that the take decodes by
+/// itself: it is shown in the place of those that are spread evenly.
 pub(super) fn frames(
     source: &ReportSource,
     options: &ReportOptions,
@@ -24,33 +30,66 @@ pub(super) fn frames(
     sooner: impl Fn(usize) -> usize,
 ) -> Chosen {
     let all: Vec<usize> = source.track.frames.keys().copied().filter(|&frame| frame < count).collect();
-    let mut worst = all.clone();
+    let mut worst: Vec<(usize, f64)> = all.iter().map(|&frame| (frame, doubt(source, frame))).collect();
     // The first of equals comes first.
-    worst.sort_by(|&a, &b| doubt(source, b).total_cmp(&doubt(source, a)));
+    worst.sort_by(|a, b| b.1.total_cmp(&a.1));
     let stepped: Vec<usize> = match &options.steps_of {
         Some(asked) => asked.iter().copied().filter(|frame| all.contains(frame)).collect(),
         None => {
-            let ends = all.first().into_iter().chain(worst.first());
+            let ends = all.first().into_iter().chain(worst.first().map(|(frame, _)| frame));
             ends.copied().collect::<BTreeSet<usize>>().into_iter().collect()
         }
     };
     let mut pictured: BTreeSet<usize> = BTreeSet::new();
-    if options.pictures > 0 {
+    if options.pictures > 0 && !all.is_empty() {
         let marked = source.bookmarks.iter().map(|mark| mark.frame).filter(|frame| all.contains(frame));
         pictured.extend(marked.chain(stepped.iter().copied()));
-        let doubtful = if options.pictures < all.len() { options.pictures / DOUBTFUL_SHARE } else { 0 };
-        pictured.extend(&worst[..doubtful.min(worst.len())]);
-        let spread = (options.pictures - doubtful).min(all.len());
+        if options.pictures < all.len() {
+            pictured.extend(doubtful(source, options.pictures, &worst, &sooner));
+        }
+        let spread = options.pictures.saturating_sub(pictured.len()).min(all.len());
         let place = |number: usize| number * (all.len() - 1) / (spread - 1).max(1);
         pictured.extend((0..spread).map(|number| {
             let before = number.checked_sub(1).map(|number| all[place(number)]);
             let (even, sooner) = (all[place(number)], sooner(all[place(number)]));
             let is_between =
                 before.is_none_or(|before| sooner > before) && all.binary_search(&sooner).is_ok();
-            if is_between && number + 1 < spread { sooner } else { even }
+            if is_between { sooner } else { even }
         }));
     }
     Chosen { pictured, stepped }
+}
+
+/// The frames of a page of `pictures` that stand for its most doubtful ones, of which `worst` begins with the first. Those that
+/// take too long to decode are left out.
+fn doubtful(
+    source: &ReportSource,
+    pictures: usize,
+    worst: &[(usize, f64)],
+    sooner: impl Fn(usize) -> usize,
+) -> Vec<usize> {
+    let apart = (DOUBTS_APART_S * source.frame_rate).round() as usize;
+    let mut decodes = DECODED_PER_PICTURE * pictures;
+    let (mut peaks, mut shown): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
+    for &(peak, most) in worst {
+        if shown.len() == pictures / DOUBTFUL_SHARE || most <= 0.0 {
+            break;
+        }
+        if peaks.iter().any(|other| other.abs_diff(peak) <= apart) {
+            continue;
+        }
+        peaks.push(peak);
+        let near = source.track.frames.range(peak.saturating_sub(apart)..=peak + apart).map(|near| *near.0);
+        let stands_for =
+            |frame: &usize| sooner(*frame) == *frame && doubt(source, *frame) >= NEARLY_AS_DOUBTFUL * most;
+        let frame = near.filter(stands_for).min_by_key(|frame| frame.abs_diff(peak)).unwrap_or(peak);
+        let cost = (frame + 1).saturating_sub(sooner(frame)) * source.cameras.len();
+        if let Some(left) = decodes.checked_sub(cost) {
+            decodes = left;
+            shown.push(frame);
+        }
+    }
+    shown
 }
 
 /// How little a frame is believed: how many limbs may be expected to be wrong, and what its overlap lacks.
@@ -80,31 +119,42 @@ mod tests {
         let mut track = Track::default();
         for frame in 0..1000 {
             let mut one = FrameEstimate::of_pose(frame, Pose::rest(&model));
-            if (501..504).contains(&frame) {
-                one.trust = vec![LimbTrust::new(0, frame as f64 / 1000.0, [0.1, 0.4], Reason::Unheld)];
+            let wrong = match frame {
+                500..504 => frame as f64 / 1000.0,
+                620 => 0.4,
+                700 => 0.3,
+                _ => 0.0,
+            };
+            if wrong > 0.0 {
+                one.trust = vec![LimbTrust::new(0, wrong, [0.1, 0.4], Reason::Unheld)];
             }
             track.frames.insert(frame, one);
         }
         let mut source = crate::report::tests::source(model, track);
+        source.cameras = ["left", "right"].map(str::to_owned).into();
         let mark = Bookmark { frame: 77, camera: None, joint: None, text: String::new() };
         source.bookmarks = vec![mark.clone(), Bookmark { frame: 5000, ..mark }];
-        let chosen = frames(&source, &ReportOptions::default(), 900, |frame| frame);
-        assert!([0, 77, 501, 502, 503, 899].iter().all(|frame| chosen.pictured.contains(frame)));
-        // Six for doubts, eighteen spread, with both ends; of equal doubts the first frames.
-        assert!((20..=25).contains(&chosen.pictured.len()), "{:?}", chosen.pictured);
+        let options = ReportOptions::default();
+        let chosen = frames(&source, &options, 900, |frame| frame);
+        // Each doubtful stretch has one picture, at its peak; the rest is spread from end to end.
+        let doubtful = |frame: &&usize| (500..504).contains(*frame) || [620, 700].contains(*frame);
+        assert_eq!(chosen.pictured.iter().filter(doubtful).collect::<Vec<_>>(), [&503, &620, &700]);
+        assert!([0, 77, 899].iter().all(|frame| chosen.pictured.contains(frame)));
+        assert!((22..=24).contains(&chosen.pictured.len()), "{:?}", chosen.pictured);
         assert!(chosen.pictured.iter().all(|&frame| frame < 900));
         assert_eq!(chosen.stepped, [0, 503]);
-        let sooner = frames(&source, &ReportOptions::default(), 900, |frame| frame / 50 * 50);
-        let at_keys = sooner.pictured.iter().filter(|frame| **frame % 50 == 0).count();
-        assert_eq!((sooner.pictured.len(), at_keys), (chosen.pictured.len(), 17), "{:?}", sooner.pictured);
-        assert!(sooner.pictured.contains(&899) && sooner.pictured.contains(&503));
-        let none =
-            frames(&source, &ReportOptions { pictures: 0, ..ReportOptions::default() }, 900, |frame| frame);
-        assert!(none.pictured.is_empty());
-        let all =
-            frames(&source, &ReportOptions { pictures: 5000, ..ReportOptions::default() }, 900, |frame| {
-                frame
-            });
-        assert_eq!(all.pictured.len(), 900);
+        // A key beside a peak stands for it; the first of all is shown as it is, for it has steps.
+        let sooner = frames(&source, &options, 900, |frame| frame / 50 * 50);
+        let (at_keys, others): (Vec<usize>, Vec<usize>) =
+            sooner.pictured.iter().partition(|frame| **frame % 50 == 0);
+        assert_eq!(others, [77, 503, 620], "{at_keys:?}");
+        assert!([500, 700, 850].iter().all(|frame| at_keys.contains(frame)) && at_keys.len() > 14);
+        // What takes too long to decode has no picture but with its steps.
+        let seldom = frames(&source, &options, 900, |frame| frame / 400 * 400);
+        assert!(seldom.pictured.contains(&503) && !seldom.pictured.contains(&620));
+        let of =
+            |pictures| frames(&source, &ReportOptions { pictures, ..options.clone() }, 900, |frame| frame);
+        assert!(of(0).pictured.is_empty());
+        assert_eq!(of(5000).pictured.len(), 900);
     }
 }

@@ -27,6 +27,22 @@ pub fn upper_body() -> Model {
     parse(TEXTS[1])
 }
 
+/// Limbs of the full body whose second joints tools of keypoints see (COCO's shoulders, elbows, wrists, hips, knees and ankles).
+pub const KEYPOINT_LIMBS: [&str; 12] = [
+    "left clavicle",
+    "right clavicle",
+    "left upper arm",
+    "right upper arm",
+    "left forearm",
+    "right forearm",
+    "left hip",
+    "right hip",
+    "left lower thigh",
+    "right lower thigh",
+    "left lower calf",
+    "right lower calf",
+];
+
 /// A whole adult: thirty limbs on fifteen rotations.
 pub fn full_body() -> Model {
     parse(TEXTS[2])

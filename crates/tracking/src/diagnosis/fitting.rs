@@ -29,18 +29,33 @@ pub(super) struct Tried {
     pub(super) residuals: Vec<(usize, Residuals)>,
 }
 
+/// What a residual of each witness weighs in a fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weighing {
+    /// Standard deviations, pixels.
+    noise: ByWitness,
+    /// How much of a residual counts, beside one of silhouettes: those that hang together more say less.
+    shares: ByWitness,
+}
+
 impl State {
+    /// How the cameras as they are weigh their witnesses, whose deviations are `noise`.
+    pub(super) fn weighing(&self, noise: ByWitness) -> Weighing {
+        let [silhouettes, keypoints] = correlation_lengths(&self.full.residuals, noise);
+        Weighing { noise, shares: [1.0, (silhouettes / keypoints).min(1.0)] }
+    }
+
     /// The best size of a fault of this kind.
-    pub(super) fn fit(&self, hypothesis: Hypothesis, noise: ByWitness) -> Option<Tried> {
+    pub(super) fn fit(&self, hypothesis: Hypothesis, weighing: Weighing) -> Option<Tried> {
         let mut start = hypothesis.start();
         if hypothesis.kind == FaultKind::Bumped {
-            return self.fit_bump(hypothesis, noise);
+            return self.fit_bump(hypothesis, weighing);
         }
         if hypothesis.kind.is_clock() {
-            start[0] = self.best_offset(&hypothesis, noise)?;
-            return self.descend(hypothesis, start, &WIDTHS[1..], 0.0, noise);
+            start[0] = self.best_offset(&hypothesis, weighing.noise)?;
+            return self.descend(hypothesis, start, &WIDTHS[1..], 0.0, weighing);
         }
-        self.descend(hypothesis, start, &WIDTHS, 0.0, noise)
+        self.descend(hypothesis, start, &WIDTHS, 0.0, weighing)
     }
 
     fn best_offset(&self, hypothesis: &Hypothesis, noise: ByWitness) -> Option<f64> {
@@ -64,16 +79,16 @@ impl State {
     }
 
     /// A camera that was moved and when: the size by descent, the moment by what fits before and after, in turns.
-    fn fit_bump(&self, hypothesis: Hypothesis, noise: ByWitness) -> Option<Tried> {
+    fn fit_bump(&self, hypothesis: Hypothesis, weighing: Weighing) -> Option<Tried> {
         let span = self.span(&hypothesis);
         let mut split = span[0] + BUMPS[hypothesis.form] * (span[1] - span[0]);
         let mut by = hypothesis.start();
         let mut tried = None;
         for round in 0..BUMP_ROUNDS {
             let widths = if round == 0 { &WIDTHS[..] } else { &WIDTHS[1..] };
-            let now = self.descend(hypothesis, by, widths, split, noise)?;
+            let now = self.descend(hypothesis, by, widths, split, weighing)?;
             by = now.by.clone();
-            let better = self.best_split(&hypothesis, &by, noise)?;
+            let better = self.best_split(&hypothesis, &by, weighing.noise)?;
             let is_same = (better - split).abs() < 1e-9;
             split = better;
             tried = Some(now);
@@ -85,7 +100,7 @@ impl State {
         if tried.split == split {
             Some(tried)
         } else {
-            self.descend(hypothesis, by, &WIDTHS[1..], split, noise)
+            self.descend(hypothesis, by, &WIDTHS[1..], split, weighing)
         }
     }
 
@@ -120,12 +135,6 @@ impl State {
         best.map(|best| best.0)
     }
 
-    /// How much a residual of each witness weighs, beside one of silhouettes: those that hang together more say less.
-    fn shares(&self, noise: ByWitness) -> ByWitness {
-        let [silhouettes, keypoints] = correlation_lengths(&self.full.residuals, noise);
-        [1.0, (silhouettes / keypoints).min(1.0)]
-    }
-
     /// Gauss and Newton with a loss that becomes narrower.
     fn descend(
         &self,
@@ -133,7 +142,7 @@ impl State {
         start: Vec<f64>,
         widths: &[f64],
         split: f64,
-        noise: ByWitness,
+        Weighing { noise, shares }: Weighing,
     ) -> Option<Tried> {
         let parameters = hypothesis.parameters();
         let span = self.span(&hypothesis);
@@ -142,7 +151,6 @@ impl State {
         let (mut by, mut residuals) = (start.clone(), at(&start)?);
         let mut deviations = vec![0.0; by.len()];
         let spread = self.spread();
-        let shares = self.shares(noise);
         for &width in if parameters.is_empty() { &[][..] } else { widths } {
             let scales = noise.map(|noise| width * noise);
             let cost = |residuals: &[(usize, Residuals)], by: &[f64]| {
@@ -177,8 +185,8 @@ impl State {
                     })
                     .collect::<Option<_>>()?;
                 let steps: Vec<f64> = parameters.iter().map(|parameter| parameter.step).collect();
-                let (mut normal, mut right) =
-                    normal_equations(&residuals, &columns, &steps, (scales, shares));
+                let weighing = [(scales[0], shares[0]), (scales[1], shares[1])];
+                let (mut normal, mut right) = normal_equations(&residuals, &columns, &steps, weighing);
                 for (index, parameter) in parameters.iter().enumerate() {
                     let prior = parameter.usual.powi(-2);
                     normal[(index, index)] += prior;
@@ -219,19 +227,19 @@ impl State {
     }
 }
 
-/// `JᵀWJ` and −`JᵀWr` by forward differences; samples that any of them lacks do not count.
+/// `JᵀWJ` and −`JᵀWr` by forward differences; samples that any of them lacks do not count. `weighing` is the scale and the share
+/// of each witness's residuals.
 fn normal_equations(
     residuals: &[(usize, Residuals)],
     columns: &[Vec<(usize, Residuals)>],
     steps: &[f64],
-    (scales, shares): (ByWitness, ByWitness),
+    weighing: [(f64, f64); 2],
 ) -> (DMatrix<f64>, DVector<f64>) {
     let count = columns.len();
     let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
     let mut row = vec![0.0; count];
     for (pair, (_, own)) in residuals.iter().enumerate() {
-        let both = own.each_with(scales).zip(own.each_with(shares));
-        for (at, ((residual, scale), (_, share))) in both.enumerate() {
+        for (at, (residual, (scale, share))) in own.each_with(weighing).enumerate() {
             let Some(residual) = residual else { continue };
             let is_whole = columns.iter().zip(steps).zip(row.iter_mut()).all(|((column, step), entry)| {
                 column[pair].1.values()[at].is_some_and(|moved| {

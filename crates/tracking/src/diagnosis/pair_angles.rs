@@ -4,7 +4,7 @@
 use super::outlines::Clock;
 use crate::statistics::upper_median;
 use crate::synchronise::Recording;
-use crate::synchronise::signals::{Sample, Signal, keypoint_angles, tangents};
+use crate::synchronise::signals::{Pencil, Sample, Signal};
 
 /// Degrees of freedom of the residuals' distribution (Student's): outliers are expected.
 const FREEDOM: f64 = 4.0;
@@ -39,8 +39,8 @@ impl Residuals {
         self.values.split_at(self.silhouettes).into()
     }
 
-    /// All of them, each with the number of its witness.
-    pub(super) fn each_with(&self, of: ByWitness) -> impl Iterator<Item = (Option<f64>, f64)> {
+    /// All of them, each with what is its witness's.
+    pub(super) fn each_with<T: Copy>(&self, of: [T; 2]) -> impl Iterator<Item = (Option<f64>, T)> {
         let one = move |(at, value): (usize, &Option<f64>)| (*value, of[usize::from(at >= self.silhouettes)]);
         self.values.iter().enumerate().map(one)
     }
@@ -72,9 +72,10 @@ pub(super) struct PairAngles {
 impl PairAngles {
     pub(super) fn of(a: &Recording, b: &Recording) -> Self {
         let periods = [a.period(), b.period()];
-        let mut tangents = tangents([a, b]);
-        tangents.resize_with(2, Default::default);
-        let kinds = tangents.into_iter().chain(keypoint_angles([a, b]));
+        let (tangents, joints) = Pencil::of([a, b])
+            .map(|pencil| (pencil.tangents([a, b]), pencil.joints([a, b])))
+            .unwrap_or_default();
+        let kinds = tangents.into_iter().chain(joints);
         let kinds = kinds.map(|[a, b]| [Signal::new(a, periods[0]), Signal::new(b, periods[1])]).collect();
         Self { kinds, seconds: a.sightings.iter().map(|sighting| sighting.seconds).collect() }
     }

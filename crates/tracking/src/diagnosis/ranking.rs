@@ -39,7 +39,7 @@ impl State {
         let spread = self.spread();
         let least = self.noise();
         // The loss is narrow even where a fault makes much of it noise.
-        let first = least.map(|least| least.min(0.1 * spread));
+        let first = self.weighing(least.map(|least| least.min(0.1 * spread)));
         let hypotheses = Hypothesis::all(&self.cameras);
         let mut tried: Vec<Tried> = Vec::new();
         for (batch, some) in hypotheses.chunks(BATCH).enumerate() {
@@ -144,8 +144,8 @@ impl State {
             .map(move |(pair, own)| other(pair).map_or(own, |(_, other)| other))
     }
 
-    /// How far a fault moves what is seen: what one in ten of the numbers that its repair changes is changed by or more, pixels. A clock that is
-    /// wrong shows only where the subject moves.
+    /// How far a fault moves what is seen, pixels: one in ten of the numbers that its repair changes is changed by so much or
+    /// more. A clock that is wrong shows only where the subject moves.
     fn effect(&self, tried: &Tried) -> f64 {
         let mut changes: Vec<f64> = Vec::new();
         for (pair, residuals) in &tried.residuals {

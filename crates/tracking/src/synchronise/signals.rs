@@ -61,7 +61,7 @@ pub(super) struct PairSignals {
 impl PairSignals {
     pub(super) fn of(a: &Recording, b: &Recording) -> Self {
         let periods = [a.period(), b.period()];
-        let tangents = tangents([a, b]);
+        let tangents = Pencil::of([a, b]).map_or_else(Vec::new, |pencil| pencil.tangents([a, b]).into());
         let least = ENOUGH * a.seen().min(b.seen()) as f64;
         let has_enough = |common: &[[Vec<Sample>; 2]]| {
             common.iter().any(|of| of.iter().all(|samples| samples.len() as f64 >= least.max(2.0)))
@@ -187,25 +187,8 @@ fn velocity(samples: &[Sample], at: usize) -> f64 {
     if step > 0.0 { (last.value - first.value) / (samples[at].pixel * step) } else { 0.0 }
 }
 
-/// Low and high angle of both cameras about the line through their centres.
-pub(crate) fn tangents(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
-    let Some(pencil) = Pencil::of(recordings) else { return Vec::new() };
-    let [a, b] = recordings.map(|recording| pencil.extremes(recording));
-    a.into_iter().zip(b).map(|(a, b)| [a, b]).collect()
-}
-
-/// The angles of joints that keypoints show, of both cameras, one pair a joint.
-pub(crate) fn keypoint_angles(recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
-    let joints = |recording: &Recording| {
-        recording.sightings.iter().map(|sighting| sighting.keypoints.len()).max().unwrap_or(0)
-    };
-    let count = recordings.into_iter().map(joints).min().unwrap_or(0);
-    let Some(pencil) = Pencil::of(recordings).filter(|_| count > 0) else { return Vec::new() };
-    (0..count).map(|joint| recordings.map(|recording| pencil.joint(recording, joint))).collect()
-}
-
 /// The half-planes that the line through two cameras' centres bounds.
-struct Pencil {
+pub(crate) struct Pencil {
     baseline: DVec3,
     /// Angle 0 and a quarter turn.
     zero: DVec3,
@@ -214,7 +197,7 @@ struct Pencil {
 
 impl Pencil {
     /// Angle 0 is towards the middle of what both see. `None` for cameras in one place.
-    fn of(recordings: [&Recording; 2]) -> Option<Self> {
+    pub(crate) fn of(recordings: [&Recording; 2]) -> Option<Self> {
         let [a, b] = recordings.map(|recording| recording.camera.centre());
         let baseline = (b - a).try_normalize()?;
         let across = |recording: &Recording| -> DVec3 {
@@ -223,6 +206,21 @@ impl Pencil {
         };
         let zero = recordings.map(across).into_iter().sum::<DVec3>().try_normalize()?;
         Some(Self { baseline, zero, quarter: baseline.cross(zero) })
+    }
+
+    /// The low and the high angle of both cameras.
+    pub(crate) fn tangents(&self, recordings: [&Recording; 2]) -> [[Vec<Sample>; 2]; 2] {
+        let [[low, high], [other_low, other_high]] = recordings.map(|recording| self.extremes(recording));
+        [[low, other_low], [high, other_high]]
+    }
+
+    /// The angles of joints that keypoints show, of both cameras, one pair a joint.
+    pub(crate) fn joints(&self, recordings: [&Recording; 2]) -> Vec<[Vec<Sample>; 2]> {
+        let joints = |recording: &Recording| {
+            recording.sightings.iter().map(|sighting| sighting.keypoints.len()).max().unwrap_or(0)
+        };
+        let count = recordings.into_iter().map(joints).min().unwrap_or(0);
+        (0..count).map(|joint| recordings.map(|recording| self.joint(recording, joint))).collect()
     }
 
     /// A ray's angle, and the sine and the cosine of its angle to the baseline.
