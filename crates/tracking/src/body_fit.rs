@@ -30,6 +30,7 @@ mod refine;
 mod report;
 pub mod scale;
 pub mod survey;
+mod whole_frames;
 pub mod widening;
 
 pub use approach::{Approach, approach};

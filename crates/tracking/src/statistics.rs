@@ -3,6 +3,21 @@
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+/// A median absolute deviation is this part of a normal standard deviation.
+pub(crate) const MAD: f64 = 0.674_489_75;
+/// Degrees of freedom of Student's distribution where outliers are expected.
+const STUDENT_FREEDOM: f64 = 4.0;
+
+/// The loss of a residual, in deviations, under Student's distribution: half a squared one where it is small.
+pub(crate) fn student_loss(deviations: f64) -> f64 {
+    0.5 * (STUDENT_FREEDOM + 1.0) * (deviations * deviations / STUDENT_FREEDOM).ln_1p()
+}
+
+/// The weight of such a residual in the normal equations.
+pub(crate) fn student_weight(deviations: f64) -> f64 {
+    (STUDENT_FREEDOM + 1.0) / (STUDENT_FREEDOM + deviations * deviations)
+}
+
 /// What a list of numbers is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {

@@ -213,7 +213,9 @@ fn pairs(ui: &mut Ui, cameras: &[Camera], found: &Diagnosis) {
     let has_keypoints = found.keypoint_noise_px.is_some();
     let (titles, columns): (&[&str], &[f32]) = match has_keypoints {
         false => (&["apart, px", "repaired, px", "of the frames, %"], &COLUMNS),
-        true => (&["silhouettes, px", "repaired", "keypoints, px", "repaired", "frames, %"], &KEYPOINT_COLUMNS),
+        true => {
+            (&["silhouettes, px", "repaired", "keypoints, px", "repaired", "frames, %"], &KEYPOINT_COLUMNS)
+        }
     };
     let titles: Vec<String> = titles.iter().map(|title| (*title).to_owned()).collect();
     work_row(ui, (&[], "cameras"), (&titles, columns), (TextStyle::Small, palette.text3));

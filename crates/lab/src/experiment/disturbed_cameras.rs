@@ -95,13 +95,22 @@ impl RigError {
     /// `None` where the cameras have no extent.
     #[must_use]
     pub fn between(found: &[Camera], truth: &[Camera]) -> Option<Self> {
-        // A place before the camera, and one beside it, turn with it.
-        let points = |camera: &Camera| {
-            let axes = camera.camera_from_world().rotation.transpose();
+        // How large the rig is: silhouettes do not tell.
+        let extent = |rig: &[Camera]| -> f64 {
+            let middle = rig.iter().map(Camera::centre).sum::<DVec3>() / rig.len() as f64;
+            rig.iter().map(|camera| camera.centre().distance_squared(middle)).sum::<f64>().sqrt()
+        };
+        // A place before the camera, and one beside it, turn with it and grow with the rig.
+        let scale = extent(found) / extent(truth);
+        let points = |(camera, unit): (&Camera, f64)| {
+            let axes = camera.camera_from_world().rotation.transpose() * unit;
             let ahead = camera.centre() + SUBJECT_M * axes.z_axis;
             [camera.centre(), ahead, ahead + axes.x_axis, ahead + axes.y_axis]
         };
-        let [from, to] = [found, truth].map(|rig| rig.iter().flat_map(points).collect::<Vec<_>>());
+        let all = |(rig, unit): (&[Camera], f64)| -> Vec<DVec3> {
+            rig.iter().map(|camera| (camera, unit)).flat_map(points).collect()
+        };
+        let [from, to] = [(found, scale), (truth, 1.0)].map(all);
         let alignment = umeyama(&from, &to)?;
         let (mut turn, mut shift, mut focal) = (0.0, 0.0, 0.0);
         for (found, truth) in found.iter().zip(truth) {

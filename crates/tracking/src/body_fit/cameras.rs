@@ -92,6 +92,8 @@ pub(super) struct CameraSet {
     rates: BTreeMap<usize, Vec<f64>>,
     mean_time_s: f64,
     frame_rate: f64,
+    /// By how many frames each camera's evidence was taken earlier.
+    earlier: Vec<isize>,
     /// W, by column.
     weights: DVector<f64>,
     /// P.
@@ -162,7 +164,13 @@ impl CameraSet {
             set(layout.drift, 1, deviations.drift);
         }
         let projection = projection(&gauge(&given, layout), &weights);
-        Self { given, layout, rates, mean_time_s, frame_rate, weights, projection }
+        let earlier = vec![0; given.len()];
+        Self { given, layout, rates, mean_time_s, frame_rate, earlier, weights, projection }
+    }
+
+    /// The same where each camera's evidence is from earlier frames.
+    pub(super) fn with_earlier(self, earlier: Vec<isize>) -> Self {
+        Self { earlier, ..self }
     }
 
     pub(super) fn columns(&self) -> usize {
@@ -183,14 +191,20 @@ impl CameraSet {
         frame as f64 / self.frame_rate - self.mean_time_s
     }
 
-    /// By how much a camera is late in a frame, seconds.
-    fn late_s(&self, state: &CameraState, frame: usize) -> f64 {
-        state.late_s + state.drift * self.seconds(frame)
+    /// By how much a camera's evidence is late in a frame, seconds.
+    fn late_s(&self, camera: usize, state: &CameraState, frame: usize) -> f64 {
+        state.late_s + state.drift * self.seconds(frame) - self.earlier[camera] as f64 / self.frame_rate
     }
 
     /// The pose that a camera sees in a frame, if it is another than the frame's: what that is some seconds later.
-    pub(super) fn later(&self, state: &CameraState, frame: usize, pose: &Pose) -> Option<Pose> {
-        let late_s = self.late_s(state, frame);
+    pub(super) fn later(
+        &self,
+        camera: usize,
+        state: &CameraState,
+        frame: usize,
+        pose: &Pose,
+    ) -> Option<Pose> {
+        let late_s = self.late_s(camera, state, frame);
         let rates = self.rates.get(&frame).filter(|_| late_s != 0.0)?;
         let step: Vec<f64> = rates.iter().map(|rate| rate * late_s).collect();
         Some(pose.retract(Parameters::Tangent, &step))
@@ -207,7 +221,7 @@ impl CameraSet {
             let index = self.index(&view.camera)?;
             let camera = Arc::new(self.camera(index, &states[index]).ok()?);
             let views = vec![FitView { camera, ..view.clone() }];
-            let later = self.later(&states[index], frame.frame, pose);
+            let later = self.later(index, &states[index], frame.frame, pose);
             Some((BodyFrame { views, ..frame.clone() }, later.unwrap_or_else(|| pose.clone())))
         };
         frame.views.iter().filter_map(one).collect()
@@ -234,7 +248,7 @@ impl CameraSet {
             clock: clock
                 .map(|(column, seconds)| at(column.filter(|_| !rates.is_empty())).map(|at| (at, seconds))),
             rates,
-            late_s: self.late_s(state, frame),
+            late_s: self.late_s(index, state, frame),
         }
     }
 

@@ -15,7 +15,7 @@ use super::widening::Widening;
 use crate::body::{Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
 use crate::fit::{FitError, Stage};
-use crate::optimize::{LeastSquares, Method, Solver, Termination};
+use crate::optimize::{Method, Solver, Termination};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
 
@@ -250,12 +250,13 @@ fn descend(
         }
         state = solver.point.clone();
         let termination = solver.termination.unwrap_or(Termination::NotFinite);
-        let sizes = problem.first_size()..problem.first_camera();
-        let deviations = report::deviations(&solver.equations, problem.shape_unit(), sizes);
+        if index + 1 < options.stages.len() {
+            continue;
+        }
+        let deviations = report::deviations(&solver.equations, problem.shape_unit(), problem.of_sizes());
         let of_cameras = inputs.cameras.map_or(Vec::new(), |cameras| {
-            let columns = problem.first_camera()..problem.columns();
-            let covariance = report::covariance(&solver.equations, problem.camera_unit(), columns);
-            cameras.deviations(&covariance)
+            let unit = problem.camera_unit();
+            cameras.deviations(&report::covariance(&solver.equations, unit, problem.of_cameras()))
         });
         end = Some((deviations, of_cameras, problem.mean_metres_per_px, solver.rms, termination));
     }

@@ -1,7 +1,11 @@
-//! Poses and sizes as one least-squares problem: columns are the poses frame by frame, then θ, then size and girth, then the
-//! silhouettes' widening where it is unknown, then the cameras where they are.
+//! Poses and sizes as one least-squares problem: columns are θ, then size and girth, then the silhouettes' widening where it is
+//! unknown, then the cameras where they are, then the poses frame by frame.
+//!
+//! The [solver](crate::optimize::StepMemory) takes columns from the last to the first and passes over zeros: poses, which have no
+//! product with one another, fill nothing but what all frames share.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -123,14 +127,20 @@ impl<'a> BodyProblem<'a> {
         Parameters::Tangent.columns(self.sizes.start.rotation_count())
     }
 
-    /// First column of the sizes.
-    pub(super) fn first_size(&self) -> usize {
-        self.references.len() * self.pose_columns()
+    /// Columns of the sizes, and of the widening.
+    pub(super) fn of_sizes(&self) -> Range<usize> {
+        0..self.sizes.count() + 2 + usize::from(self.is_widening_free())
     }
 
-    /// First column of the cameras.
-    pub(super) fn first_camera(&self) -> usize {
-        self.first_size() + self.sizes.count() + 2 + usize::from(self.is_widening_free())
+    /// Columns of the cameras.
+    pub(super) fn of_cameras(&self) -> Range<usize> {
+        let first = self.of_sizes().end;
+        first..first + self.cameras.map_or(0, CameraSet::columns)
+    }
+
+    /// First column of a frame's pose.
+    pub(super) fn first_pose(&self, frame: usize) -> usize {
+        self.of_cameras().end + frame * self.pose_columns()
     }
 
     /// Whether the silhouettes' widening is unknown.
@@ -169,7 +179,7 @@ impl<'a> BodyProblem<'a> {
             return Some(TermView { camera: Cow::Borrowed(camera), kinematics: Cow::Borrowed(kinematics) });
         };
         let (of_camera, frame) = (&state.cameras[index], self.frames[term.frame].frame);
-        let later = cameras.later(of_camera, frame, &state.poses[term.frame]);
+        let later = cameras.later(index, of_camera, frame, &state.poses[term.frame]);
         let kinematics =
             later.map_or(Cow::Borrowed(kinematics), |pose| Cow::Owned(Kinematics::new(model, &pose)));
         Some(TermView { camera: Cow::Owned(cameras.camera(index, of_camera).ok()?), kinematics })
@@ -197,14 +207,14 @@ impl<'a> BodyProblem<'a> {
             .collect();
         // Added in the order of frames and cameras: the same bits however the work was shared out.
         let mut silhouette_cost = 0.0;
-        let (columns, first, first_camera) = (self.pose_columns(), self.first_size(), self.first_camera());
+        let first_camera = self.of_cameras().start;
         let map = |frame: usize| SizeMap {
             sizes: self.sizes,
             model,
             kinematics: &kinematics[frame],
-            first_pose: frame * columns,
-            first_size: first,
-            widening: self.widening_deviation_px.map(|_| first + self.sizes.count() + 2),
+            first_pose: self.first_pose(frame),
+            first_size: 0,
+            widening: self.widening_deviation_px.map(|_| self.sizes.count() + 2),
             camera: None,
         };
         for ((term, TermView { camera, kinematics }), (cost, blocks)) in
@@ -244,7 +254,7 @@ impl<'a> BodyProblem<'a> {
             pose_prior::add_rest(&mut priors, Parameters::Tangent, model, pose, unit * options.rest_weight);
             let limits = unit * options.limit_weight;
             pose_prior::add_limits(&mut priors, Parameters::Tangent, model, pose, limits);
-            let first = frame * columns;
+            let first = self.first_pose(frame);
             let mut block = equations.jtj.view_mut((first, first), (columns, columns));
             block += &priors.jtj;
             let mut rows = equations.jtr.rows_mut(first, columns);
@@ -276,22 +286,21 @@ impl LeastSquares for BodyProblem<'_> {
             self.widening_deviation_px,
             self.stage.slack,
             self.shape_unit(),
-            self.first_size(),
+            self.of_sizes().start,
         );
         if let Some(cameras) = self.cameras {
-            cameras.constrain(equations, &state.cameras, self.first_camera(), self.camera_unit());
+            cameras.constrain(equations, &state.cameras, self.of_cameras().start, self.camera_unit());
         }
     }
 
     fn columns(&self) -> usize {
-        self.first_camera() + self.cameras.map_or(0, CameraSet::columns)
+        self.first_pose(self.frames.len())
     }
 
     fn retract(&self, state: &BodyState, step: &DVector<f64>) -> BodyState {
-        let columns = self.pose_columns();
-        let blocks = step.as_slice().chunks_exact(columns);
+        let blocks = step.as_slice()[self.first_pose(0)..].chunks_exact(self.pose_columns());
         let poses = state.poses.iter().zip(blocks);
-        let sizes = &step.as_slice()[self.first_size()..];
+        let sizes = &step.as_slice()[self.of_sizes()];
         let body = &state.body;
         let grown = body.log_ratios.iter().zip(sizes);
         BodyState {
@@ -307,7 +316,7 @@ impl LeastSquares for BodyProblem<'_> {
                 },
             },
             cameras: self.cameras.map_or(Vec::new(), |cameras| {
-                cameras.retract(&state.cameras, &step.as_slice()[self.first_camera()..])
+                cameras.retract(&state.cameras, &step.as_slice()[self.of_cameras()])
             }),
         }
     }
@@ -319,17 +328,16 @@ impl LeastSquares for BodyProblem<'_> {
     }
 
     fn cap(&self, step: &mut DVector<f64>) {
-        let columns = self.pose_columns();
         let mut scale: f64 = 1.0;
-        for block in step.as_slice()[..self.first_size()].chunks_exact(columns) {
+        for block in step.as_slice()[self.first_pose(0)..].chunks_exact(self.pose_columns()) {
             let length = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-12);
             scale = scale.min(self.options.largest_move / length(&block[..3]));
             for turn in block[3..].chunks_exact(3) {
                 scale = scale.min(self.options.largest_turn / length(turn));
             }
         }
-        let (body, of_cameras) = step.as_slice().split_at(self.first_camera());
-        let (sizes, wider) = body[self.first_size()..].split_at(self.sizes.count() + 2);
+        let (sizes, wider) = step.as_slice()[self.of_sizes()].split_at(self.sizes.count() + 2);
+        let of_cameras = &step.as_slice()[self.of_cameras()];
         scale = scale.min(self.cameras.map_or(1.0, |cameras| cameras.shortened(of_cameras)));
         for grown in sizes {
             scale = scale.min(self.options.largest_growth / grown.abs().max(1e-12));

@@ -1,8 +1,9 @@
 //! Cameras refined by the silhouettes of a person: follow, choose frames, fit everything, judge by what was held out.
 //!
 //! The body is tracked with the cameras as they are given. In well-spread frames of that track, poses, the body's sizes and the
-//! cameras are fitted together (`body_fit::cameras` says what is held); then the body is followed again with the cameras found,
-//! and so on. In frames that nothing was fitted to, every camera is held out in turn: the pose is fitted to all others, and the
+//! cameras are fitted together (`body_fit::cameras` says what is held), then again without frames that fit worse than the others:
+//! a limb in a wrong place pulls cameras after it. The body is followed again with the cameras found, each in the frame that is
+//! nearest by its own clock, and so on. In frames that nothing was fitted to, every camera is held out in turn: the pose is fitted to all others, and the
 //! overlap with the silhouette of the one held out says how well the rig agrees on it, before and after.
 
 use std::collections::BTreeMap;
@@ -17,16 +18,21 @@ use super::options::{BodyFitOptions, CLOTHED};
 use super::person::{OrViews, PersonError, PersonOptions, PersonProgress, follow};
 use super::report::BodyFit;
 use super::survey::usable_views;
+use super::whole_frames::WholeFrames;
 use crate::body::{Model, Pose};
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::fit::{Fit, FitOptions, FitView};
 use crate::silhouette::Overlap;
+use crate::statistics::{MAD, upper_median};
 
 /// Fewer cameras than this have nothing to agree on.
 pub const FEWEST_CAMERAS: usize = 2;
 /// Fewer frames than this say too little of cameras.
 const FEWEST_FRAMES: usize = 3;
+/// A frame fits worse than the others if its IoU is below the median by this number of deviations, and by this much at least.
+const WORSE_DEVIATIONS: f64 = 3.0;
+const WORSE_IOU: f64 = 0.01;
 /// Neighbours in time that are farther apart say nothing of a pose's rate, seconds.
 const RATE_WITHIN_S: f64 = 0.3;
 
@@ -162,22 +168,29 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     let mut last = None;
     let wrong = |error: BodyFitError| E::from(CameraRefinementError::from(error));
     let rounds = options.rounds.max(1);
+    let frame_rate = options.person.frame_rate;
+    let all_frames = first..=frames.last().copied().unwrap_or(first);
     for round in 0..rounds {
         let mut progress = |step| progress(CameraRefinementProgress { round, rounds, step });
         let now = changed(&given, &found.changes);
-        let mut seen = |frame| views(frame).map(|views| seen_by(views, &now)).map_err(OrViews::Views);
+        let clocks = WholeFrames::of(&found.changes, frame_rate, all_frames.clone());
+        let mut seen =
+            |frame| clocks.views(frame, &mut views).map(|views| seen_by(views, &now)).map_err(OrViews::Views);
         let person = &options.person;
         let followed = follow(&followed_body, start.clone(), frames, person, cancel, &mut seen, &mut |at| {
             progress(CameraRefinementStep::Following(at));
         });
         let posed = followed.map_err(not_followed)?;
         let choice = choose(&followed_body, &posed, options.fitted, options.held_out);
-        let mut read = |chosen: &[usize]| -> Result<Vec<BodyFrame>, E> {
-            let one = |&at: &usize| read_frame(&posed[at], &mut views);
+        let mut read = |chosen: &[usize], clocks: &WholeFrames| -> Result<Vec<BodyFrame>, E> {
+            let one = |&at: &usize| read_frame(&posed[at], clocks, &mut views);
             let frames = chosen.iter().map(one).collect::<Result<Vec<_>, E>>()?;
             Ok(frames.into_iter().filter(|frame| frame.views.len() >= FEWEST_CAMERAS).collect())
         };
-        let (fitted, held_out) = (read(&choice.fitted)?, read(&choice.held_out)?);
+        let fitted = read(&choice.fitted, &clocks)?;
+        let as_given =
+            WholeFrames::of(&vec![CameraState::default(); given.len()], frame_rate, all_frames.clone());
+        let held_out = [read(&choice.held_out, &as_given)?, read(&choice.held_out, &clocks)?];
         if cancel.is_cancelled() {
             return Err(CameraRefinementError::Cancelled.into());
         }
@@ -193,14 +206,14 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
             body = Arc::new(fit.as_seen());
             before = Some(fit);
         }
-        let frame_rate = person.frame_rate;
         let rates = rates(&posed, frame_rate);
         let CameraRefinementOptions { choice, deviations, .. } = options;
-        let set = CameraSet::new(given.clone(), *choice, deviations, &fitted, rates, frame_rate);
+        let set = CameraSet::new(given.clone(), *choice, deviations, &fitted, rates, frame_rate)
+            .with_earlier(clocks.earlier);
         let told = |at| progress(CameraRefinementStep::Cameras(at));
         let begin = (&*body, &found.changes[..]);
-        let (fit, cameras) =
-            fit_cameras(model, fitted, begin, &set, &options.fit, cancel, told).map_err(wrong)?;
+        let fit = fit_without_worse(model, fitted, begin, &set, &options.fit, cancel, told);
+        let (fit, cameras) = fit.map_err(wrong)?;
         if let Ok(scaled) = model.scaled(fit.size) {
             followed_body = Arc::new(scaled);
         }
@@ -210,9 +223,9 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
     let (fit, held_out) = last.ok_or(CameraRefinementError::Cancelled)?;
     let before = before.ok_or(CameraRefinementError::Cancelled)?;
     let now = changed(&given, &found.changes);
-    let rigs = [(Arc::new(before.as_seen()), &given), (body, &now)];
-    let overlaps = judge(&rigs, &held_out, &options.person.fit, cancel, |done| {
-        let step = CameraRefinementStep::Judging(done, held_out.len());
+    let rigs = [(Arc::new(before.as_seen()), &given, &held_out[0][..]), (body, &now, &held_out[1][..])];
+    let overlaps = judge(&rigs, &options.person.fit, cancel, |done, count| {
+        let step = CameraRefinementStep::Judging(done, count);
         progress(CameraRefinementProgress { round: rounds - 1, rounds, step });
     });
     let overlaps = overlaps.map_err(wrong)?;
@@ -222,7 +235,7 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
         deviation: found.deviations[index],
         held_out_iou: overlaps[index].map(|overlap| overlap.and_then(|overlap| overlap.iou())),
     });
-    let held_out = held_out.iter().map(|frame| frame.frame).collect();
+    let held_out = held_out[1].iter().map(|frame| frame.frame).collect();
     Ok(RefinedCameras { cameras: cameras.collect(), body: fit, before, held_out })
 }
 
@@ -243,12 +256,56 @@ fn seen_by(views: Vec<FitView>, cameras: &[Arc<Camera>]) -> Vec<FitView> {
     views.into_iter().map(of).collect()
 }
 
+/// Fits everything, then again without frames that fit worse than the others.
+fn fit_without_worse(
+    model: &Arc<Model>,
+    frames: Vec<BodyFrame>,
+    begin: (&Model, &[CameraState]),
+    set: &CameraSet,
+    options: &BodyFitOptions,
+    cancel: &CancelToken,
+    mut progress: impl FnMut(BodyProgress),
+) -> Result<(BodyFit, CameraFit), BodyFitError> {
+    let first = fit_cameras(model, frames.clone(), begin, set, options, cancel, &mut progress)?;
+    let (fit, cameras) = &first;
+    let well = well_fitted(fit, frames, set, &cameras.changes);
+    if !(FEWEST_FRAMES..fit.frames.len()).contains(&well.len()) {
+        return Ok(first);
+    }
+    fit_cameras(model, well, (&fit.as_seen(), &cameras.changes), set, options, cancel, progress)
+}
+
+/// The frames that a fit explains about as well as the others, with the poses found.
+fn well_fitted(
+    fit: &BodyFit,
+    frames: Vec<BodyFrame>,
+    set: &CameraSet,
+    changes: &[CameraState],
+) -> Vec<BodyFrame> {
+    let body = fit.as_seen();
+    let poses: BTreeMap<usize, &Pose> = fit.frames.iter().copied().zip(&fit.poses).collect();
+    let posed = frames.into_iter().filter_map(|frame| {
+        let start = (*poses.get(&frame.frame)?).clone();
+        let seen = set.seen(&frame, &start, changes);
+        let overlap = seen.iter().filter_map(|(frame, pose)| frame.overlap(&body, pose, 0.0));
+        let iou = overlap.reduce(Overlap::merge)?.iou()?;
+        Some((iou, BodyFrame { start, ..frame }))
+    });
+    let posed: Vec<(f64, BodyFrame)> = posed.collect();
+    let median_of = |values: &mut Vec<f64>| upper_median(values).unwrap_or(0.0);
+    let median = median_of(&mut posed.iter().map(|(iou, _)| *iou).collect());
+    let apart = median_of(&mut posed.iter().map(|(iou, _)| (iou - median).abs()).collect());
+    let worse = (WORSE_DEVIATIONS * apart / MAD).max(WORSE_IOU);
+    posed.into_iter().filter(|(iou, _)| *iou >= median - worse).map(|(_, frame)| frame).collect()
+}
+
 fn read_frame<E>(
     posed: &PosedFrame,
+    clocks: &WholeFrames,
     views: &mut impl FnMut(usize) -> Result<Vec<FitView>, E>,
 ) -> Result<BodyFrame, E> {
     let frame = posed.frame;
-    let views = usable_views(frame, views(frame)?, &mut Vec::new());
+    let views = usable_views(frame, clocks.views(frame, views)?, &mut Vec::new());
     Ok(BodyFrame { frame, views, start: posed.pose.clone(), joints: Vec::new() })
 }
 
@@ -269,18 +326,21 @@ fn rates(posed: &[PosedFrame], frame_rate: f64) -> BTreeMap<usize, Vec<f64>> {
     (0..posed.len()).filter_map(rate).collect()
 }
 
-/// Overlap of every camera's silhouette with the body that the other cameras pose, for each rig with its body.
+/// A rig, its body, and the frames that judge it.
+type JudgedRig<'a> = (Arc<Model>, &'a Vec<Arc<Camera>>, &'a [BodyFrame]);
+
+/// Overlap of every camera's silhouette with the body that the other cameras pose, for each rig.
 fn judge(
-    rigs: &[(Arc<Model>, &Vec<Arc<Camera>>); 2],
-    frames: &[BodyFrame],
+    rigs: &[JudgedRig<'_>; 2],
     options: &FitOptions,
     cancel: &CancelToken,
-    mut progress: impl FnMut(usize),
+    mut progress: impl FnMut(usize, usize),
 ) -> Result<Vec<[Option<Overlap>; 2]>, BodyFitError> {
     let mut overlaps = vec![[None; 2]; rigs[0].1.len()];
-    for (done, frame) in frames.iter().enumerate() {
-        let at_frame = |error| BodyFitError::Frame { frame: frame.frame, error };
-        for (rig, (body, cameras)) in rigs.iter().enumerate() {
+    let (mut done, count) = (0, rigs.iter().map(|rig| rig.2.len()).sum());
+    for (rig, (body, cameras, frames)) in rigs.iter().enumerate() {
+        for frame in *frames {
+            let at_frame = |error| BodyFitError::Frame { frame: frame.frame, error };
             let views = seen_by(frame.views.clone(), cameras);
             for (camera, of_camera) in cameras.iter().zip(&mut overlaps) {
                 let is_own = |view: &FitView| view.camera.name() == camera.name();
@@ -298,8 +358,9 @@ fn judge(
                 let overlap = of_camera[rig].into_iter().chain(own.overlap(body, fit.pose(), 0.0));
                 of_camera[rig] = overlap.reduce(Overlap::merge);
             }
+            done += 1;
+            progress(done, count);
         }
-        progress(done + 1);
     }
     Ok(overlaps)
 }

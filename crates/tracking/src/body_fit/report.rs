@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::fit::Descent;
 use super::frames::BodyFrame;
@@ -13,7 +13,7 @@ use super::options::BodyFitOptions;
 use super::survey::LeftOut;
 use super::widening::{self, Widening};
 use crate::body::{Model, ModelError, Pose, SizeKind, Sizes};
-use crate::optimize::{NormalEquations, Termination};
+use crate::optimize::{NormalEquations, StepMemory, Termination};
 
 /// A size whose posterior deviation is above this share of its prior's is held by the prior.
 const HELD_ABOVE: f64 = 0.7;
@@ -107,21 +107,21 @@ pub(super) fn deviations(equations: &NormalEquations, unit: f64, columns: Range<
 
 /// Posterior covariance of some columns; infinite where the equations have none.
 pub(super) fn covariance(equations: &NormalEquations, unit: f64, columns: Range<usize>) -> DMatrix<f64> {
-    let all = equations.columns();
-    let mut matrix = &equations.jtj / unit;
+    let mut factor = StepMemory::default();
     // Far below every prior: it only keeps directions without any from dividing by zero.
-    for i in 0..all {
-        matrix[(i, i)] += 1e-9;
-    }
-    let Some(factor) = matrix.cholesky() else {
+    if !factor.factor(&equations.jtj, |_| 1e-9 * unit) {
         return DMatrix::from_element(columns.len(), columns.len(), f64::INFINITY);
-    };
-    let mut units = DMatrix::zeros(all, columns.len());
-    for (at, column) in columns.clone().enumerate() {
-        units[(column, at)] = 1.0;
     }
-    factor.solve_mut(&mut units);
-    units.rows(columns.start, columns.len()).into_owned()
+    let mut found = DMatrix::zeros(columns.len(), columns.len());
+    let (mut right, mut solution) =
+        (DVector::zeros(equations.columns()), DVector::zeros(equations.columns()));
+    for (at, column) in columns.clone().enumerate() {
+        right[column] = unit;
+        factor.solve(&right, &mut solution);
+        right[column] = 0.0;
+        found.column_mut(at).copy_from(&solution.rows(columns.start, columns.len()));
+    }
+    found
 }
 
 pub(super) fn summary(

@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fault::FaultKind;
 use super::hypothesis::{BUMPS, Hypothesis};
-use super::pair_angles::{ByWitness, Residuals, correlation_lengths, loss, support, support_of, weight};
+use super::pair_angles::{ByWitness, Residuals, correlation_lengths, support, support_of};
 use super::state::{Sampled, State};
+use crate::statistics::{student_loss, student_weight};
 
 /// Widths of the loss, in deviations, from a coarse fit to the last.
 const WIDTHS: [f64; 3] = [32.0, 5.0, 1.0];
@@ -156,8 +157,8 @@ impl State {
             let cost = |residuals: &[(usize, Residuals)], by: &[f64]| {
                 // What is missing costs as much as what does not fit at all.
                 let of = |residual: &Option<f64>, scale: f64| {
-                    let most = loss(spread.max(2.0 * scale) / scale);
-                    residual.map_or(most, |px| loss(px / scale).min(most))
+                    let most = student_loss(spread.max(2.0 * scale) / scale);
+                    residual.map_or(most, |px| student_loss(px / scale).min(most))
                 };
                 let all = residuals.iter().flat_map(|(_, residuals)| {
                     residuals.by_witness().into_iter().zip(scales).zip(shares).map(
@@ -251,7 +252,7 @@ fn normal_equations(
                 continue;
             }
             let deviations = residual / scale;
-            let weight = share * weight(deviations);
+            let weight = share * student_weight(deviations);
             for i in 0..count {
                 right[i] -= weight * row[i] * deviations;
                 for j in 0..count {

@@ -2,14 +2,10 @@
 //! those through joints that keypoints show.
 
 use super::outlines::Clock;
-use crate::statistics::upper_median;
+use crate::statistics::{MAD, student_loss, upper_median};
 use crate::synchronise::Recording;
 use crate::synchronise::signals::{Pencil, Sample, Signal};
 
-/// Degrees of freedom of the residuals' distribution (Student's): outliers are expected.
-const FREEDOM: f64 = 4.0;
-/// A median absolute deviation is this part of a standard deviation.
-const MAD: f64 = 0.674_489_75;
 /// No pair is believed to be more exact, pixels.
 const LEAST_NOISE_PX: f64 = 0.3;
 /// Residuals hang together over at most so many samples.
@@ -106,20 +102,10 @@ fn difference(a: &Sample, b: &Sample) -> Option<f64> {
     (a.along > b.along).then_some((a.value - b.value) / pixel)
 }
 
-/// The robust loss of a residual of so many deviations: half a squared one where it is small.
-pub(super) fn loss(deviations: f64) -> f64 {
-    0.5 * (FREEDOM + 1.0) * (deviations * deviations / FREEDOM).ln_1p()
-}
-
-/// The weight of a residual of so many deviations in the normal equations.
-pub(super) fn weight(deviations: f64) -> f64 {
-    (FREEDOM + 1.0) / (FREEDOM + deviations * deviations)
-}
-
 /// What a residual says for the calibration, nats, before it is divided by how they hang together.
 pub(super) fn support_of(residual: Option<f64>, noise: f64, spread: f64) -> f64 {
     let most = (spread / noise).ln().max(0.0);
-    residual.map_or(0.0, |residual| (most - loss(residual / noise)).max(0.0))
+    residual.map_or(0.0, |residual| (most - student_loss(residual / noise)).max(0.0))
 }
 
 /// The same of all that are said.

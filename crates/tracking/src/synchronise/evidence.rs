@@ -2,6 +2,7 @@
 
 use super::answer::{PairOffset, SynchroniseOptions};
 use super::signals::{Common, PairSignals};
+use crate::statistics::{MAD, student_loss};
 
 /// By cue: motion of this speed counts half, pixels a second; the same share of the spread for signals without pixels.
 const HALF_SPEED: [f64; 2] = [5.0, 0.25];
@@ -15,10 +16,6 @@ const MOST_BIAS: f64 = 12.0;
 const ENOUGH_MOTION: f64 = 0.25;
 /// Samples that two cameras must have in common at an offset.
 const LEAST_SAMPLES: usize = 12;
-/// Degrees of freedom of the residuals' distribution (Student's): outliers are expected.
-const FREEDOM: f64 = 4.0;
-/// A median absolute deviation is this part of a standard deviation.
-const MAD: f64 = 0.674_489_75;
 
 /// E(τ) of a pair on a grid of offsets.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,8 +126,7 @@ impl Comparison {
         }
         let gain = |residual: &Residual| {
             let share = residual.value / self.noise;
-            let loss = 0.5 * (FREEDOM + 1.0) * (share * share / FREEDOM).ln_1p();
-            residual.weight * (residual.ln_spread - self.noise.ln() - loss)
+            residual.weight * (residual.ln_spread - self.noise.ln() - student_loss(share))
         };
         Some(residuals.iter().map(gain).sum())
     }

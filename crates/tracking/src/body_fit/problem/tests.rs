@@ -68,20 +68,19 @@ fn check_choice(choice: SizeChoice, widening: f64, are_cameras_free: bool) {
             cameras.retract(&[CameraState::default(); 2], &step)
         }),
     };
-    let (first_camera, count) = (problem.first_camera(), problem.columns());
+    let (of_cameras_columns, first_pose) = (problem.of_cameras(), problem.first_pose(0));
     assert_eq!(problem.widening_deviation_px.is_some(), widening > 0.0);
-    let first_size = problem.first_size();
     let moved = |column: usize, offset: f64| {
         let mut moved = state.clone();
-        if let Some(column) = column.checked_sub(first_camera) {
-            let mut step = vec![0.0; count - first_camera];
-            step[column] = offset;
-            moved.cameras = of_cameras.unwrap().retract(&state.cameras, &step);
-        } else if column < first_size {
+        if let Some(column) = column.checked_sub(first_pose) {
             let (frame, column) = (column / columns, column % columns);
             moved.poses[frame] = moved.poses[frame].nudged(Parameters::Tangent, column, offset);
+        } else if let Some(column) = column.checked_sub(of_cameras_columns.start) {
+            let mut step = vec![0.0; of_cameras_columns.len()];
+            step[column] = offset;
+            moved.cameras = of_cameras.unwrap().retract(&state.cameras, &step);
         } else {
-            match column - first_size {
+            match column {
                 size if size < sizes.count() => moved.body.log_ratios[size] += offset,
                 size if size == sizes.count() => moved.body.size += offset,
                 size if size == sizes.count() + 1 => moved.body.girth += offset,
@@ -90,10 +89,10 @@ fn check_choice(choice: SizeChoice, widening: f64, are_cameras_free: bool) {
         }
         moved
     };
-    let name = |column: usize| match column.checked_sub(first_size) {
-        None => format!("frame {}, pose column {}", column / columns, column % columns),
-        Some(size) => sizes.parameters.get(size).map_or_else(
-            || "size, girth or widening".to_owned(),
+    let name = |column: usize| match column.checked_sub(first_pose) {
+        Some(of_pose) => format!("frame {}, pose column {}", of_pose / columns, of_pose % columns),
+        None => sizes.parameters.get(column).map_or_else(
+            || "size, girth, widening or camera".to_owned(),
             |parameter| format!("{} {}", parameter.name, parameter.kind),
         ),
     };
