@@ -14,7 +14,7 @@ mod pose;
 mod sides;
 pub(crate) mod sizes;
 
-pub use anatomy::{joint_at_end, joint_names};
+pub use anatomy::{joint_at_end, joint_names, split_side};
 pub(crate) use kinematics::Branches;
 pub use kinematics::{Kinematics, MovingColumn};
 pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range, SphereLevel};

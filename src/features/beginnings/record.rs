@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_document::fit_words::short_ramp;
 use backlit_tracking::acquisition::GrowthRound;
-use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body::{Model, Pose, split_side};
 use backlit_tracking::fit::Stage;
 use backlit_tracking::initialisation::{Attempt, InitialisationMethod as Method};
 use backlit_tracking::optimize::Iteration;
@@ -304,9 +304,10 @@ impl Recorder {
             }
             let is_done = |index: usize| index.min(model.mirrored_limb(index)) <= limb;
             let name = &model.limbs()[limb].name;
-            let both = name.strip_prefix("right ").or(name.strip_prefix("left ")).filter(|_| other != limb);
-            let name =
-                both.map_or_else(|| format::capitalised(name), |part| format!("Right and left {part}"));
+            let name = match split_side(name) {
+                (_, part) if other != limb => format!("Right and left {part}"),
+                _ => format::capitalised(name),
+            };
             let [length, radius] = round.factors(limb);
             let sizes =
                 [(measured[0], length, ["longer", "shorter"]), (measured[1], radius, ["thicker", "thinner"])];

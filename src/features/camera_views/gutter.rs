@@ -1,5 +1,6 @@
 //! Beside a portrait picture: how model and data overlap, the camera's use in the fit, and what a drag does.
 
+use backlit_tracking::body::split_side;
 use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{SightRay, joint_name};
 use backlit_ui::style::format;
@@ -192,8 +193,7 @@ fn show_ray(ui: &mut Ui, input: &TileInput<'_>, ray: &SightRay) {
     let selected = input.marks.joints.iter().find(|joint| Some(joint.id) == input.selected);
     if let Some(joint) = selected {
         let name = joint_name(input.body, joint.id);
-        let name = name.strip_prefix("right ").or(name.strip_prefix("left ")).unwrap_or(&name);
-        let label = format!("{} depth here", format::capitalised(name));
+        let label = format!("{} depth here", format::capitalised(split_side(&name).1));
         let depth = format!("{} m", format::number(joint.depth_m, 2));
         number_row(ui, None, &label, &depth, TextStyle::Monospace, palette.text);
     }

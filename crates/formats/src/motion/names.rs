@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use backlit_tracking::body::{Model, joint_at_end};
+use backlit_tracking::body::{Model, joint_at_end, split_side};
 
 use super::Names;
 
@@ -62,9 +62,9 @@ fn find(model: &Model, limb: &str) -> Option<(&'static BoneNames, bool)> {
     if model.limb_index("spine").is_none() || model.limb_index("right lower calf").is_none() {
         return None; // another body
     }
-    let (right, is_left) = match limb.strip_prefix("left ") {
-        Some(rest) => (format!("right {rest}"), true),
-        None => (limb.to_owned(), false),
+    let (right, is_left) = match split_side(limb) {
+        ("left ", part) => (format!("right {part}"), true),
+        _ => (limb.to_owned(), false),
     };
     FULL_BODY.iter().find(|row| row.limb == right).map(|row| (row, is_left))
 }
@@ -81,10 +81,7 @@ fn on_the_left(name: &str) -> String {
 
 /// What anatomy calls the joint at the end of a limb. A thigh or a calf of two limbs has its joint at the end of the lower one.
 fn anatomical(model: &Model, limb: &str) -> String {
-    let (side, part) = ["right ", "left "]
-        .into_iter()
-        .find_map(|side| limb.strip_prefix(side).map(|part| (side, part)))
-        .unwrap_or(("", limb));
+    let (side, part) = split_side(limb);
     if model.limb_index(&format!("{side}lower {part}")).is_some() {
         return format!("{side}mid {part}");
     }

@@ -19,13 +19,17 @@ const JOINTS: [(&str, &str); 13] = [
     ("foot", "toes"),
 ];
 
+/// A limb's name in two: "right " or "left " or nothing, and the part of the body.
+#[must_use]
+pub fn split_side(limb: &str) -> (&str, &str) {
+    let after = ["right ", "left "].into_iter().find(|side| limb.starts_with(side)).map_or(0, str::len);
+    limb.split_at(after)
+}
+
 /// What anatomy calls the second joint of a limb of this name: of `right lower thigh` the `right knee`. `None` for other names.
 #[must_use]
 pub fn joint_at_end(limb: &str) -> Option<String> {
-    let (side, part) = ["right ", "left "]
-        .into_iter()
-        .find_map(|side| limb.strip_prefix(side).map(|part| (side, part)))
-        .unwrap_or(("", limb));
+    let (side, part) = split_side(limb);
     let part = part.strip_prefix("lower ").unwrap_or(part);
     JOINTS.iter().find(|(name, _)| *name == part).map(|(_, joint)| format!("{side}{joint}"))
 }
@@ -34,10 +38,8 @@ pub fn joint_at_end(limb: &str) -> Option<String> {
 #[must_use]
 pub fn joint_names(model: &Model) -> Vec<String> {
     let name = |limb: &str| {
-        let (side, part) =
-            limb.split_once(' ').filter(|(side, _)| matches!(*side, "left" | "right")).unwrap_or(("", limb));
-        let lower = format!("{side} lower {part}");
-        let joint = joint_at_end(limb).filter(|_| model.limb_index(lower.trim_start()).is_none());
+        let (side, part) = split_side(limb);
+        let joint = joint_at_end(limb).filter(|_| model.limb_index(&format!("{side}lower {part}")).is_none());
         joint.unwrap_or_else(|| limb.to_owned())
     };
     model.limbs().iter().map(|limb| name(&limb.name)).collect()

@@ -30,7 +30,7 @@
 //! flanks), necks, and heads, whose share of the stature halves between childhood and old age. Stoutness spread by 6.3 %
 //! in those 507, who were active and mostly of normal weight. Half as much again is taken; that factor is our choice.
 
-use super::{Model, SizeKind, builtin};
+use super::{Model, SizeKind, builtin, split_side};
 
 /// Standard deviation of stoutness, the logarithm that all girths share: 6.3 % of active people, and half as much again.
 pub const STOUTNESS: f64 = 0.095;
@@ -105,9 +105,8 @@ impl Anthropometry {
     }
 
     fn row(&self, limb: usize) -> Option<&'static LimbSpread> {
-        let name = &self.average.limbs()[limb].name;
-        let name = name.strip_prefix("right ").or_else(|| name.strip_prefix("left ")).unwrap_or(name);
-        ROWS.iter().find(|row| row.0 == name)
+        let (_, part) = split_side(&self.average.limbs()[limb].name);
+        ROWS.iter().find(|row| row.0 == part)
     }
 }
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::anatomy::split_side;
 use super::limb::{JointLimits, Limb, LimbSphere, SphereLevel};
 use crate::names;
 use crate::numbers::Brief;
@@ -327,9 +328,9 @@ impl Model {
 
 /// By limb, the index of the limb on the other side; its own where there is none.
 fn mirrored_limbs(limbs: &[Limb]) -> Vec<usize> {
-    let other = |limb: &Limb| match (limb.name.strip_prefix("right "), limb.name.strip_prefix("left ")) {
-        (Some(rest), _) => Some(format!("left {rest}")),
-        (_, Some(rest)) => Some(format!("right {rest}")),
+    let other = |limb: &Limb| match split_side(&limb.name) {
+        ("right ", part) => Some(format!("left {part}")),
+        ("left ", part) => Some(format!("right {part}")),
         _ => None,
     };
     let index_of = |name: String| limbs.iter().position(|limb| limb.name == name);

@@ -3,8 +3,9 @@
 //! The body is tracked with the cameras as they are given. In well-spread frames of that track, poses, the body's sizes and the
 //! cameras are fitted together (`body_fit::cameras` says what is held), then again without frames that fit worse than the others:
 //! a limb in a wrong place pulls cameras after it. The body is followed again with the cameras found, each in the frame that is
-//! nearest by its own clock, and so on. In frames that nothing was fitted to, every camera is held out in turn: the pose is fitted to all others, and the
-//! overlap with the silhouette of the one held out says how well the rig agrees on it, before and after.
+//! nearest by its own clock, and so on. In frames that nothing was fitted to, every camera is held out in turn: the pose is
+//! fitted to all others, and the overlap with the silhouette of the one held out says how well the rig agrees on it, before and
+//! after.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
