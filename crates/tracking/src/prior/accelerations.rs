@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use super::direction::{BodyDirection, BodyPoints, TrunkFrame};
 use super::train::Clip;
-use crate::body::split_side;
 use crate::geometry::rotation::log;
 
 /// Δ, seconds: over less, errors of capture are as large.
@@ -46,7 +45,7 @@ impl Accelerations {
     /// Of the rotation of a limb of this name; what stands on the chest and was not learnt moves as the chest does.
     #[must_use]
     pub fn of_limb(&self, name: &str) -> f64 {
-        match split_side(name).1 {
+        match name.trim_start_matches("right ").trim_start_matches("left ") {
             "spine" | "torso" => self.pelvis,
             "upper arm" => self.upper_arm,
             "forearm" => self.forearm,
