@@ -154,7 +154,7 @@ impl Compare {
         self.asked.push(path);
     }
 
-    /// Reads files that were asked for or that the document names, one after the other.
+    /// Reads files that were asked for, and those that the document names once the pane is to be seen, one after the other.
     fn read(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let paths = &context.document().references;
         for (path, read) in requests.outputs("Reading a reference", &mut self.reading) {
@@ -171,7 +171,8 @@ impl Compare {
             }
             self.read.insert(path, read.ok());
         }
-        let mut named = self.asked.iter().chain(paths.iter());
+        let of_document: &[PathBuf] = if context.shows(Pane::Compare) { paths } else { &[] };
+        let mut named = self.asked.iter().chain(of_document);
         if !self.reading.is_busy()
             && let Some(path) = named.find(|path| !self.read.contains_key(*path))
         {
@@ -187,9 +188,7 @@ impl Compare {
         let of_file = |path: &PathBuf| self.read.get(path)?.clone();
         let of_document = context.document().references.iter().filter_map(of_file);
         let now: Vec<Arc<NamedReference>> = self.of_take.iter().cloned().chain(of_document).collect();
-        if now.len() == self.references.len()
-            && now.iter().zip(&self.references).all(|(a, b)| Arc::ptr_eq(a, b))
-        {
+        if work::are_same(&now, &self.references) {
             return;
         }
         let found_of = |one: &Arc<NamedReference>| {

@@ -35,6 +35,11 @@ pub(super) fn read(path: &Path) -> Result<Arc<NamedReference>, String> {
     Ok(Arc::new(NamedReference { reference, path: Some(path.to_owned()) }))
 }
 
+/// Whether two lists are of the same references.
+pub(super) fn are_same(a: &[Arc<NamedReference>], b: &[Arc<NamedReference>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
+}
+
 /// All that a comparison depends on.
 #[derive(Debug, Clone)]
 pub(super) struct ComparisonInputs {
@@ -66,8 +71,7 @@ impl ComparisonInputs {
         Arc::ptr_eq(&self.body, body)
             && Arc::ptr_eq(&self.estimates, estimates)
             && Arc::ptr_eq(&self.keys, keys)
-            && self.references.len() == references.len()
-            && self.references.iter().zip(references).all(|(a, b)| Arc::ptr_eq(a, b))
+            && are_same(&self.references, references)
     }
 
     pub(super) fn of(document: &Document, take: &Take, references: &[Arc<NamedReference>]) -> Self {
