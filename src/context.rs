@@ -39,7 +39,9 @@ use backlit_formats::take::BodySizes;
 
 use crate::context::activity::Activity;
 use crate::context::clock::Clock;
-use crate::context::marks::{DragMarks, MotionMarks, ObservabilityMarks, ReferenceMark, SilhouetteMarks};
+use crate::context::marks::{
+    DragMarks, FloorPicture, MotionMarks, ObservabilityMarks, ReferenceMark, SilhouetteMarks,
+};
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
@@ -89,6 +91,8 @@ pub struct Context<'a> {
     pub(crate) references: &'a [ReferenceMark],
     /// The people to choose from, while one is to be chosen.
     pub(crate) people: &'a [PersonTrack],
+    /// What lies on the floor of the scene.
+    pub(crate) floor_picture: Option<&'a Arc<FloorPicture>>,
     pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub(crate) doing: Option<&'a str>,
@@ -115,6 +119,7 @@ pub(crate) struct Published {
     pub(crate) references: Arc<Vec<ReferenceMark>>,
     pub(crate) ghosts: Option<Arc<Ghosts>>,
     pub(crate) people: Arc<Vec<PersonTrack>>,
+    pub(crate) floor_picture: Option<Arc<FloorPicture>>,
 }
 
 impl<'a> Context<'a> {

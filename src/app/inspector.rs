@@ -84,6 +84,7 @@ fn context<'a>(
         ghosts: state.published.ghosts.as_deref(),
         references: &state.published.references,
         people: &state.published.people,
+        floor_picture: state.published.floor_picture.as_ref(),
         doing: state.status.as_deref(),
         is_covered: shell.overlay.is_some(),
         offers_unsaved_work: features.recovery.is_offered(),

@@ -12,6 +12,7 @@ use backlit_tracking::silhouette::Label;
 use backlit_ui::drawing::{JointEllipse, JointId, Swaying, joint_ellipses};
 use backlit_ui::style::format;
 use glam::DVec3;
+use image::RgbaImage;
 
 /// What is drawn in a frame.
 #[derive(Debug, Clone, Default)]
@@ -209,6 +210,20 @@ pub(crate) struct PictureAlone {
     pub(crate) marks: bool,
     /// The strip that explains the colours, under the picture.
     pub(crate) legend: bool,
+}
+
+/// A picture that lies on the floor of the scene, world metres.
+#[derive(Debug)]
+pub(crate) struct FloorPicture {
+    /// Where its upper left corner is.
+    pub(crate) corner: DVec3,
+    /// From there to its upper right corner.
+    pub(crate) across: DVec3,
+    /// From there to its lower left corner.
+    pub(crate) down: DVec3,
+    pub(crate) image: RgbaImage,
+    /// A tenth of what its lightest colour is, millimetres.
+    pub(crate) limit_mm: f64,
 }
 
 /// A joint of a reference that the poses are compared with.

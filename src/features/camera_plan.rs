@@ -1,10 +1,12 @@
 //! Where to put cameras: what the take's would know of a body anywhere on the floor, which could be left out, and where one more
-//! would bring most. `card` is the card that shows it, `map` the floor on it.
+//! would bring most. `card` is the card that shows it, `map` the floor on it and in the scene.
 
 mod card;
 mod map;
 #[cfg(test)]
 mod tests;
+
+use std::sync::Arc;
 
 use backlit_formats::Footage;
 use backlit_jobs::{Job, Outbox, Turn};
@@ -16,8 +18,9 @@ use egui::Ui;
 use crate::context::camera_work::{CameraWork, WorkMessage};
 use crate::context::command::Command;
 use crate::context::feature::Feature;
+use crate::context::marks::FloorPicture;
 use crate::context::unavailable::{Why, no_take};
-use crate::context::{Context, FeatureCard, Requests, ShellRequest, priority};
+use crate::context::{Context, FeatureCard, Published, Requests, ShellRequest, priority};
 
 #[derive(Debug, Default)]
 pub(crate) struct CameraPlan {
@@ -25,6 +28,10 @@ pub(crate) struct CameraPlan {
     work: CameraWork<[usize; 2], PlanResult, { priority::BASIN }>,
     /// The place for one more camera that is looked at, as its rank.
     looked_at: usize,
+    /// What the cameras there are would know, for the floor of the scene, once there is a plan.
+    floor: Option<Arc<FloorPicture>>,
+    /// Whether the scene's floor stays as it is.
+    is_off_floor: bool,
 }
 
 /// The plan, one place a step.
@@ -60,6 +67,16 @@ impl Feature for CameraPlan {
                 None => self.work.refuse("The cameras do not agree on which way is up"),
             }
         }
+        // About cameras that are no longer in use, the card says so; on the floor nothing could.
+        let found = self.work.result().filter(|_| !self.work.is_busy() && self.work.is_current(context));
+        self.floor = match (self.floor.take(), found) {
+            (Some(floor), Some(_)) => Some(floor),
+            (_, found) => found.and_then(map::on_floor).map(Arc::new),
+        };
+    }
+
+    fn publish(&self, published: &mut Published) {
+        published.floor_picture = self.floor.clone().filter(|_| !self.is_off_floor);
     }
 
     fn run(&mut self, command: Command, context: &Context<'_>, requests: &mut Requests) -> bool {

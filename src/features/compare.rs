@@ -1,7 +1,8 @@
 //! Compare: the poses beside the take's own reference and beside recordings, tracks and projects that were added; and the runs of the
-//! frame's fit as a table that sorts. `work` reads and compares, `curves` is the plot over frames.
+//! frame's fit as a table that sorts. `work` reads and compares, `overlap` measures silhouettes, `curves` is the plot over frames.
 
 mod curves;
+mod overlap;
 mod panel;
 mod runs_table;
 #[cfg(test)]
@@ -26,6 +27,7 @@ use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::{Context, Published, Requests, pane_title, priority};
 use curves::CurveChoice;
+use overlap::Overlaps;
 use runs_table::Sorting;
 use work::{ComparisonInputs, NamedReference};
 
@@ -58,6 +60,7 @@ pub(crate) struct Compare {
     comparing: Task<ComparisonInputs, Vec<Arc<TrackComparison>>, { priority::COMPARE }>,
     /// By reference.
     found: Vec<Arc<TrackComparison>>,
+    overlaps: Overlaps,
     /// The reference whose figures are shown by joint and angle.
     selected: usize,
     curve: CurveChoice,
@@ -76,6 +79,7 @@ impl Feature for Compare {
         self.read(context, requests);
         self.name_references(context);
         self.compare(context, requests);
+        self.measure_overlap(context, requests);
         self.marks = Arc::new(self.marks_of(context));
     }
 
@@ -137,6 +141,7 @@ impl Feature for Compare {
             of_take: self.of_take.clone(),
             references: self.references.clone(),
             found: self.found.clone(),
+            overlaps: self.overlaps.at_rest(),
             selected: self.selected,
             curve: self.curve.clone(),
             sorting: self.sorting,
@@ -229,6 +234,15 @@ impl Compare {
             let inputs = inputs.clone();
             once(move |_| inputs.compare())
         });
+    }
+
+    /// Measures the overlap of the selected reference, once it is compared.
+    fn measure_overlap(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let is_seen = context.shows(Pane::Compare) && self.side == Side::References;
+        let Some(found) = self.found.get(self.selected).filter(|_| is_seen) else { return };
+        if let Some(inputs) = self.comparing.inputs().filter(|_| !self.comparing.is_busy()) {
+            self.overlaps.update(found, inputs.motion(), context, requests);
+        }
     }
 
     /// The comparison with a reference, if it is done.

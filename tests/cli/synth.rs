@@ -63,12 +63,24 @@ fn a_motion_is_filmed_and_its_truth_is_found_again() {
     assert!(knee["rms"].as_f64().unwrap() < 6.0 && knee["correlation"].as_f64().unwrap() > 0.98, "{knee}");
     let shape = reference["joint_error_mm"]["procrustes"]["mean"].as_f64().unwrap();
     assert!(shape < 40.0, "{shape}");
+    // The truth covers the silhouettes as well as clothes let it; the file's person, who is of another size, does so less.
+    let covered: Value =
+        serde_json::from_str(&scene.ok("compare take/truth walk.bvh --take take --json")).unwrap();
+    let reference = &covered["references"][0];
+    assert_eq!(reference["overlap_frames"], 10);
+    let iou = |of: &str| reference[of]["cam02"].as_f64().unwrap();
+    assert!(iou("track_overlap") > 0.75 && (0.5..0.75).contains(&iou("overlap")), "{reference}");
+    let text = scene.ok("compare take/truth walk.bvh --take take");
+    assert!(text.contains("mean of 10 frames"), "{text}");
     // A fit from the true start finds the true poses.
     let summary: Value = serde_json::from_str(&scene.ok("track take --out results --json")).unwrap();
     let mean = summary["joint_error_mm"]["mean"].as_f64().unwrap();
     assert!(summary["lost"] == 0 && mean < 60.0, "{summary}");
 
-    scene.ok("synth --motion take/truth --frames 2..4 --cameras 2 --size 48x64 --no-shadows --clothes loose --out again");
+    let told = scene.ok(
+        "synth --motion take/truth --frames 2..4 --cameras 2 --size 48x64 --no-shadows --clothes loose --occluder 0.3 --out again",
+    );
+    assert!(told.contains("the posts hide") && told.contains("% of the person"), "{told}");
     let take = fs::read_to_string(scene.path("again/take.toml")).unwrap();
     assert!(
         take.contains("background = \"plates/cam02/%d.png\"") && scene.path("again/cam01/1.png").is_file(),

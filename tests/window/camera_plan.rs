@@ -1,5 +1,6 @@
 //! The plan of cameras through the real window: made, looked at, made again, left.
 
+use backlit::context::preferences::Layout;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
@@ -7,7 +8,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::readable::{SIZES, assert_readable, look_over};
 use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::window::{Setup, Window, WindowState, arm, built_in, choose, click, command, press};
+use crate::support::window::{
+    Setup, Window, WindowState, arm, built_in, choose, click, command, press, settle,
+};
 
 /// The card on the built-in take.
 fn planned(theme: Theme, size: [f32; 2]) -> Window {
@@ -60,5 +63,18 @@ fn the_card_in_both_themes() {
         let mut window = planned(theme, [1024.0, 900.0]);
         let card = Rect::from_min_size(pos2(146.0, 134.0), vec2(732.0, 740.0));
         snapshots.part(&mut window, card, &format!("panel_camera_plan_{}", theme_name(theme)));
+    }
+}
+
+/// After a plan the scene's floor has its colours, with what they mean.
+#[test]
+fn the_floor_of_the_scene_shows_the_plan_in_both_themes() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut window = of(built_in().layout(Layout::Debug), theme, [1366.0, 900.0]);
+        press(&mut window, Modifiers::NONE, Key::Escape);
+        settle(&mut window);
+        let scene = window.get_by_role_and_label(Role::Image, "Scene").rect();
+        snapshots.part(&mut window, scene, &format!("scene_floor_{}", theme_name(theme)));
     }
 }

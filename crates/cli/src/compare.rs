@@ -7,18 +7,19 @@ use anyhow::ensure;
 use backlit_formats::atomic::{self, Fill};
 use backlit_formats::recording::{self, RecordingOptions};
 use backlit_runs::comparison::{
-    ANGLE_TITLES, ComparedReference, Figure, angle_figures, clock_words, compare_motion, error_figures,
-    error_titles, read_reference, to_json, world_words,
+    ANGLE_TITLES, CameraOverlap, ComparedOverlap, ComparedReference, Figure, angle_figures, clock_words,
+    compare_motion, compare_overlap, error_figures, error_titles, read_reference, to_json, world_words,
 };
 use backlit_runs::results::{self, TrackedMotion, read_tracked};
 use backlit_tracking::metrics::comparison::{ComparisonOptions, TrackComparison};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
+use super::interrupt::{self, Interrupted};
 use super::numbers::within;
 use super::output::{self, number};
 use super::table::Table;
-use super::take_options::FrameSpan;
+use super::take_options::{self, FrameSpan};
 
 const AFTER_HELP: &str = "\
 References are recordings (trc, c3d, bvh, mot, csv, npz), results of backlit track, or projects. Their clock, axes and \
@@ -32,7 +33,7 @@ Writes to the folder of --out:
   angles.csv       both curves of every angle
 
 Examples:
-  backlit compare results reference.trc
+  backlit compare results reference.trc --take TAKE
   backlit compare results other_results truth.bvh markers.c3d --out compared
   backlit compare results points.csv --frame-rate 60 --joint knee_r=\"right knee\"";
 
@@ -68,6 +69,9 @@ pub struct CompareArguments {
     /// body that the track names]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
+    /// Take that was tracked: the body in the poses of track and references is laid over its silhouettes, in 30 frames
+    #[arg(long, value_name = "TAKE")]
+    take: Option<PathBuf>,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -80,6 +84,13 @@ pub struct CompareArguments {
 struct Compared {
     reference: ComparedReference,
     found: TrackComparison,
+    overlap: Option<ComparedOverlap>,
+}
+
+impl Compared {
+    fn to_json(&self) -> Value {
+        to_json(&self.reference, &self.found, self.overlap.as_ref())
+    }
 }
 
 pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
@@ -95,6 +106,8 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
         most_offset_s: arguments.most_offset,
         same_world: arguments.same_world,
     };
+    let footage = arguments.take.as_deref().map(take_options::open).transpose()?;
+    let cancel = interrupt::listen()?;
     let mut all = Vec::new();
     for path in &arguments.references {
         let reference = read_reference(path, &reading)?;
@@ -104,14 +117,19 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
             "{}: it has no joint and no angle in common with the track at the same time; see --offset and --most-offset",
             path.display()
         );
-        all.push(Compared { reference, found });
+        let overlap = footage.as_ref().and_then(|footage| {
+            compare_overlap(&tracked.motion, &found, footage, footage.take().measurement(), &cancel)
+        });
+        if cancel.is_cancelled() {
+            return Err(Interrupted.into());
+        }
+        all.push(Compared { reference, found, overlap });
     }
     if let Some(out) = &arguments.out {
         write(out, &all)?;
     }
     if arguments.json {
-        let values: Vec<_> =
-            all.iter().map(|Compared { reference, found }| to_json(reference, found)).collect();
+        let values: Vec<_> = all.iter().map(Compared::to_json).collect();
         output::print_json(&json!({"overlap": tracked.overlap, "references": values}))
     } else {
         output::print(&text(&results::path_in(&arguments.track), &tracked, &all))
@@ -140,7 +158,7 @@ fn table<T: AsRef<str>>(first: &str, titles: &[T], rows: impl IntoIterator<Item 
 
 fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
     let mut out = String::new();
-    for Compared { reference, found } in all {
+    for Compared { reference, found, overlap } in all {
         let _ = writeln!(out, "{} beside {}", track.display(), reference.name);
         let (frames, joints) = (found.frames.len(), found.joints.len());
         let _ = writeln!(out, "  {frames} frames, {joints} joints, {} angles", found.angles.len());
@@ -159,11 +177,14 @@ fn text(track: &Path, tracked: &TrackedMotion, all: &[Compared]) -> String {
         if found.angles.iter().any(|angle| angle.is_turned) {
             out.push_str("* the reference counts the other way round, and was turned\n");
         }
-        out.push_str(&overlap_text(tracked, reference));
+        out.push_str(&match overlap {
+            Some(measured) => measured_text(measured),
+            None => overlap_text(tracked, reference),
+        });
         out.push('\n');
     }
     if all.len() > 1 && all.iter().any(|compared| compared.found.overall.is_some()) {
-        let rows = all.iter().filter_map(|Compared { reference, found }| {
+        let rows = all.iter().filter_map(|Compared { reference, found, .. }| {
             Some(row(&reference.name, &error_figures(found.overall.as_ref()?)))
         });
         out.push_str(&table("all joints, mm", &error_titles(), rows));
@@ -179,7 +200,16 @@ fn angle_table(found: &TrackComparison) -> String {
     table("angle, °", &ANGLE_TITLES, rows)
 }
 
-/// Overlap by camera, of both where the reference is a track.
+/// Measured overlap by camera.
+fn measured_text(ComparedOverlap { frames, cameras }: &ComparedOverlap) -> String {
+    let mut table = Table::new(["overlap (IoU)", "track", "reference"]);
+    for CameraOverlap { camera, track, reference } in cameras {
+        table.row([camera.clone(), number(Some(*track), 3), number(Some(*reference), 3)]);
+    }
+    format!("\nThe track's body in both poses, mean of {frames} frames:\n{}", table.to_text())
+}
+
+/// Overlap by camera as it was tracked, of both where the reference is a track.
 fn overlap_text(tracked: &TrackedMotion, reference: &ComparedReference) -> String {
     if tracked.overlap.is_empty() {
         return String::new();
@@ -195,14 +225,14 @@ fn overlap_text(tracked: &TrackedMotion, reference: &ComparedReference) -> Strin
 /// Writes all files: all of them, or none.
 fn write(out: &Path, all: &[Compared]) -> anyhow::Result<()> {
     output::make_folder(out)?;
-    let values: Vec<_> = all.iter().map(|Compared { reference, found }| to_json(reference, found)).collect();
+    let values: Vec<_> = all.iter().map(Compared::to_json).collect();
     let json = serde_json::to_string_pretty(&values)? + "\n";
     let mut errors = csv::Writer::from_writer(Vec::new());
     errors.write_record(["reference", "frame", "joint", "raw_mm", "root_aligned_mm", "procrustes_mm"])?;
     let mut angles = csv::Writer::from_writer(Vec::new());
     angles.write_record(["reference", "frame", "angle", "track_degrees", "reference_degrees"])?;
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    for Compared { reference, found } in all {
+    for Compared { reference, found, .. } in all {
         for frame in &found.frames {
             for (index, joint) in found.joints.iter().enumerate() {
                 let numbers =

@@ -82,7 +82,7 @@ pub struct SynthArguments {
     /// Frames a second of a motion that does not say it [0.01 to 100000]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
     motion_rate: Option<f64>,
-    /// Write exact masks, not pictures: a hundred times as fast
+    /// Write exact masks, not pictures: some fifteen times as fast
     #[arg(long)]
     masks: bool,
     /// What the figure wears
@@ -91,7 +91,7 @@ pub struct SynthArguments {
     /// Noise of the sensor, as a multiple of a usual one [0 to 20]
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(0.0..=20.0))]
     noise: f64,
-    /// Draw without shadows: ten times as fast
+    /// Draw without shadows: about six times as fast
     #[arg(long, conflicts_with = "masks")]
     no_shadows: bool,
     /// Pixels by which masks are too wide all round [0 to 50]
@@ -149,12 +149,21 @@ pub(crate) fn run(arguments: &SynthArguments) -> anyhow::Result<()> {
     match written {
         Err(FilmError::Cancelled) => Err(Interrupted.into()),
         Err(error) => Err(error.into()),
-        Ok(()) => output::print(&format!(
-            "{} frames before {} cameras, in {}\n",
-            motion.poses.len(),
-            arguments.cameras,
-            arguments.out.display()
-        )),
+        Ok(hidden) => {
+            let post = if arguments.occluder > 0.0 {
+                let shares: Vec<String> =
+                    hidden.iter().map(|share| format!("{:.0}", 100.0 * share)).collect();
+                format!("the posts hide {} % of the person, by camera\n", shares.join(", "))
+            } else {
+                String::new()
+            };
+            output::print(&format!(
+                "{} frames before {} cameras, in {}\n{post}",
+                motion.poses.len(),
+                arguments.cameras,
+                arguments.out.display()
+            ))
+        }
     }
 }
 

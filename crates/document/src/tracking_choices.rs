@@ -26,6 +26,22 @@ pub enum Following {
 }
 
 impl Following {
+    /// All of them, smoothed by all later frames, by the words of the command line.
+    pub const NAMED: [(&'static str, Self); 5] = [
+        ("still", Self::Still),
+        ("velocity", Self::Velocity),
+        ("kalman", Self::Kalman),
+        ("steered", Self::Steered),
+        ("smoothed", Self::Smoothed { lag: None }),
+    ];
+
+    /// Its word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        let kind = |other: &Self| std::mem::discriminant(other) == std::mem::discriminant(&self);
+        Self::NAMED.iter().find(|(_, other)| kind(other)).map_or("", |(name, _)| name)
+    }
+
     /// What the tracker is told.
     pub fn motion(self) -> Motion {
         match self {

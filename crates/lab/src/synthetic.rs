@@ -28,6 +28,7 @@ pub mod exercise;
 pub mod figure;
 pub mod filmed;
 mod furniture;
+mod hulls;
 pub mod masks;
 pub mod motion;
 pub mod noise;

@@ -5,17 +5,22 @@ use std::sync::Arc;
 
 use anyhow::{Context, anyhow, ensure};
 use backlit_document::likely_poses;
+use backlit_document::tracking_choices::Following;
 use backlit_formats::take::{BodySizes, CameraFootage};
 use backlit_formats::{Footage, Take};
 use backlit_runs::changes::change_text;
+use backlit_runs::people;
 use backlit_runs::person::PersonSearch;
-use backlit_runs::track::{TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun, survey};
+use backlit_runs::track::{
+    FrameReader, TakeReader, TrackEnding, TrackError, TrackMessage, TrackPlan, TrackRun, survey,
+};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::Person;
 use backlit_tracking::body_fit::survey::LOOKED_AT;
 use backlit_tracking::camera::RigError;
 use backlit_tracking::cues::Cue;
 use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::people::{FEWEST_CAMERAS, FollowedPerson};
 use backlit_tracking::search::start;
 use backlit_tracking::track::FrameEstimate;
 use pyo3::prelude::*;
@@ -43,6 +48,10 @@ struct Request {
     /// Whether the person's own sizes are found first; as the take says if `None`.
     fits_sizes: Option<bool>,
     cues: Vec<Cue>,
+    /// How motion is carried; as the preset says if `None`.
+    motion: Option<Following>,
+    /// Who of several people is followed, from 1.
+    person: Option<usize>,
 }
 
 /// Follows a person through masks: ``backlit track`` for arrays, with the same result to the bit.
@@ -52,13 +61,15 @@ struct Request {
 /// ``upper_body`` or ``single_limb``. ``start`` is the pose of the first frame; without one it is searched for. ``renderer`` is
 /// ``capsule``, ``cylinder`` or ``sphere_tree`` (with ``spheres`` a limb), ``preset`` ``robust`` or ``report``, ``iterations`` the
 /// most of a frame. ``frames`` are numbers of frames to follow, in their order; ``cameras`` are names. ``cues`` lists what else
-/// pulls: ``keypoints`` (default where keypoints are given), ``flow``, ``stereo``. ``n_threads`` changes the time and no bit.
+/// pulls: ``keypoints`` (default where keypoints are given), ``flow``, ``stereo``. ``motion`` says how motion is carried from frame to
+/// frame: ``still``, ``velocity``, ``kalman``, ``steered`` or ``smoothed``. ``person`` follows one of several people: 1 is who is in
+/// view longest, and pixels of others are unknown. ``n_threads`` changes the time and no bit.
 /// ``progress`` is called with (done, all, text). Ctrl+C raises ``KeyboardInterrupt``. Raises :class:`InputError`, :class:`FileError`
 /// or :class:`Error`. Returns a :class:`Track`.
 #[pyfunction]
 #[pyo3(signature = (cams, masks = None, *, body = None, start = None, keypoints = None, fps = None, sizes = None,
     preset = "robust", renderer = None, spheres = None, ramp = None, iterations = None, frames = None, cameras = None,
-    cues = None, mask_values = None, n_threads = None, progress = None))]
+    cues = None, motion = None, person = None, mask_values = None, n_threads = None, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "each is an argument of Python's, most by name")]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -77,6 +88,8 @@ pub(crate) fn fit(
     frames: Option<Vec<usize>>,
     cameras: Option<Vec<String>>,
     cues: Option<Vec<String>>,
+    motion: Option<&str>,
+    person: Option<usize>,
     mask_values: Option<MaskValues>,
     n_threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -92,6 +105,7 @@ pub(crate) fn fit(
         None if keypoints.is_some() => vec![Cue::Keypoints],
         words => words.unwrap_or_default().iter().map(|word| cue(word)).collect::<PyResult<_>>()?,
     };
+    let motion = motion.map(following).transpose()?;
     let mut sizes = fits_sizes(sizes)?;
     if has_body && matches!(cams, CamerasOrTake::Take(_)) {
         // A body that is named has its sizes.
@@ -113,7 +127,20 @@ pub(crate) fn fit(
     }
     let frames = frame_numbers(&take.footage, frames)?;
     let cameras = camera_indices(&take.footage, cameras)?;
-    let request = Request { take, preset, fit, start, frames, cameras, fits_sizes: sizes, cues };
+    if let Some(person) = person {
+        if person == 0 {
+            return Err(wrong("person", "1 or more", "0"));
+        }
+        if cameras.len() < FEWEST_CAMERAS {
+            return Err(wrong(
+                "person",
+                &format!("{FEWEST_CAMERAS} cameras or more"),
+                &cameras.len().to_string(),
+            ));
+        }
+    }
+    let request =
+        Request { take, preset, fit, start, frames, cameras, fits_sizes: sizes, cues, motion, person };
     interruptible(py, n_threads, progress, |job| request.run(job))?.map_err(raised)
 }
 
@@ -123,10 +150,17 @@ fn cue(word: &str) -> PyResult<Cue> {
     known.ok_or_else(|| wrong("cues", "keypoints, flow or stereo", &format!("{word:?}")))
 }
 
+fn following(word: &str) -> PyResult<Following> {
+    let known = Following::NAMED.into_iter().find(|(name, _)| *name == word);
+    let expected = "still, velocity, kalman, steered or smoothed";
+    known.map(|(_, how)| how).ok_or_else(|| wrong("motion", expected, &format!("{word:?}")))
+}
+
 impl Request {
     fn run(self, job: &Job) -> anyhow::Result<PyTrack> {
         let frames = self.frames.clone();
         let (footage, changes) = self.learnt_again(job)?;
+        let footage = self.of_person(footage, job)?;
         let take = self.take.footage.take();
         let mut notes = take.notes();
         notes.extend(changes);
@@ -142,7 +176,8 @@ impl Request {
         notes.extend(told_of(&person, frames[0]));
         if !Arc::ptr_eq(&person.model, reader.footage.take().model()) {
             let take = self.take.source.open(Some((*person.model).clone()))?;
-            reader.footage = Arc::new(Footage::new(take).with_changes(reader.footage.changes.clone()));
+            let footage = Footage::new(take).with_changes(reader.footage.changes.clone());
+            reader.footage = Arc::new(footage.with_person(reader.footage.take().person().cloned()));
         }
         reader.cues.clone_from(&self.cues);
         if self.cues.contains(&Cue::Keypoints) && reader.footage.take().keypoint_order()?.is_none() {
@@ -167,6 +202,19 @@ impl Request {
         Ok((Arc::new(footage.with_changes(Arc::new(changes))), words))
     }
 
+    /// The footage of the person who is asked for, by what the cameras show.
+    fn of_person(&self, footage: Arc<Footage>, job: &Job) -> anyhow::Result<Arc<Footage>> {
+        let Some(number) = self.person else { return Ok(footage) };
+        let reader = Arc::new(TakeReader::of_silhouettes(Arc::clone(&footage), self.cameras.clone()));
+        let people = people::find(&reader, &self.frames, &job.cancel, |done, all| {
+            job.tell(done, all, "looking for people".to_owned());
+        })?;
+        ensure!(!job.cancel.is_cancelled(), "stopped");
+        let person = FollowedPerson::of(&people, number - 1);
+        let person = person.with_context(|| format!("person {number}: in view are {}", people.len()))?;
+        Ok(Arc::new(footage.with_person(Some(Arc::new(person)))))
+    }
+
     fn follow(
         self,
         reader: TakeReader,
@@ -179,9 +227,13 @@ impl Request {
         let take = reader.footage.take();
         let mut plan = TrackPlan::of_preset(self.preset, self.fit, take, start, frames.to_vec().into());
         plan.cues = self.cues;
+        if let Some(motion) = self.motion {
+            plan = plan.following(motion);
+        }
+        let (renderer, is_smoothed) = (plan.fit.renderer, plan.smoothing.is_some());
         let mut run = TrackRun::new(reader.clone(), plan);
         let mut found: BTreeMap<usize, FrameEstimate> = BTreeMap::new();
-        let mut ending = None;
+        let (mut ending, mut not_smoothed) = (None, None);
         while ending.is_none() {
             run.step(&job.cancel, &mut |message| match message {
                 TrackMessage::Frame { estimate, .. } => {
@@ -191,7 +243,8 @@ impl Request {
                     found.extend(known.into_iter().map(|one| (one.frame, one)));
                 }
                 TrackMessage::Done(how) => ending = Some(how),
-                TrackMessage::Taken(..) | TrackMessage::Joined { .. } | TrackMessage::NotSmoothed(_) => {}
+                TrackMessage::NotSmoothed(error) => not_smoothed = Some(error),
+                TrackMessage::Taken(..) | TrackMessage::Joined { .. } => {}
             });
             job.tell(
                 found.len(),
@@ -206,7 +259,16 @@ impl Request {
             Some(TrackEnding::Failed { error, .. }) => return Err(error.into()),
             Some(TrackEnding::Whole | TrackEnding::Cancelled) | None => {}
         }
+        if let Some(error) = not_smoothed {
+            return Err(error.into());
+        }
+        let silhouettes = TakeReader::of_silhouettes(reader.footage.clone(), reader.cameras.clone());
         for one in found.values_mut() {
+            if is_smoothed {
+                // Smoothing has moved the pose.
+                let views = silhouettes.views(&silhouettes.read(one.frame)?);
+                one.measure_overlap(take.model(), renderer, &views);
+            }
             // By far the largest part of a track, and nothing that Python sees.
             (one.belief, one.modes, one.signs) = (None, Vec::new(), Vec::new());
         }
@@ -256,7 +318,7 @@ fn looked_at(reader: &TakeReader, frames: &[usize], job: &Job) -> anyhow::Result
     found.check()?;
     let mut notes: Vec<String> = found.doubts().map(|doubt| doubt.to_string()).collect();
     if let Some(several) = found.several_people().filter(|_| reader.footage.take().person().is_none()) {
-        notes.push(format!("{several}: the command line follows one of them by --person"));
+        notes.push(format!("{several}: person=K follows one of them"));
     }
     Ok(notes)
 }

@@ -55,6 +55,31 @@ def test_the_same_bits_as_the_command_line(track: bl.Track, recording: Recording
     assert same(bl.fit(bl.Take.load(tmp_path / "take")), track)
 
 
+@pytest.mark.parametrize("motion", ["still", "kalman", "smoothed"])
+def test_motion_is_carried_as_the_command_line_does(motion: str, recording: Recording, tmp_path: Path) -> None:
+    take = bl.Take.from_arrays(recording.cams, recording.masks, body=recording.body, start=recording.start, fps=30)
+    take.save(tmp_path / "take")
+    done = backlit("track", "take", "--motion", motion, "--out", "results", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "results" / "track.json").read_text())["frames"]
+    track = bl.fit(take, motion=motion)
+    joints = np.array([[frame["joints"][name] for name in track.joint_names] for frame in told])
+    np.testing.assert_array_equal(joints, track.joints)
+    iou = np.array([[frame["iou"][name] for name in track.camera_names] for frame in told], dtype=float)
+    np.testing.assert_array_equal(iou, track.iou)
+
+
+def test_one_of_several_people_is_followed(recording: Recording) -> None:
+    one = bl.fit(recording.cams, recording.masks, body=recording.body, start=recording.start, fps=30, person=1)
+    assert np.linalg.norm(one.joints[-1] - one.joints[0], axis=-1).mean() < 1.0
+    with pytest.raises(bl.Error, match="person 2"):
+        bl.fit(recording.cams, recording.masks, body=recording.body, start=recording.start, person=2)
+    with pytest.raises(bl.InputError, match="cameras"):
+        bl.fit(recording.cams, recording.masks, body=recording.body, start=recording.start, person=1, cameras=recording.cams.names[:1])
+    with pytest.raises(bl.InputError, match="motion"):
+        bl.fit(recording.cams, recording.masks, body=recording.body, start=recording.start, motion="fast")  # type: ignore[arg-type]
+
+
 def test_a_start_is_searched_for_as_the_command_line_does(recording: Recording, tmp_path: Path) -> None:
     masks = recording.masks[:, :2]
     bl.Take.from_arrays(recording.cams, masks, body=recording.body).save(tmp_path / "take")

@@ -18,6 +18,10 @@ use serde_json::{Value, json};
 
 use crate::results::{is_ours, read_tracked};
 
+mod overlap;
+
+pub use overlap::{CameraOverlap, ComparedOverlap, compare_overlap};
+
 /// What a track is compared with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparedReference {
@@ -192,12 +196,20 @@ fn agreement(agreement: &AngleAgreement) -> Value {
     })
 }
 
-/// A comparison as JSON: millimetres, degrees, seconds.
+/// A comparison as JSON: millimetres, degrees, seconds. Overlaps are measured ones, or else as the reference was tracked.
 #[must_use]
-pub fn to_json(reference: &ComparedReference, found: &TrackComparison) -> Value {
+pub fn to_json(
+    reference: &ComparedReference,
+    found: &TrackComparison,
+    measured: Option<&ComparedOverlap>,
+) -> Value {
     let WorldMap { kind, scale, rotation, translation } = &found.world;
     let by_joint: BTreeMap<&String, Value> =
         found.by_joint.iter().map(|(joint, of_joint)| (joint, errors(of_joint))).collect();
+    let of = |side: fn(&CameraOverlap) -> f64| -> Option<BTreeMap<String, f64>> {
+        let cameras = measured?.cameras.iter();
+        Some(cameras.map(|camera| (camera.camera.clone(), side(camera))).collect())
+    };
     json!({
         "reference": reference.name,
         "frames": found.frames.len(),
@@ -209,6 +221,8 @@ pub fn to_json(reference: &ComparedReference, found: &TrackComparison) -> Value 
         "joint_error_mm": found.overall.as_ref().map(errors),
         "by_joint": by_joint,
         "angles_degrees": found.angles.iter().map(agreement).collect::<Vec<_>>(),
-        "overlap": reference.overlap,
+        "overlap": of(|camera| camera.reference).unwrap_or_else(|| reference.overlap.clone()),
+        "track_overlap": of(|camera| camera.track),
+        "overlap_frames": measured.map(|measured| measured.frames),
     })
 }

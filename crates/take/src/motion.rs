@@ -12,8 +12,10 @@ use backlit_tracking::posing::Follower;
 use backlit_tracking::statistics::median;
 use glam::{DQuat, DVec3};
 
+mod feet;
 mod unfilmed;
 
+use feet::Feet;
 pub use unfilmed::open;
 
 /// The endings of files that hold where joints are.
@@ -39,7 +41,7 @@ pub struct FollowOptions {
     pub frame_rate: Option<f64>,
 }
 
-/// Reads a recording as poses of a body, z up, feet on the floor z = 0, the first frame over the origin. `tell` hears how many frames
+/// Reads a recording as poses of a body, z up, feet on the floor z = 0 and not in it, the first frame over the origin. `tell` hears how many frames
 /// are done, and of how many.
 ///
 /// # Errors
@@ -82,7 +84,10 @@ pub fn follow_recording(
         }
     }
     anyhow::ensure!(!poses.is_empty(), missing());
-    Ok(standing(Motion::of_poses(name, model.clone(), rate, poses), DVec3::Z))
+    let mut motion = standing(Motion::of_poses(name, model.clone(), rate, poses), DVec3::Z);
+    let feet = Feet::of(model);
+    motion.poses.values_mut().for_each(|pose| feet.lift(pose));
+    Ok(motion)
 }
 
 /// Which way is up: the axis, as near as it is known, or the coordinate axis nearest to the mean way from ankles to shoulders.

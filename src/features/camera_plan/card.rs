@@ -5,7 +5,9 @@ use backlit_tracking::observability::plan::PlannedSet;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::heat_map::error_legend;
-use backlit_ui::widgets::{hint, paint_text, search_card, work_head, work_progress, work_results, work_row};
+use backlit_ui::widgets::{
+    checkbox, hint, paint_text, search_card, work_head, work_progress, work_results, work_row,
+};
 use egui::{Align2, Color32, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{CameraPlan, map};
@@ -77,7 +79,13 @@ impl CameraPlan {
     /// Whether the card is closed.
     fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>) -> bool {
         let is_old = !self.work.is_current(context);
-        self.work.buttons(ui, ("Plan", is_old), |_| {})
+        let (has_floor, is_off_floor) = (self.floor.is_some(), &mut self.is_off_floor);
+        self.work.buttons(ui, ("Plan", is_old), |ui| {
+            let mut is_on_floor = !*is_off_floor;
+            if has_floor && checkbox(ui, &mut is_on_floor, "On the floor of the scene").changed() {
+                *is_off_floor = !is_on_floor;
+            }
+        })
     }
 }
 

@@ -1,13 +1,16 @@
 //! The floor seen from above: how well each place is known, with the cameras. A picture of it for a file is
 //! [`backlit_plot::FloorMap`].
 
-use backlit_runs::camera_plan::PlanResult;
+use backlit_runs::camera_plan::{PlanResult, PlanSubject};
 use backlit_tracking::observability::plan::PlannedSet;
 use backlit_ui::style::theme::size;
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::heat_map::error_colour;
 use backlit_ui::widgets::{paint_camera_badge, paint_text};
 use egui::{Align2, Color32, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo, vec2};
+use image::{Rgba, RgbaImage};
+
+use crate::context::marks::FloorPicture;
 
 /// Free about what is drawn, for the cameras.
 const ROOM: f32 = 22.0;
@@ -65,6 +68,28 @@ pub(super) fn ui(ui: &mut Ui, found: &PlanResult, set: &PlannedSet, side: f32) {
         wedge(ui, place, camera.looks, palette.warn);
         ui.painter().circle(place, 0.4 * size::BADGE, palette.plot, Stroke::new(2.0, palette.warn));
     }
+}
+
+/// So far above the floor a picture on it is drawn, metres: the grid lies under it.
+const ABOVE_M: f64 = 0.004;
+
+/// What all cameras there are would know of each place, to lie on the floor of the scene.
+pub(super) fn on_floor(found: &PlanResult) -> Option<FloorPicture> {
+    let (PlanSubject { floor, area, .. }, set) = (&found.subject, found.whole()?);
+    let [ahead, left] = floor.axes();
+    let corner = [0, 1].map(|axis| area.middle[axis] - 0.5 * area.size_m[axis]);
+    let [columns, rows] = area.cells.map(|cells| cells as u32);
+    let colour = |column: u32, row: u32| {
+        let place = set.places.get((row * columns + column) as usize);
+        Rgba(place.map_or([0; 4], |place| error_colour(1e3 * place.mean_m, LIMIT_MM).to_array()))
+    };
+    Some(FloorPicture {
+        corner: floor.point(corner, ABOVE_M),
+        across: ahead * area.size_m[0],
+        down: left * area.size_m[1],
+        image: RgbaImage::from_fn(columns, rows, colour),
+        limit_mm: LIMIT_MM,
+    })
 }
 
 fn cell(ui: &Ui, rect: Rect, millimetres: f64) {

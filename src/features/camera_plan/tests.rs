@@ -27,6 +27,15 @@ fn a_plan_is_made_once_and_stopping_it_leaves_none() {
     let found = app.features.camera_plan.work.result().unwrap();
     assert_eq!((found.sets.len(), found.additions.len()), (15, 24));
     assert!(found.additions[0].mean_m() < found.whole().unwrap().mean_m());
+    // The cells lie on the scene's floor, where the person stands.
+    let cells = found.subject.area.cells.map(|count| count as u32);
+    let floor = app.state.published.floor_picture.clone().unwrap();
+    assert_eq!([floor.image.width(), floor.image.height()], cells);
+    let middle = floor.corner + 0.5 * (floor.across + floor.down);
+    assert!(middle.truncate().distance(app.document().start.root.truncate()) < 1.5, "{middle}");
+    app.features.camera_plan.is_off_floor = true;
+    app.frames(1);
+    assert!(app.state.published.floor_picture.is_none());
     app.run(Command::CameraPlan);
     app.frames(1);
     assert!(!app.features.camera_plan.work.is_busy(), "what is there is shown again");

@@ -145,6 +145,7 @@ impl Compare {
         ui.add_space(space::WIDGET);
         self.joints(ui, &found);
         self.angles(ui, &found);
+        self.overlaps.show(ui, &found);
     }
 
     /// The joints of the selected reference.
@@ -184,6 +185,7 @@ impl Compare {
                 self.curve = choice;
             }
         }
+        ui.add_space(space::WIDGET);
     }
 
     /// What is drawn, the curves, and how clocks and axes were matched.

@@ -1,6 +1,7 @@
 //! The Compare pane's work, without a picture.
 
 use backlit_formats::motion::{Motion, MotionFormat, MotionOptions, write};
+use backlit_runs::comparison::CameraOverlap;
 use backlit_take::source::TakeSource;
 
 use super::curves::{CurveChoice, ErrorKind};
@@ -48,6 +49,12 @@ fn references_are_compared_and_drawn_beside_the_body() {
     let found = compare(&app).found[1].clone();
     assert_eq!((found.frames.len(), compare(&app).selected), (4, 1));
     assert!(found.overall.as_ref().unwrap().raw.max < 1.0, "{:?}", found.overall);
+    // The same poses cover the silhouettes alike.
+    app.settle();
+    let overlap = compare(&app).overlaps.measured().unwrap();
+    assert_eq!((overlap.frames, overlap.cameras.len()), (4, app.document().cameras.len()));
+    let differ = |camera: &CameraOverlap| (camera.track - camera.reference).abs();
+    assert!(overlap.cameras.iter().all(|camera| differ(camera) < 0.1), "{overlap:?}");
     assert!(!app.state.published.references.is_empty());
     assert!(app.state.published.references.iter().all(|mark| mark.ours.distance(mark.place) < 1e-3));
 

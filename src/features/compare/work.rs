@@ -84,6 +84,11 @@ impl ComparisonInputs {
         }
     }
 
+    /// The poses that are compared.
+    pub(super) fn motion(&self) -> &Arc<Motion> {
+        &self.motion
+    }
+
     pub(super) fn compare(&self) -> Vec<Arc<TrackComparison>> {
         let one = |named: &Arc<NamedReference>| {
             let options = if named.path.is_none() { AS_IT_IS } else { ComparisonOptions::default() };

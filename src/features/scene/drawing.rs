@@ -13,7 +13,11 @@ use image::{DynamicImage, RgbImage, RgbaImage};
 use super::Frustum;
 use super::contents::shell;
 use super::raster::{FlatPicture, SceneCamera, SceneFrame, SceneShapes};
+use crate::context::marks::FloorPicture;
 use crate::session::FrameData;
+
+/// Opacity of a picture on the floor.
+const ON_FLOOR: f32 = 0.8;
 
 /// All that a picture of the scene shows.
 #[derive(Debug, Clone)]
@@ -33,6 +37,8 @@ pub struct SceneOrder {
     pub(crate) picture_side: u32,
     /// The hull whose cubes are to be seen.
     pub(crate) shell: Option<Arc<VisualHull>>,
+    /// What lies on the floor.
+    pub(crate) floor_picture: Option<Arc<FloorPicture>>,
     /// Where the held joint is. It is no part of the picture; its mark goes with it.
     pub(crate) held: Option<DVec3>,
 }
@@ -49,10 +55,21 @@ struct Fingerprint<'a>(&'a SceneOrder);
 
 impl Hash for Fingerprint<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let SceneOrder { size_px, is_draft, eye, scene, frusta, pictures, picture_side, shell, held } =
-            self.0;
+        let SceneOrder {
+            size_px,
+            is_draft,
+            eye,
+            scene,
+            frusta,
+            pictures,
+            picture_side,
+            shell,
+            floor_picture,
+            held,
+        } = self.0;
         (size_px, is_draft, picture_side, pictures.as_ref().map(Arc::as_ptr)).hash(state);
         (shell.as_ref().map(Arc::as_ptr), held.map(bits)).hash(state);
+        floor_picture.as_ref().map(Arc::as_ptr).hash(state);
         (bits(eye.position), bits(eye.target), bits(eye.up), eye.fov_y.to_bits()).hash(state);
         for limb in &scene.limbs {
             (limb.ends.map(bits), limb.radius.to_bits(), limb.solid, limb.colour).hash(state);
@@ -104,7 +121,8 @@ impl SceneDrawing {
 }
 
 fn draw(order: &SceneOrder, thumbnails: Option<&Thumbnails>) -> ColorImage {
-    let pictures = thumbnails.map_or_else(Vec::new, |thumbnails| thumbnails.on(&order.frusta));
+    let mut pictures = thumbnails.map_or_else(Vec::new, |thumbnails| thumbnails.on(&order.frusta));
+    pictures.extend(order.floor_picture.as_deref().map(on_floor));
     let scene = SceneShapes { pictures, ..order.scene.clone() };
     let scene = match &order.shell {
         Some(hull) => SceneShapes { dots: shell(hull, order.eye.position), ..scene },
@@ -114,6 +132,11 @@ fn draw(order: &SceneOrder, thumbnails: Option<&Thumbnails>) -> ColorImage {
     let mut frame = SceneFrame::new(width, height, order.is_draft);
     frame.draw(&order.eye, PICTURE_GROUND, &scene);
     ColorImage::from_rgba_premultiplied([width as usize, height as usize], frame.image().as_raw())
+}
+
+fn on_floor(picture: &FloorPicture) -> FlatPicture<'_> {
+    let FloorPicture { corner, across, down, image, .. } = picture;
+    FlatPicture { corner: *corner, across: *across, down: *down, image, opacity: ON_FLOOR }
 }
 
 /// A frame's pictures, at about the size that they are seen.
@@ -196,6 +219,7 @@ mod tests {
             pictures: Some(Arc::new(frame)),
             picture_side: 30,
             shell: None,
+            floor_picture: None,
             held: Some(DVec3::Y),
         }
     }
@@ -234,7 +258,7 @@ mod tests {
     #[test]
     fn whatever_differs_gives_another_key() {
         let order = order();
-        let mut others = vec![order.clone(); 8];
+        let mut others = vec![order.clone(); 9];
         others[0].size_px[0] += 1;
         others[1].is_draft = true;
         others[2].eye.fov_y += 0.1;
@@ -243,6 +267,13 @@ mod tests {
         others[5].pictures = None;
         others[6].held = None;
         others[7].scene.limbs[0].ends[1].x = f64::NAN;
+        others[8].floor_picture = Some(Arc::new(FloorPicture {
+            corner: DVec3::ZERO,
+            across: DVec3::X,
+            down: DVec3::Z,
+            image: RgbaImage::new(2, 2),
+            limit_mm: 25.0,
+        }));
         let mut keys: Vec<u64> = others.iter().map(SceneOrder::key).collect();
         assert_eq!(
             others[7].key(),
@@ -252,6 +283,6 @@ mod tests {
         keys.push(order.key());
         keys.sort_unstable();
         keys.dedup();
-        assert_eq!(keys.len(), 9);
+        assert_eq!(keys.len(), 10);
     }
 }

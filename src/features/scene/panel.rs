@@ -7,9 +7,10 @@ use backlit_ui::drawing::{JointId, joint_position};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::heat_map::error_legend;
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{CHEVRON, checkbox, cut_off, menu_words, paint_whole, within};
-use egui::{Align, Button, Color32, Layout, Popup, Rect, Ui, pos2, vec2};
+use backlit_ui::widgets::{CHEVRON, checkbox, cut_off, menu_words, paint_text, paint_whole, within};
+use egui::{Align, Align2, Button, Color32, Layout, Popup, Rect, TextStyle, Ui, pos2, vec2};
 use glam::DVec3;
 
 use super::raster::SceneCamera;
@@ -55,6 +56,9 @@ impl Scene {
         let seen = DrawnView { picture, order: &drawing.order };
         input::pick_camera(ui, context, &seen, requests);
         marks::show(ui, context, self, &seen);
+        if let Some(floor) = &drawing.order.floor_picture {
+            show_floor_legend(ui, picture, floor.limit_mm);
+        }
         input::show_focus(ui, picture);
     }
 }
@@ -150,6 +154,9 @@ impl DrawnView<'_> {
     }
 }
 
+/// Size of the legend of the picture on the floor.
+const LEGEND_WIDTH: f32 = 280.0;
+const LEGEND_HEIGHT: f32 = 64.0;
 /// Longest side of a picture on a frustum, in points: about the size that it is seen.
 const PICTURE_SIDE: f32 = 120.0;
 /// Longest side of the scene's picture, in pixels: beyond that it is stretched.
@@ -201,9 +208,25 @@ fn order_of(
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
         shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
+        floor_picture: context.floor_picture.filter(|_| preferences.floor).cloned(),
         held: joint_position(context.selection.joint, view.root, &view.kinematics)
             .filter(|_| context.ghosts.is_none()),
     }
+}
+
+/// What the colours of the picture on the floor mean, in the upper left corner: the axes are in the lower one.
+fn show_floor_legend(ui: &Ui, picture: Rect, limit_mm: f64) {
+    let legend = vec2(LEGEND_WIDTH.min(picture.width() - 2.0 * space::WIDGET), LEGEND_HEIGHT);
+    if legend.x < LEGEND_HEIGHT || legend.y > 0.4 * picture.height() {
+        return;
+    }
+    let palette = theme::palette(ui);
+    let card = Rect::from_min_size(picture.min + vec2(space::WIDGET, space::WIDGET), legend);
+    ui.painter_at(picture).rect_filled(card, size::FIELD_RADIUS, palette.panel);
+    let inner = card.shrink2(vec2(space::WIDGET, space::ROW));
+    let title = "How far off joints would be there";
+    paint_text(ui, inner.left_top(), Align2::LEFT_TOP, title, TextStyle::Small, palette.text2);
+    error_legend(ui, inner.with_min_y(inner.top() + size::ROW), limit_mm);
 }
 
 /// Shows the picture that there is, as large as it was drawn for: while the tile changes its size, the scene keeps its
@@ -240,7 +263,7 @@ fn show_header(
 fn menu(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
     let text = title(preferences);
     let room = (ui.available_width() - CHEVRON).max(0.0);
-    let galley = cut_off(ui, &text, egui::TextStyle::Button, Color32::PLACEHOLDER, room);
+    let galley = cut_off(ui, &text, TextStyle::Button, Color32::PLACEHOLDER, room);
     let response = menu_words(ui, galley, &format!("Scene view: {text}"));
     let response = response.on_hover_text("Views, and what is shown");
     Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {

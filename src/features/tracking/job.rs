@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use backlit_document::edit::{Edit, Tracked};
 use backlit_document::told::Told;
-use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackingChoices};
+use backlit_document::tracking_choices::{AtKeys, CueChoice, TrackPrior, TrackingChoices};
 use backlit_document::{Estimate, Origin, likely_poses};
 use backlit_formats::footage::changes::ChangeSurvey;
 use backlit_formats::{Footage, FootageError};
 use backlit_jobs::{Job, Outbox, Turn};
 use backlit_runs::changes::change_text;
 use backlit_runs::track::{
-    FrameReader, KeyUse, Leg, RIVALS, Smoothing, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
+    FrameReader, KeyUse, Leg, RIVALS, TrackEnding, TrackMessage, TrackPlan, TrackRun, survey,
 };
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cues::FrameCues;
@@ -21,7 +21,7 @@ use backlit_tracking::fit::FitView;
 use backlit_tracking::observability::believed_joints;
 use backlit_tracking::search::Hypothesis;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::{FrameEstimate, WhenToSearch};
+use backlit_tracking::track::{FrameEstimate, Motion, WhenToSearch};
 
 use super::{Applied, OtherPose, Tracking, applied, people, refused};
 use crate::session::BelievedJoints;
@@ -109,14 +109,11 @@ impl TrackJob {
             model: reader.fit.model.clone(),
             fit,
             frame_rate: reader.footage.take().frame_rate(),
-            motion: choices.motion.motion(),
+            motion: Motion::default(),
             search: choices.search,
             rivals: if choices.search == WhenToSearch::Never { 0 } else { RIVALS },
             cues: choices.cues.cues().to_vec(),
-            smoothing: match choices.motion {
-                Following::Smoothed { lag } => Some(Smoothing { lag }),
-                _ => None,
-            },
+            smoothing: None,
             keys: order.keys,
             at_keys: match choices.at_keys {
                 _ if order.turns_round => KeyUse::BeginTurned,
@@ -126,7 +123,7 @@ impl TrackJob {
             legs: order.legs.into(),
         };
         let reader = Arc::new(reader);
-        let run = TrackRun::new(reader.clone(), plan);
+        let run = TrackRun::new(reader.clone(), plan.following(choices.motion));
         Self { run, reader, unseen, surveyed: Vec::new(), taken: None }
     }
 

@@ -90,20 +90,56 @@ impl Mismatch {
                 let run = pixels..pixels + pixels_of_limb.len();
                 pixels = run.end;
                 let Some(limb) = by_limb.get_mut(usize::from(pixels_of_limb[0])) else { continue };
-                let weights = &data.measurement.weights()[run.clone()];
-                let levels = prediction.lambda[run.clone()].iter().zip(&data.measurement.values()[run]);
-                let mut cost = 0.0;
-                for ((lambda, value), weight) in levels.zip(weights) {
-                    let [lambda, value, weight] = [lambda, value, weight].map(|number| f64::from(*number));
-                    // (D − Λ)² − (D − 255)².
-                    change += weight * (BACKGROUND - lambda) * (2.0 * value - lambda - BACKGROUND);
-                    cost += weight * (value - lambda) * (value - lambda);
-                }
+                let measurement = &data.measurement;
+                let levels = [&prediction.lambda[run.clone()], &measurement.values()[run.clone()]];
+                let [cost, without] = squares(levels, &measurement.weights()[run]);
+                change += cost - without;
                 *limb += camera_weight * cost;
             }
         }
         // Where a body explains all, rounding may leave less than nothing.
         let sum = camera_weight * (data.bodiless + change).max(0.0);
         Self { sum, weight: camera_weight * data.weight, by_limb }
+    }
+}
+
+/// Pixels whose squares are added up side by side.
+const LANES: usize = 8;
+
+/// Σ w (D − Λ)² and Σ w (D − 255)² of pixels with these levels Λ and D.
+fn squares([lambda, values]: [&[f32]; 2], weights: &[f32]) -> [f64; 2] {
+    let mut sums = [[0.0; LANES]; 2];
+    let mut add = |lane: usize, numbers: [f32; 3]| {
+        let [lambda, value, weight] = numbers.map(f64::from);
+        let [with, without] = [value - lambda, value - BACKGROUND];
+        sums[0][lane] += weight * with * with;
+        sums[1][lane] += weight * without * without;
+    };
+    let parts = [lambda, values, weights].map(<[f32]>::as_chunks::<LANES>);
+    let [(lambda, lambda_rest), (values, values_rest), (weights, weights_rest)] = parts;
+    for ((lambda, values), weights) in lambda.iter().zip(values).zip(weights) {
+        (0..LANES).for_each(|lane| add(lane, [lambda[lane], values[lane], weights[lane]]));
+    }
+    for (lane, ((lambda, value), weight)) in lambda_rest.iter().zip(values_rest).zip(weights_rest).enumerate()
+    {
+        add(lane, [*lambda, *value, *weight]);
+    }
+    sums.map(|lanes| lanes.iter().sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_of_any_number_of_pixels_are_all_added() {
+        for count in [0_u8, 1, 7, 8, 9, 40] {
+            let levels: Vec<f32> = (0..count).map(|pixel| f32::from(pixel) * 2.5).collect();
+            let (values, weights) = (vec![100.0_f32; levels.len()], vec![0.5_f32; levels.len()]);
+            let of = |level: f32| 0.5 * f64::from(100.0 - level).powi(2);
+            let [with, without] = squares([&levels, &values], &weights);
+            assert!((with - levels.iter().map(|level| of(*level)).sum::<f64>()).abs() < 1e-6);
+            assert!((without - f64::from(count) * of(255.0)).abs() < 1e-6);
+        }
     }
 }

@@ -180,7 +180,8 @@ impl PartialCameras {
                 continue;
             };
             let Some(size) = camera.size.or(options.size) else {
-                let expected = "the pictures' width and height, which the file does not say: give them";
+                let expected =
+                    "the pictures' width and height, which the file does not say; --size WxH gives them";
                 return missing(Some(camera.line), &camera.name, ".size", expected);
             };
             let place = CameraFromWorld { translation: place.translation * unit, ..place };

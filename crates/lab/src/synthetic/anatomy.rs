@@ -141,8 +141,15 @@ fn displaced(distance: f64, by: impl FnOnce() -> f64) -> f64 {
     if distance.abs() < NEAR { distance + by() * (1.0 - distance.abs() / NEAR) } else { distance }
 }
 
+/// Farther from a hand's or a shoe's joint than this, metres, its solids are not asked: they reach by `END_REACH` from there.
+const END_FAR: f64 = END_REACH + 0.12;
+const END_REACH: f64 = 0.27;
+
 /// A hand about the wrist, x outward (the back of the hand), fingers a little curled. Always of one size.
 fn hand(p: DVec3) -> f64 {
+    if p.length() > END_FAR {
+        return p.length() - END_REACH;
+    }
     let palm = rounded_box(p, [0.0, 0.004, -0.052], [0.004, 0.029, 0.036], 0.012);
     let bend = 0.32_f64;
     let q = p - DVec3::new(0.001, 0.004, -0.092);
@@ -154,6 +161,9 @@ fn hand(p: DVec3) -> f64 {
 
 /// A shoe about the ankle, flat on z = −[`ANKLE_HEIGHT`](super::motion::ANKLE_HEIGHT). Always of one size.
 fn shoe(p: DVec3) -> f64 {
+    if p.length() > END_FAR {
+        return p.length() - END_REACH;
+    }
     let heel = ellipsoid(p, [0.0, -0.024, -0.06], [0.037, 0.054, 0.046]);
     let instep = round_cone(p, [0.0, 0.0, -0.042], [0.004, 0.12, -0.066], 0.043, 0.034);
     let toes = ellipsoid(p, [0.004, 0.145, -0.072], [0.047, 0.068, 0.032]);

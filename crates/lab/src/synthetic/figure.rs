@@ -8,12 +8,13 @@
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use glam::{DMat3, DVec3};
 
+use super::hulls::Hulls;
 use super::solid::smooth_min;
 
 /// How much of [`Figure::distance`] a ray may walk: the solids' functions overrate by at most its inverse.
 pub(super) const STEP: f64 = 0.8;
-/// A part farther off than this beyond the nearest one cannot shape the surface.
-const REACH: f64 = 0.12;
+/// A part farther off than this beyond the nearest one cannot shape the surface: wider than any fillet.
+pub(super) const REACH: f64 = 0.08;
 
 /// Size of the head, of an average adult's.
 pub(super) const HEAD: f64 = 1.05;
@@ -68,7 +69,20 @@ pub(super) enum Part {
     Leg(usize),
 }
 
-const PARTS: [Part; 6] = [Part::Head, Part::Trunk, Part::Arm(0), Part::Arm(1), Part::Leg(0), Part::Leg(1)];
+impl Part {
+    pub(super) const ALL: [Self; 6] =
+        [Self::Head, Self::Trunk, Self::Arm(0), Self::Arm(1), Self::Leg(0), Self::Leg(1)];
+
+    /// Its place among [`ALL`](Self::ALL).
+    pub(super) fn index(self) -> usize {
+        match self {
+            Self::Head => 0,
+            Self::Trunk => 1,
+            Self::Arm(side) => 2 + side,
+            Self::Leg(side) => 4 + side,
+        }
+    }
+}
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -79,6 +93,10 @@ pub(super) struct Frame {
 impl Frame {
     pub(super) fn local(&self, point: DVec3) -> DVec3 {
         self.local_from_world * (point - self.origin)
+    }
+
+    pub(super) fn world(&self, local: DVec3) -> DVec3 {
+        self.origin + self.local_from_world.transpose() * local
     }
 }
 
@@ -91,12 +109,6 @@ pub(super) struct Chain {
     pub(super) mirror: f64,
     pub(super) upper_length: f64,
     pub(super) lower_length: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Ball {
-    centre: DVec3,
-    radius: f64,
 }
 
 /// What rays side by side meet.
@@ -124,8 +136,7 @@ pub struct Figure {
     pub(super) legs: [Chain; 2],
     /// Neck joint and right and left shoulder joints, in the chest's frame.
     pub(super) collar: [DVec3; 3],
-    /// Per entry of [`PARTS`].
-    bounds: [Ball; 6],
+    pub(super) hulls: Hulls,
 }
 
 /// Distances to the five materials of one part or of all.
@@ -143,7 +154,7 @@ impl Layers {
     /// Width of the fillet between solids of one material.
     const FILLET: [f64; 5] = [0.02, 0.05, 0.045, 0.012, 0.01];
 
-    fn nearest(self) -> (f64, Material) {
+    pub(super) fn nearest(self) -> (f64, Material) {
         let mut best = (f64::INFINITY, Material::Skin);
         for (distance, material) in self.0.into_iter().zip(Self::ORDER) {
             if distance < best.0 {
@@ -207,9 +218,9 @@ impl Figure {
             ],
             arms,
             legs,
-            bounds: [Ball { centre: DVec3::ZERO, radius: 0.0 }; 6],
+            hulls: Hulls::default(),
         };
-        this.bounds = PARTS.map(|part| this.bound(part));
+        this.hulls = Hulls::of(&this);
         Some(this)
     }
 
@@ -224,9 +235,7 @@ impl Figure {
     /// Centre and radius of a ball that holds the whole figure.
     #[must_use]
     pub fn bounding_ball(&self) -> (DVec3, f64) {
-        let centre = self.bounds.iter().map(|ball| ball.centre).sum::<DVec3>() / self.bounds.len() as f64;
-        let reach = self.bounds.iter().map(|ball| ball.centre.distance(centre) + ball.radius);
-        (centre, reach.fold(0.0, f64::max))
+        (self.hulls.centre, self.hulls.radius)
     }
 
     /// Where a ray (unit `direction`) first meets the figure: metres along it.
@@ -319,7 +328,7 @@ impl Figure {
     pub(super) fn touch(&self, point: DVec3) -> Touch {
         let (_, material) = self.layers(point).nearest();
         let mut part = (f64::INFINITY, Part::Trunk);
-        for candidate in PARTS {
+        for candidate in Part::ALL {
             let own = self.part(candidate, point).0
                 [Layers::ORDER.iter().position(|&other| other == material).unwrap_or_default()];
             if own < part.0 {
@@ -337,23 +346,27 @@ impl Figure {
     }
 
     fn layers(&self, point: DVec3) -> Layers {
-        let bounds = self.bounds.map(|ball| point.distance(ball.centre) - ball.radius);
-        let nearest = bounds.iter().copied().fold(f64::INFINITY, f64::min);
-        if nearest > REACH {
-            return Layers([nearest, FAR, FAR, FAR, FAR]);
+        let mut own = [None; Part::ALL.len()];
+        let mut bounds = self.hulls.bounds(point);
+        let mut nearest = f64::INFINITY;
+        // The part whose box is nearest is likely the nearest: the others that may count are few then.
+        for _ in Part::ALL {
+            let (index, bound) = least(&bounds);
+            if bound > REACH.min(nearest + REACH) {
+                break;
+            }
+            let layers = self.part(Part::ALL[index], point);
+            nearest = nearest.min(layers.nearest().0);
+            (own[index], bounds[index]) = (Some(layers), f64::INFINITY);
         }
         let mut all = Layers([FAR; 5]);
-        for (part, bound) in PARTS.into_iter().zip(bounds) {
-            if bound < REACH && bound < all.nearest().0 + REACH {
-                all.join(self.part(part, point));
-            }
-        }
+        own.into_iter().flatten().for_each(|layers| all.join(layers));
         // A part that was left out may still be the nearest, at more than its bound.
-        all.0[0] = all.0[0].min(REACH.max(nearest));
+        all.0[0] = bounds.into_iter().fold(all.0[0], f64::min);
         all
     }
 
-    fn part(&self, part: Part, point: DVec3) -> Layers {
+    pub(super) fn part(&self, part: Part, point: DVec3) -> Layers {
         match part {
             Part::Head => self.head_layers(point),
             Part::Trunk => self.trunk_layers(point),
@@ -361,31 +374,14 @@ impl Figure {
             Part::Leg(side) => self.leg_layers(side, point),
         }
     }
+}
 
-    fn bound(&self, part: Part) -> Ball {
-        let between = |chain: &Chain, tip: DVec3, flesh: f64| {
-            let end = chain.end.origin + chain.end.local_from_world.transpose() * tip;
-            let centre = (chain.upper.origin + end) * 0.5;
-            // The bent joint in the middle may be the farthest.
-            let reach = chain.lower.origin.distance(centre).max(chain.end.origin.distance(centre));
-            Ball { centre, radius: reach.max(end.distance(centre)) + flesh }
-        };
-        let widest = self.build.cloth.max(1.0);
-        match part {
-            Part::Head => Ball {
-                centre: self.head.origin
-                    + self.head.local_from_world.transpose() * DVec3::new(0.0, 0.0, 0.06),
-                radius: 0.2 * HEAD + HAIR,
-            },
-            Part::Trunk => Ball {
-                centre: (self.pelvis.origin + self.chest.origin) * 0.5
-                    + (self.chest.origin - self.pelvis.origin) * 0.3,
-                radius: 0.42 * widest,
-            },
-            Part::Arm(side) => between(&self.arms[side], DVec3::new(0.0, 0.0, -0.2), 0.1 * widest),
-            Part::Leg(side) => between(&self.legs[side], DVec3::new(0.0, 0.08, -0.09), 0.17 * widest),
-        }
-    }
+/// The first of the least numbers, and its place.
+fn least(numbers: &[f64]) -> (usize, f64) {
+    let lower = |least: (usize, f64), (index, &number): (usize, &f64)| {
+        if number < least.1 { (index, number) } else { least }
+    };
+    numbers.iter().enumerate().fold((0, f64::INFINITY), lower)
 }
 
 fn nearest_frame(chain: &Chain, point: DVec3) -> &Frame {

@@ -60,7 +60,7 @@ pub struct FilmOptions {
     pub build: Build,
     /// The sensor; its noise is in the pictures.
     pub sensor: Sensor,
-    /// Shadows on the floor and the figure; without them drawing is ten times as fast.
+    /// Shadows on the floor and the figure, which take most of the time.
     pub shadows: bool,
     /// Pixels by which masks are too wide all round.
     pub wide_px: f64,
@@ -137,7 +137,7 @@ pub fn ring(count: usize, size_px: [u64; 2], motion: Extent) -> Result<Vec<Arc<C
 
 /// Writes the take of a motion into a folder that is there: `cameras.json`, a picture or mask a camera and frame, `plates` of the empty
 /// room, `take.toml` with the true start, `truth.csv` with the true joints as its reference, and `truth/track.json` to compare with.
-/// `tell` hears how many frames are written.
+/// `tell` hears how many frames are written. Returns the share of the person that the occluder hides, over all frames by camera.
 ///
 /// # Errors
 /// A body or poses that cannot be filmed, what cannot be written, or `cancel`.
@@ -148,7 +148,7 @@ pub fn write(
     options: &FilmOptions,
     cancel: &CancelToken,
     mut tell: impl FnMut(usize),
-) -> Result<(), FilmError> {
+) -> Result<Vec<f64>, FilmError> {
     let first = poses.values().next().ok_or(FilmError::Empty)?;
     let cameras = ring(options.cameras, options.size_px, Extent::of(model, poses))?;
     let rig = Rig::new(cameras.iter().map(|camera| (**camera).clone()).collect())?;
@@ -156,12 +156,16 @@ pub fn write(
     let digits = (poses.len().max(2) - 1).to_string().len();
     let film = Film { folder, model, rig: &rig, options, digits };
     let plates = film.empty_rooms()?;
+    let mut covered = vec![Covered::default(); cameras.len()];
     for (number, pose) in poses.values().enumerate() {
         if cancel.is_cancelled() {
             return Err(FilmError::Cancelled);
         }
         let figure = Figure::new(model, pose, options.build).ok_or(FilmError::Figure)?;
         for (index, camera) in rig.cameras().iter().enumerate() {
+            if options.occluder > 0.0 {
+                covered[index].add(&silhouette(&figure, camera)?, film.hidden_columns());
+            }
             match plates.get(index) {
                 Some(plate) => film.picture(number, index, plate, &figure)?,
                 None => film.mask(number, index, camera, &figure)?,
@@ -169,7 +173,29 @@ pub fn write(
         }
         tell(number + 1);
     }
-    film.truth(poses, first)
+    film.truth(poses, first)?;
+    Ok(covered.into_iter().map(Covered::share).collect())
+}
+
+/// How many pixels of the person there are, and how many of them an occluder hides.
+#[derive(Debug, Clone, Copy, Default)]
+struct Covered {
+    all: usize,
+    hidden: usize,
+}
+
+impl Covered {
+    fn add(&mut self, person: &Mask, columns: std::ops::Range<usize>) {
+        let is_person = person.labels().iter().enumerate().filter(|(_, label)| **label == Label::Subject);
+        for (pixel, _) in is_person {
+            self.all += 1;
+            self.hidden += usize::from(columns.contains(&(pixel % person.width())));
+        }
+    }
+
+    fn share(self) -> f64 {
+        self.hidden as f64 / self.all.max(1) as f64
+    }
 }
 
 struct Film<'a> {
@@ -380,8 +406,11 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let mut told = Vec::new();
             let never = CancelToken::default();
-            write(folder.path(), &model, &poses, &options, &never, |count| told.push(count)).unwrap();
+            let hidden =
+                write(folder.path(), &model, &poses, &options, &never, |count| told.push(count)).unwrap();
             assert_eq!(told, [1, 2, 3]);
+            // A fifth of the picture's columns are in the middle, where the person is.
+            assert!(hidden.len() == 2 && hidden.iter().all(|share| (0.2..1.0).contains(share)), "{hidden:?}");
             let take = backlit_formats::Take::open(folder.path()).unwrap();
             assert_eq!((take.name(), take.frame_count()), ("a \"motion\"", 3));
             let reference = take.reference().unwrap().joints(2);

@@ -274,6 +274,8 @@ def fit(
     frames: Sequence[int] | None = None,
     cameras: Sequence[str] | None = None,
     cues: Sequence[Cue] | None = None,
+    motion: Literal["still", "velocity", "kalman", "steered", "smoothed"] | None = None,
+    person: int | None = None,
     mask_values: MaskValues | None = None,
     n_threads: int | None = None,
     progress: Progress | None = None,

@@ -1,6 +1,6 @@
 //! Which frames of a page have pictures, and which are fitted again for their steps.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{ReportOptions, ReportSource};
 
@@ -30,7 +30,8 @@ pub(super) fn frames(
     sooner: impl Fn(usize) -> usize,
 ) -> Chosen {
     let all: Vec<usize> = source.track.frames.keys().copied().filter(|&frame| frame < count).collect();
-    let mut worst: Vec<(usize, f64)> = all.iter().map(|&frame| (frame, doubt(source, frame))).collect();
+    let doubts: BTreeMap<usize, f64> = all.iter().map(|&frame| (frame, doubt(source, frame))).collect();
+    let mut worst: Vec<(usize, f64)> = doubts.iter().map(|(frame, doubt)| (*frame, *doubt)).collect();
     // The first of equals comes first.
     worst.sort_by(|a, b| b.1.total_cmp(&a.1));
     let stepped: Vec<usize> = match &options.steps_of {
@@ -45,7 +46,7 @@ pub(super) fn frames(
         let marked = source.bookmarks.iter().map(|mark| mark.frame).filter(|frame| all.contains(frame));
         pictured.extend(marked.chain(stepped.iter().copied()));
         if options.pictures < all.len() {
-            pictured.extend(doubtful(source, options.pictures, &worst, &sooner));
+            pictured.extend(doubtful(source, options.pictures, (&doubts, &worst), &sooner));
         }
         let spread = options.pictures.saturating_sub(pictured.len()).min(all.len());
         let place = |number: usize| number * (all.len() - 1) / (spread - 1).max(1);
@@ -60,12 +61,12 @@ pub(super) fn frames(
     Chosen { pictured, stepped }
 }
 
-/// The frames of a page of `pictures` that stand for its most doubtful ones, of which `worst` begins with the first. Those that
-/// take too long to decode are left out.
+/// The frames of a page of `pictures` that stand for its most doubtful ones, from the doubts of all frames, by frame and worst first.
+/// Those that take too long to decode are left out.
 fn doubtful(
     source: &ReportSource,
     pictures: usize,
-    worst: &[(usize, f64)],
+    (doubts, worst): (&BTreeMap<usize, f64>, &[(usize, f64)]),
     sooner: impl Fn(usize) -> usize,
 ) -> Vec<usize> {
     let apart = (DOUBTS_APART_S * source.frame_rate).round() as usize;
@@ -79,10 +80,11 @@ fn doubtful(
             continue;
         }
         peaks.push(peak);
-        let near = source.track.frames.range(peak.saturating_sub(apart)..=peak + apart).map(|near| *near.0);
+        let near = doubts.range(peak.saturating_sub(apart)..=peak + apart);
         let stands_for =
-            |frame: &usize| sooner(*frame) == *frame && doubt(source, *frame) >= NEARLY_AS_DOUBTFUL * most;
-        let frame = near.filter(stands_for).min_by_key(|frame| frame.abs_diff(peak)).unwrap_or(peak);
+            near.filter(|&(frame, doubt)| sooner(*frame) == *frame && *doubt >= NEARLY_AS_DOUBTFUL * most);
+        let nearest = stands_for.min_by_key(|(frame, _)| frame.abs_diff(peak));
+        let frame = nearest.map_or(peak, |(frame, _)| *frame);
         let cost = (frame + 1).saturating_sub(sooner(frame)) * source.cameras.len();
         if let Some(left) = decodes.checked_sub(cost) {
             decodes = left;

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use backlit_document::tracking_choices::Following;
 use backlit_document::{Document, fit_words, likely_poses};
 use backlit_formats::take::measurement_lines;
 use backlit_tracking::fit::{FitOptions, Preset};
@@ -28,19 +27,12 @@ pub fn fit_of_settings(settings: &BTreeMap<String, String>) -> FitOptions {
 
 /// What a document says of how its track was made.
 pub(super) fn of_document(document: &Document) -> TrackMaking {
-    let motion = match document.tracking.motion {
-        Following::Still => "still",
-        Following::Velocity => "velocity",
-        Following::Kalman => "kalman",
-        Following::Steered => "steered",
-        Following::Smoothed { .. } => "smoothed",
-    };
     let by_hand = document.keys.len();
     let mut settings: BTreeMap<String, String> = [
         ("preset", fit_words::fit_name(&document.fit)),
         ("fit", fit_words::fit_detail(&document.fit)),
         ("renderer", document.fit.renderer.to_string()),
-        ("motion", motion.to_owned()),
+        ("motion", document.tracking.motion.name().to_owned()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use backlit_document::likely_poses;
+use backlit_document::tracking_choices::Following;
 use backlit_formats::Take;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
@@ -115,6 +116,16 @@ impl TrackPlan {
             at_keys: KeyUse::Begin,
             legs: [Leg { start, continues: None, frames }].into(),
         }
+    }
+
+    /// The same with motion carried in another way.
+    #[must_use]
+    pub fn following(self, how: Following) -> Self {
+        let smoothing = match how {
+            Following::Smoothed { lag } => Some(Smoothing { lag }),
+            _ => None,
+        };
+        Self { motion: how.motion(), smoothing, ..self }
     }
 
     /// A tracker that begins with this pose.

@@ -213,7 +213,7 @@ impl<'a> BodyProblem<'a> {
             model,
             kinematics: &kinematics[frame],
             first_pose: self.first_pose(frame),
-            first_size: 0,
+            first_size: self.of_sizes().start,
             widening: self.widening_deviation_px.map(|_| self.sizes.count() + 2),
             camera: None,
         };

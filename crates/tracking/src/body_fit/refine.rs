@@ -183,15 +183,7 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
         });
         let posed = followed.map_err(not_followed)?;
         let choice = choose(&followed_body, &posed, options.fitted, options.held_out);
-        let mut read = |chosen: &[usize], clocks: &WholeFrames| -> Result<Vec<BodyFrame>, E> {
-            let one = |&at: &usize| read_frame(&posed[at], clocks, &mut views);
-            let frames = chosen.iter().map(one).collect::<Result<Vec<_>, E>>()?;
-            Ok(frames.into_iter().filter(|frame| frame.views.len() >= FEWEST_CAMERAS).collect())
-        };
-        let fitted = read(&choice.fitted, &clocks)?;
-        let as_given =
-            WholeFrames::of(&vec![CameraState::default(); given.len()], frame_rate, all_frames.clone());
-        let held_out = [read(&choice.held_out, &as_given)?, read(&choice.held_out, &clocks)?];
+        let fitted = read_frames(&posed, &choice.fitted, &clocks, &mut views)?;
         if cancel.is_cancelled() {
             return Err(CameraRefinementError::Cancelled.into());
         }
@@ -208,9 +200,9 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
             before = Some(fit);
         }
         let rates = rates(&posed, frame_rate);
-        let CameraRefinementOptions { choice, deviations, .. } = options;
-        let set = CameraSet::new(given.clone(), *choice, deviations, &fitted, rates, frame_rate)
-            .with_earlier(clocks.earlier);
+        let CameraRefinementOptions { choice: columns, deviations, .. } = options;
+        let set = CameraSet::new(given.clone(), *columns, deviations, &fitted, rates, frame_rate)
+            .with_earlier(clocks.earlier.clone());
         let told = |at| progress(CameraRefinementStep::Cameras(at));
         let begin = (&*body, &found.changes[..]);
         let fit = fit_without_worse(model, fitted, begin, &set, &options.fit, cancel, told);
@@ -219,9 +211,12 @@ pub fn refine_cameras<E: From<CameraRefinementError>>(
             followed_body = Arc::new(scaled);
         }
         (body, found) = (Arc::new(fit.as_seen()), cameras);
-        last = Some((fit, held_out));
+        last = Some((fit, posed, choice.held_out, clocks));
     }
-    let (fit, held_out) = last.ok_or(CameraRefinementError::Cancelled)?;
+    let (fit, posed, judging, clocks) = last.ok_or(CameraRefinementError::Cancelled)?;
+    let as_given = WholeFrames::of(&vec![CameraState::default(); given.len()], frame_rate, all_frames);
+    let mut read = |clocks| read_frames(&posed, &judging, clocks, &mut views);
+    let held_out = [read(&as_given)?, read(&clocks)?];
     let before = before.ok_or(CameraRefinementError::Cancelled)?;
     let now = changed(&given, &found.changes);
     let rigs = [(Arc::new(before.as_seen()), &given, &held_out[0][..]), (body, &now, &held_out[1][..])];
@@ -300,14 +295,22 @@ fn well_fitted(
     posed.into_iter().filter(|(iou, _)| *iou >= median - worse).map(|(_, frame)| frame).collect()
 }
 
-fn read_frame<E>(
-    posed: &PosedFrame,
+/// Frames of a track, by their places in it, with what enough cameras see by these clocks.
+fn read_frames<E>(
+    posed: &[PosedFrame],
+    chosen: &[usize],
     clocks: &WholeFrames,
     views: &mut impl FnMut(usize) -> Result<Vec<FitView>, E>,
-) -> Result<BodyFrame, E> {
-    let frame = posed.frame;
-    let views = usable_views(frame, clocks.views(frame, views)?, &mut Vec::new());
-    Ok(BodyFrame { frame, views, start: posed.pose.clone(), joints: Vec::new() })
+) -> Result<Vec<BodyFrame>, E> {
+    let mut frames = Vec::new();
+    for &at in chosen {
+        let PosedFrame { frame, pose, .. } = &posed[at];
+        let views = usable_views(*frame, clocks.views(*frame, views)?, &mut Vec::new());
+        if views.len() >= FEWEST_CAMERAS {
+            frames.push(BodyFrame { frame: *frame, views, start: pose.clone(), joints: Vec::new() });
+        }
+    }
+    Ok(frames)
 }
 
 /// Rates of every pose, per second, from its neighbours in time.

@@ -6,7 +6,7 @@
 //! candidate costs well under a microsecond.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::body::{Model, Pose};
 use crate::fit::{Evidence, FitView};
@@ -151,13 +151,7 @@ impl Sketch {
             let pixels = &mut canvas[from..from + view.data.len()];
             from += view.data.len();
             let Some(segment) = view.segment(skeleton, limb, self.radii[limb]) else { continue };
-            for y in segment.rows.0..segment.rows.1 {
-                let (x0, x1) = segment.columns(y);
-                let row = y * view.pitch;
-                for (x, pixel) in (x0..x1).zip(&mut pixels[row + x0..row + x1]) {
-                    *pixel = pixel.min(segment.level(x as f32, y as f32));
-                }
-            }
+            self.arch.dispatch(LimbDrawing { pitch: view.pitch, pixels, segment: &segment });
         }
     }
 
@@ -169,7 +163,7 @@ impl Sketch {
             let pixels = &canvas[from..from + view.data.len()];
             from += view.data.len();
             let Some(segment) = view.segment(skeleton, limb, self.radii[limb]) else { continue };
-            let by = self.arch.dispatch(|| view.change(pixels, &segment));
+            let by = self.arch.dispatch(LimbChange { view, pixels, segment: &segment });
             change.spill += by.spill;
             change.gain += by.gain;
         }
@@ -247,6 +241,45 @@ impl ProjectedLimb {
         let radius = self.radius + t * self.widening;
         let inner = INNER_PX.min(WIDEST_INNER * radius);
         (((ex * ex + ey * ey).sqrt() - radius + inner) / (inner + OUTER_PX)).clamp(0.0, 1.0)
+    }
+}
+
+/// What one limb changes in a picture, in the processor's widest vectors: a closure is not made part of what is compiled for them.
+struct LimbChange<'a> {
+    view: &'a SketchView,
+    pixels: &'a [f32],
+    segment: &'a ProjectedLimb,
+}
+
+impl WithSimd for LimbChange<'_> {
+    type Output = CostChange;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> CostChange {
+        self.view.change(self.pixels, self.segment)
+    }
+}
+
+/// A limb drawn into a picture, in the same vectors.
+struct LimbDrawing<'a> {
+    pitch: usize,
+    pixels: &'a mut [f32],
+    segment: &'a ProjectedLimb,
+}
+
+impl WithSimd for LimbDrawing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pitch, pixels, segment } = self;
+        for y in segment.rows.0..segment.rows.1 {
+            let (x0, x1) = segment.columns(y);
+            let row = y * pitch;
+            for (x, pixel) in (x0..x1).zip(&mut pixels[row + x0..row + x1]) {
+                *pixel = pixel.min(segment.level(x as f32, y as f32));
+            }
+        }
     }
 }
 

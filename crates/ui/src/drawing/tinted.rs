@@ -18,7 +18,7 @@ const HATCH_TINT: f32 = 0.5;
 
 pub(super) fn compose(input: &PictureInput<'_>, part: &Footprint, picture: &mut ColorImage) {
     let tints = TINTS.get_or_init(Tints::new);
-    let (Some(frame), Some(mask), Some(prediction)) = (input.frame, input.mask, input.prediction) else {
+    let (Some(mask), Some(prediction)) = (input.mask, input.prediction) else {
         return input.paint(part, picture, |x, y, index| {
             let label = (input.label(index), input.is_shadow(index));
             let tint = tints.of(label, input.lambda(index) < HALF, x, y);
@@ -26,20 +26,31 @@ pub(super) fn compose(input: &PictureInput<'_>, part: &Footprint, picture: &mut 
         });
     };
     // Slices side by side: what every frame of the window does for every view is to be quick.
-    let footage = frame.as_raw().as_chunks::<3>().0;
+    let footage = input.frame.map(|frame| frame.as_raw().as_chunks::<3>().0);
     let weights = input.data.map(|data| data.weights());
     for y in part.rows() {
         let columns = part.columns(y);
         let (from, start) = (columns.start, y * input.size[0] + columns.start);
         let row = start..start + columns.len();
         let weights = weights.map(|weights| &weights[row.clone()]);
-        let known = footage[row.clone()].iter().zip(&mask.labels()[row.clone()]);
-        let known = known.zip(&prediction.lambda[row.clone()]).zip(&mut picture.pixels[row]);
-        for (x, (((colour, label), lambda), pixel)) in known.enumerate() {
+        let (labels, lambda) = (&mask.labels()[row.clone()], &prediction.lambda[row.clone()]);
+        let tint = |x: usize| {
             let is_known = weights.is_none_or(|weights| weights[x] > 0.0);
-            let label = if is_known { *label } else { Label::Unknown };
-            let is_shadow = mask.is_shadow(start + x);
-            *pixel = tints.of((label, is_shadow), *lambda < HALF, from + x, y).over(*colour);
+            let label = if is_known { labels[x] } else { Label::Unknown };
+            tints.of((label, mask.is_shadow(start + x)), lambda[x] < HALF, from + x, y)
+        };
+        let pixels = picture.pixels[row.clone()].iter_mut().enumerate();
+        match footage {
+            Some(footage) => {
+                for ((x, pixel), colour) in pixels.zip(&footage[row]) {
+                    *pixel = tint(x).over(*colour);
+                }
+            }
+            None => {
+                for (x, pixel) in pixels {
+                    *pixel = tint(x).flat;
+                }
+            }
         }
     }
 }

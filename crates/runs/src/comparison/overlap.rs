@@ -1,0 +1,148 @@
+//! How well a body in a reference's poses covers the silhouettes of footage, beside the poses that are compared with it.
+
+use std::sync::Arc;
+
+use backlit_formats::Footage;
+use backlit_formats::motion::Motion;
+use backlit_tracking::body::Pose;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{DataView, FitView};
+use backlit_tracking::metrics::comparison::{ComparedFrame, TrackComparison};
+use backlit_tracking::posing::Follower;
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::track::overlaps;
+
+/// Frames that are looked at, spread over those that were compared.
+const FRAMES: usize = 30;
+
+/// Mean overlap (IoU) with the silhouettes of one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraOverlap {
+    /// The camera's name.
+    pub camera: String,
+    /// Of the track's poses.
+    pub track: f64,
+    /// Of the same body in the reference's poses.
+    pub reference: f64,
+}
+
+/// Mean overlaps of a track and of a reference in the same frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedOverlap {
+    /// How many frames were looked at.
+    pub frames: usize,
+    /// By camera with a silhouette.
+    pub cameras: Vec<CameraOverlap>,
+}
+
+/// Lays both over the silhouettes of footage, in some of the frames that were compared. The body follows the reference's joints with
+/// its own lengths, as [`Follower`] does. `None` where no frame has hips, shoulders and a silhouette, and where `cancel` says so.
+#[must_use]
+pub fn compare_overlap(
+    motion: &Motion,
+    found: &TrackComparison,
+    footage: &Footage,
+    measurement: &[SegmentOptions],
+    cancel: &CancelToken,
+) -> Option<ComparedOverlap> {
+    let Motion { model, poses, .. } = motion;
+    let mut follower = Follower::new(model)?;
+    let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
+    let mut sums = vec![([0.0; 2], 0_usize); cameras.len()];
+    let frames: Vec<&ComparedFrame> =
+        found.frames.iter().filter(|frame| frame.frame < footage.frame_count()).collect();
+    let mut looked_at = 0;
+    for frame in spread(&frames) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let followed = reference_pose(&mut follower, &found.joints, frame);
+        let Some((theirs, ours)) = followed.zip(poses.get(&frame.frame)) else { continue };
+        let loaded = footage.load_cameras(&cameras, measurement, frame.frame);
+        let views = cameras.iter().zip(loaded).filter_map(|(&camera, seen)| {
+            let evidence = seen.evidence(DataView::Hard)?;
+            Some((camera, FitView { camera: Arc::clone(&footage.cameras[camera]), evidence, weight: 1.0 }))
+        });
+        let (places, views): (Vec<usize>, Vec<FitView>) = views.unzip();
+        let of = |pose: &Pose| overlaps(model, pose, RendererKind::default(), &views);
+        for ((camera, ours), theirs) in places.into_iter().zip(of(ours)).zip(of(&theirs)) {
+            let iou = [ours, theirs].map(|overlap| overlap.and_then(|overlap| overlap.iou()));
+            if let [Some(ours), Some(theirs)] = iou {
+                let (sum, count) = &mut sums[camera];
+                (*sum, *count) = ([sum[0] + ours, sum[1] + theirs], *count + 1);
+            }
+        }
+        looked_at += 1;
+    }
+    let cameras: Vec<CameraOverlap> = sums
+        .into_iter()
+        .zip(footage.cameras.iter())
+        .filter(|((_, count), _)| *count > 0)
+        .map(|((sum, count), camera)| {
+            let [track, reference] = sum.map(|sum| sum / count as f64);
+            CameraOverlap { camera: camera.name().to_owned(), track, reference }
+        })
+        .collect();
+    (!cameras.is_empty()).then_some(ComparedOverlap { frames: looked_at, cameras })
+}
+
+/// As many frames as are looked at, from the first to the last.
+fn spread<T>(all: &[T]) -> impl Iterator<Item = &T> {
+    let count = all.len().min(FRAMES);
+    (0..count).map(move |number| &all[number * (all.len() - 1) / (count - 1).max(1)])
+}
+
+/// The body's pose for a reference's joints.
+fn reference_pose(follower: &mut Follower<'_>, joints: &[String], frame: &ComparedFrame) -> Option<Pose> {
+    follower.pose(|joint| frame.reference[joints.iter().position(|name| name == joint)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use backlit_tracking::metrics::Trajectories;
+
+    use super::*;
+    use crate::comparison::{AS_IT_IS, ComparedReference, compare_motion};
+
+    /// The joints of the built-in take cover its silhouettes about as well as the poses they are of; a metre beside them, not at all.
+    #[test]
+    fn a_reference_covers_silhouettes_where_it_is_right() {
+        let footage = Footage::new(backlit_take::builtin::open().unwrap());
+        let take = footage.take();
+        let start = take.start().unwrap().clone();
+        let model = (**take.model()).clone();
+        let motion = Motion::of_poses("a", model.clone(), take.frame_rate(), BTreeMap::from([(0, start)]));
+        let mut reference = ComparedReference {
+            name: "b".to_owned(),
+            trajectories: Trajectories::of_poses(&model, take.frame_rate(), &motion.poses),
+            overlap: BTreeMap::new(),
+        };
+        let measure = |reference: &ComparedReference| {
+            let found = compare_motion(&motion, reference, &AS_IT_IS);
+            compare_overlap(&motion, &found, &footage, take.measurement(), &CancelToken::new())
+        };
+        let right = measure(&reference).unwrap();
+        assert_eq!((right.frames, right.cameras.len()), (1, take.rig().count()));
+        for CameraOverlap { camera, track, reference } in &right.cameras {
+            assert!(*track > 0.5 && (track - reference).abs() < 0.05, "{camera}: {track} {reference}");
+        }
+        for points in reference.trajectories.points.iter_mut().flatten().flatten() {
+            points.x += 1.0;
+        }
+        let wrong = measure(&reference).unwrap();
+        assert!(wrong.cameras.iter().any(|camera| camera.reference < 0.3), "{wrong:?}");
+        reference.trajectories.points[0].fill(None);
+        assert_eq!(measure(&reference), None);
+    }
+
+    #[test]
+    fn frames_are_spread_from_end_to_end() {
+        let of = |count: usize| spread(&(0..count).collect::<Vec<_>>()).copied().collect::<Vec<_>>();
+        assert_eq!((of(0), of(1), of(3)), (vec![], vec![0], vec![0, 1, 2]));
+        let many = of(1000);
+        assert_eq!((many.len(), many[0], many[FRAMES - 1]), (FRAMES, 0, 999));
+    }
+}
