@@ -3,7 +3,7 @@
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Rect, Vec2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::readable::{assert_readable, look_over};
 use crate::support::snapshots::{Snapshots, theme_name};
@@ -43,6 +43,10 @@ fn a_click_on_a_row_chooses_the_curve_and_words_can_be_read() {
         freeze(&mut window);
         let rect = pane(&window);
         snapshots.part(&mut window, rect, &format!("compare_{}", theme_name(theme)));
+        let overlap =
+            window.query_all_by_role(Role::ListItem).filter_map(|node| node.accesskit_node().label());
+        let of_cameras: Vec<String> = overlap.filter(|label| label.starts_with("cam")).collect();
+        assert_eq!(of_cameras.len(), 4, "an overlap a camera: {of_cameras:?}");
         choose(&mut window, Role::RadioButton, "Runs");
         command(&mut window, "Run again with each camera left out");
         settle(&mut window);

@@ -53,6 +53,41 @@ fn the_pointer_paints_and_esc_gives_it_back_to_the_body() {
     assert_eq!(window.document().brush, painted.brush, "the brush is put away");
 }
 
+/// Faint parts and chroma bring numbers of their own; a drag of one is one edit.
+#[test]
+fn faint_parts_and_chroma_have_their_own_numbers() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut window = built_in().sized(1366.0, 1500.0).theme(theme).open();
+        window.set_render_cursor(false);
+        click(&mut window, "Measurement");
+        choose(&mut window, Role::CheckBox, "Follow faint parts");
+        choose(&mut window, Role::CheckBox, "Chroma apart from luminance");
+        let before = window.document().clone();
+        let of = |window: &Window| window.document().measurement[0].clone();
+        for name in ["Faint", "Chroma", "Its noise"] {
+            let slider = window.get_by_role_and_label(Role::Slider, name).rect();
+            grab(&mut window, slider.center(), &[vec2(0.2 * slider.width(), 0.0)]);
+            release(&mut window, slider.center() + vec2(0.2 * slider.width(), 0.0));
+        }
+        let (was, is) = (&before.measurement[0], of(&window));
+        let [chroma, other] = [was, &is].map(|options| options.chroma.unwrap());
+        assert!(is.hysteresis_z > was.hysteresis_z && is.hysteresis_z < Some(is.z_threshold), "{is:?}");
+        assert!(other.z_threshold > chroma.z_threshold && other.noise_floor > chroma.noise_floor, "{is:?}");
+        assert_eq!(is.z_threshold, was.z_threshold);
+        let away = centre(&window, "Camera 1 picture");
+        point(&mut window, away);
+        freeze(&mut window);
+        let first = window.get_by_label("Shadows").rect();
+        let last = window.get_by_label("Other cameras must see it too").rect();
+        let rect = Rect::from_min_max(first.min, last.max).expand2(vec2(4.0, 2.0));
+        let rect = rect.with_max_x(window.get_by_role_and_label(Role::Slider, "Faint").rect().right() + 82.0);
+        snapshots.part(&mut window, rect, &format!("measurement_switches_{}", theme_name(theme)));
+        (0..3).for_each(|_| undo(&mut window));
+        assert_eq!(*window.document(), before);
+    }
+}
+
 #[test]
 fn steps_are_told_and_the_worst_are_gone_to() {
     let mut window = open(built_in());

@@ -31,7 +31,7 @@ pub(super) struct Coded {
     /// Frames whose pictures are damaged, and the first reason.
     damaged: BTreeSet<usize>,
     reason: Option<String>,
-    /// Samples decoded so far, to tell what reading in order costs.
+    /// Samples decoded so far, to tell what reading costs.
     pub(super) decoded: usize,
 }
 
@@ -171,11 +171,15 @@ impl Coded {
         }
         let mut found = Err("it was not decoded".to_owned());
         while state.next <= target {
-            let sample = state.next;
+            let (sample, frame) = (state.next, self.frame_of[state.next]);
             state.next += 1;
+            let bytes = self.sample(sample);
+            let is_wanted = sample == target || frame.is_some_and(|frame| frame >= request.keep_from);
+            if !is_wanted && bytes.as_ref().is_ok_and(|bytes| state.stream.can_skip(bytes)) {
+                continue;
+            }
             self.decoded += 1;
-            let result = self.sample(sample).and_then(|bytes| state.stream.decode(&bytes));
-            let frame = self.frame_of[sample];
+            let result = bytes.and_then(|bytes| state.stream.decode(&bytes));
             let result = match (result, frame) {
                 (Ok((planes, problem)), frame) => {
                     if let Some((problem, frame)) = problem.zip(frame) {

@@ -53,6 +53,23 @@ pub(super) fn can_begin(sample: &[u8], head: StreamHeader) -> bool {
     })
 }
 
+/// Whether no other picture is made from this one: `nal_ref_idc` of all its slices is 0 (7.4.1). Parameter sets are kept.
+fn is_disposable(sample: &[u8], length_size: usize) -> bool {
+    let (mut rest, mut has_slice) = (sample, false);
+    while let Some((length, after)) = rest.split_at_checked(length_size).filter(|_| !rest.is_empty()) {
+        let length = length.iter().fold(0, |length, byte| length << 8 | usize::from(*byte));
+        let Some((nal, following)) = after.split_at_checked(length) else { return false };
+        let Some(head) = nal.first() else { return false };
+        match (head & 0x1F, head & 0x60) {
+            (1..=5, 0) => has_slice = true,
+            (1..=5 | 7 | 8, _) => return false,
+            _ => {}
+        }
+        rest = following;
+    }
+    has_slice && rest.is_empty()
+}
+
 /// Looks for a recovery point among SEI messages (H.264, 7.3.2.3.1 and D.1.8) whose `recovery_frame_cnt` is 0.
 fn recovers_at_once(mut rest: &[u8]) -> bool {
     const RECOVERY_POINT: usize = 6;
@@ -138,6 +155,11 @@ impl Stream {
         quietly(|| self.decoder.decode_nal(nal))?.map_err(|error| error.to_string())
     }
 
+    /// Whether the next sample need not be decoded where nobody wants its picture.
+    pub(super) fn can_skip(&self, sample: &[u8]) -> bool {
+        is_disposable(sample, self.head.length_size)
+    }
+
     /// Decodes the next sample, in the order of decoding. Beside a picture may stand what is wrong with it.
     pub(super) fn decode(&mut self, sample: &[u8]) -> Result<(Planes, Option<String>), String> {
         let mut problem = None;
@@ -179,4 +201,24 @@ fn planes(frame: Frame, head: StreamHeader) -> Result<Planes, String> {
         return Err(format!("its picture has {}×{} pixels", planes.size[0], planes.size[1]));
     }
     Ok(planes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_which_others_are_made_are_kept() {
+        let sample = |nals: &[&[u8]]| -> Vec<u8> {
+            nals.iter().flat_map(|nal| [&[0, 0, 0, nal.len() as u8], *nal].concat()).collect()
+        };
+        let (slice, reference, message, set) = ([0x01, 9], [0x41, 9], [0x06, 1], [0x67, 2]);
+        assert!(is_disposable(&sample(&[&message, &slice, &slice]), 4));
+        for kept in [&[&slice[..], &reference][..], &[&reference], &[&set, &slice], &[&message], &[]] {
+            assert!(!is_disposable(&sample(kept), 4), "{kept:?}");
+        }
+        let whole = sample(&[&slice]);
+        (0..whole.len()).for_each(|end| assert!(!is_disposable(&whole[..end], 4), "cut at {end}"));
+        assert!(!is_disposable(&[0, 0, 0, 0], 4) && !is_disposable(&whole, 9));
+    }
 }

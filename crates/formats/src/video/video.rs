@@ -214,7 +214,8 @@ impl Video {
         self.0.notes.iter().cloned().chain(found).collect()
     }
 
-    /// How many pictures were decoded so far. Read in order, a frame costs one.
+    /// How many pictures were decoded so far. Read in order, a frame costs one; a leap costs the pictures, from the last that is
+    /// decoded by itself, of which others are made.
     #[must_use]
     pub fn decoded_count(&self) -> usize {
         match &*self.0.source() {
@@ -302,7 +303,10 @@ impl Inner {
         if let Some(picture) = self.cache.get(key) {
             return Ok(picture);
         }
-        let kept = (self.cache.limit_bytes() / 4 / self.bytes(divisor).max(1)).min(MAX_KEPT_BEFORE);
+        // Whoever is about here may go back; a leap is to be quick, and passes what it does not need.
+        let is_near = frame.abs_diff(self.last.load(Ordering::Relaxed)) <= MAX_KEPT_BEFORE;
+        let room = self.cache.limit_bytes() / 4 / self.bytes(divisor).max(1);
+        let kept = if is_near { room.min(MAX_KEPT_BEFORE) } else { 0 };
         let request = FrameRequest { frame, divisor, keep_from: frame.saturating_sub(kept) };
         let mut keep = |frame: usize, picture: RgbImage| {
             self.cache.insert(self.key(frame, divisor), Arc::new(picture));

@@ -18,8 +18,6 @@ const WIDEST: u32 = 480;
 const HIGHEST: u32 = 640;
 /// JPEG's quality, of 100.
 const QUALITY: u8 = 72;
-/// Frames that are read side by side: three videos alone leave one of two processors idle for a third of the time.
-const AT_ONCE: usize = 4;
 /// The footage may be damaged in many frames: notes name no more.
 const NAMED: usize = 3;
 
@@ -33,16 +31,15 @@ impl Seen<'_> {
     ) -> Result<Vec<Picture>, ReportError> {
         let mut all = Vec::with_capacity(frames.len() * self.cameras.len());
         let mut missing = Vec::new();
-        let frames: Vec<usize> = frames.iter().copied().collect();
-        for some in frames.chunks(AT_ONCE) {
+        for &frame in frames {
             if cancel.is_cancelled() {
                 return Err(ReportError::Stopped);
             }
-            let read: Vec<_> = some.par_iter().map(|&frame| self.pictures_of(frame)).collect();
-            for (pictures, problems) in read {
-                all.extend(pictures);
-                missing.extend(problems);
-            }
+            let loaded = self.load(frame);
+            let drawn = loaded.par_iter().enumerate().map(|(camera, seen)| picture(camera, frame, seen));
+            all.extend(drawn.collect::<Vec<_>>().into_iter().flatten());
+            let problems = loaded.into_iter().filter_map(|seen| seen.problem);
+            missing.extend(problems.map(|why| format!("Not whole in frame {frame}: {why}.")));
         }
         let more = missing.len().saturating_sub(NAMED);
         notes.extend(missing.into_iter().take(NAMED));
@@ -50,16 +47,6 @@ impl Seen<'_> {
             notes.push(format!("And {more} more like these."));
         }
         Ok(all)
-    }
-
-    /// A frame's pictures, and what could not be read of it, in words.
-    fn pictures_of(&self, frame: usize) -> (Vec<Picture>, Vec<String>) {
-        let loaded = self.load(frame);
-        let drawn = loaded.par_iter().enumerate().map(|(camera, seen)| picture(camera, frame, seen));
-        let pictures: Vec<Option<Picture>> = drawn.collect();
-        let problems = loaded.iter().filter_map(|seen| seen.problem.as_ref());
-        let problems = problems.map(|why| format!("Not whole in frame {frame}: {why}."));
-        (pictures.into_iter().flatten().collect(), problems.collect())
     }
 }
 
