@@ -8,8 +8,9 @@ use backlit_jobs::{Task, once};
 use backlit_runs::comparison::{ComparedOverlap, compare_overlap};
 use backlit_tracking::metrics::comparison::TrackComparison;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_ui::style::{format, theme};
-use egui::{RichText, Ui};
+use backlit_ui::style::format;
+use backlit_ui::style::theme::space;
+use egui::Ui;
 
 use super::panel::{row, titles};
 use crate::context::{Context, Requests, priority};
@@ -69,29 +70,37 @@ impl Overlaps {
         Self { measured: self.measured.clone(), ..Self::default() }
     }
 
-    /// The table of a comparison.
-    pub(super) fn show(&self, ui: &mut Ui, found: &Arc<TrackComparison>) {
-        if found.overall.is_none() {
-            return;
-        }
+    /// The table of a comparison. While it is measured the cameras have their rows: what stands below does not move then.
+    pub(super) fn show(&self, ui: &mut Ui, found: &Arc<TrackComparison>, context: &Context<'_>) {
+        let Some(take) = context.session.take.as_ref().filter(|_| found.overall.is_some()) else { return };
         let columns = [
             ("poses", "Mean IoU of the silhouettes and the body in its poses"),
             ("reference", "Mean IoU of the silhouettes and the same body in the reference’s poses"),
         ];
-        let faint = |text: String| RichText::new(text).small().color(theme::palette(ui).text3);
+        let titled = |ui: &mut Ui, of: &str| titles(ui, &format!("Overlap (IoU), {of}"), &columns);
         match self.measured.as_ref().filter(|(of, _)| Arc::ptr_eq(of, found)) {
             None => {
-                ui.label(faint("Measuring overlaps…".to_owned()));
+                titled(ui, "measuring…");
+                for camera in take.cameras.iter() {
+                    row(
+                        ui,
+                        camera.name(),
+                        &[format::MISSING, format::MISSING].map(str::to_owned),
+                        false,
+                        None,
+                    );
+                }
             }
-            Some((_, None)) => {}
+            Some((_, None)) => return,
             Some((_, Some(ComparedOverlap { frames, cameras }))) => {
-                titles(ui, &format!("Overlap, {}", format::counted(*frames, "frame")), &columns);
+                titled(ui, &format::counted(*frames, "frame"));
                 for camera in cameras {
                     let cells = [camera.track, camera.reference].map(|iou| format::number(iou, 3));
                     row(ui, &camera.camera, &cells, false, None);
                 }
             }
         }
+        ui.add_space(space::WIDGET);
     }
 
     #[cfg(test)]

@@ -143,9 +143,9 @@ impl Compare {
         }
         let Some(found) = self.found.get(self.selected).cloned() else { return };
         ui.add_space(space::WIDGET);
+        self.overlaps.show(ui, &found, context);
         self.joints(ui, &found);
         self.angles(ui, &found);
-        self.overlaps.show(ui, &found);
     }
 
     /// The joints of the selected reference.
@@ -185,7 +185,6 @@ impl Compare {
                 self.curve = choice;
             }
         }
-        ui.add_space(space::WIDGET);
     }
 
     /// What is drawn, the curves, and how clocks and axes were matched.
