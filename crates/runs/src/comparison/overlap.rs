@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_formats::Footage;
 use backlit_formats::motion::Motion;
-use backlit_tracking::body::Pose;
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{DataView, FitView};
 use backlit_tracking::metrics::comparison::{ComparedFrame, TrackComparison};
@@ -47,7 +47,6 @@ pub fn compare_overlap(
     cancel: &CancelToken,
 ) -> Option<ComparedOverlap> {
     let Motion { model, poses, .. } = motion;
-    let mut follower = Follower::new(model)?;
     let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
     let mut sums = vec![([0.0; 2], 0_usize); cameras.len()];
     let frames: Vec<&ComparedFrame> =
@@ -57,7 +56,7 @@ pub fn compare_overlap(
         if cancel.is_cancelled() {
             return None;
         }
-        let followed = reference_pose(&mut follower, &found.joints, frame);
+        let followed = reference_pose(model, &found.joints, frame);
         let Some((theirs, ours)) = followed.zip(poses.get(&frame.frame)) else { continue };
         let loaded = footage.load_cameras(&cameras, measurement, frame.frame);
         let views = cameras.iter().zip(loaded).filter_map(|(&camera, seen)| {
@@ -93,9 +92,9 @@ fn spread<T>(all: &[T]) -> impl Iterator<Item = &T> {
     (0..count).map(move |number| &all[number * (all.len() - 1) / (count - 1).max(1)])
 }
 
-/// The body's pose for a reference's joints.
-fn reference_pose(follower: &mut Follower<'_>, joints: &[String], frame: &ComparedFrame) -> Option<Pose> {
-    follower.pose(|joint| frame.reference[joints.iter().position(|name| name == joint)?])
+/// The body's pose for a reference's joints. It begins standing: the frame before may be long ago.
+fn reference_pose(model: &Model, joints: &[String], frame: &ComparedFrame) -> Option<Pose> {
+    Follower::new(model)?.pose(|joint| frame.reference[joints.iter().position(|name| name == joint)?])
 }
 
 #[cfg(test)]
