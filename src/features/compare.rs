@@ -239,9 +239,10 @@ impl Compare {
     /// Measures the overlap of the selected reference, once it is compared.
     fn measure_overlap(&mut self, context: &Context<'_>, requests: &mut Requests) {
         let is_seen = context.shows(Pane::Compare) && self.side == Side::References;
-        let Some(found) = self.found.get(self.selected).filter(|_| is_seen) else { return };
+        let selected = self.references.get(self.selected).zip(self.found.get(self.selected));
+        let Some(compared) = selected.filter(|_| is_seen) else { return };
         if let Some(inputs) = self.comparing.inputs().filter(|_| !self.comparing.is_busy()) {
-            self.overlaps.update(found, inputs.motion(), context, requests);
+            self.overlaps.update(compared, inputs.motion(), context, requests);
         }
     }
 

@@ -69,7 +69,7 @@ pub struct CompareArguments {
     /// body that the track names]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// Take that was tracked: the body in the poses of track and references is laid over its silhouettes, in 30 frames
+    /// Take that was tracked: track and references are laid over its silhouettes, in 30 frames
     #[arg(long, value_name = "TAKE")]
     take: Option<PathBuf>,
     /// Folder for the results; made if it is not there
@@ -118,7 +118,13 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
             path.display()
         );
         let overlap = footage.as_ref().and_then(|footage| {
-            compare_overlap(&tracked.motion, &found, footage, footage.take().measurement(), &cancel)
+            compare_overlap(
+                &tracked.motion,
+                (&reference, &found),
+                footage,
+                footage.take().measurement(),
+                &cancel,
+            )
         });
         if cancel.is_cancelled() {
             return Err(Interrupted.into());
@@ -206,7 +212,7 @@ fn measured_text(ComparedOverlap { frames, cameras }: &ComparedOverlap) -> Strin
     for CameraOverlap { camera, track, reference } in cameras {
         table.row([camera.clone(), number(Some(*track), 3), number(Some(*reference), 3)]);
     }
-    format!("\nThe track's body in both poses, mean of {frames} frames:\n{}", table.to_text())
+    format!("\nBodies over silhouettes, mean of {frames} frames:\n{}", table.to_text())
 }
 
 /// Overlap by camera as it was tracked, of both where the reference is a track.

@@ -31,6 +31,8 @@ pub struct ComparedReference {
     pub trajectories: Trajectories,
     /// Its overlap by camera, of a track of ours.
     pub overlap: BTreeMap<String, f64>,
+    /// Its poses, of a track or a project of ours.
+    pub motion: Option<Motion>,
 }
 
 /// Reads a reference: a recording of any tool, a track of ours (its file or its folder), or a project.
@@ -45,10 +47,15 @@ pub fn read_reference(path: &Path, options: &RecordingOptions) -> anyhow::Result
         let tracked = read_tracked(path, None)?;
         let Motion { model, frame_rate, poses, .. } = &tracked.motion;
         let trajectories = Trajectories::of_poses(model, *frame_rate, poses);
-        return Ok(ComparedReference { name, trajectories, overlap: tracked.overlap });
+        return Ok(ComparedReference {
+            name,
+            trajectories,
+            overlap: tracked.overlap,
+            motion: Some(tracked.motion),
+        });
     }
     let trajectories = recording::read(path, options)?.trajectories(path, options)?;
-    Ok(ComparedReference { name, trajectories, overlap: BTreeMap::new() })
+    Ok(ComparedReference { name, trajectories, overlap: BTreeMap::new(), motion: None })
 }
 
 impl ComparedReference {
@@ -72,7 +79,8 @@ impl ComparedReference {
         }
         let trajectories = Trajectories { joints, times, points, angles: BTreeMap::new() };
         let name = "the take’s reference".to_owned();
-        (!trajectories.times.is_empty()).then_some(Self { name, trajectories, overlap: BTreeMap::new() })
+        let overlap = BTreeMap::new();
+        (!trajectories.times.is_empty()).then_some(Self { name, trajectories, overlap, motion: None })
     }
 }
 

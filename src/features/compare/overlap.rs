@@ -13,11 +13,13 @@ use backlit_ui::style::theme::space;
 use egui::Ui;
 
 use super::panel::{row, titles};
+use super::work::NamedReference;
 use crate::context::{Context, Requests, priority};
 
 /// What an overlap is measured of. Parts are shared: those of other places in memory are others.
 #[derive(Debug, Clone)]
 struct OverlapInputs {
+    reference: Arc<NamedReference>,
     found: Arc<TrackComparison>,
     motion: Arc<Motion>,
     footage: Arc<Footage>,
@@ -46,7 +48,7 @@ impl Overlaps {
     /// Measures anew where the comparison, the footage or the making of silhouettes is another.
     pub(super) fn update(
         &mut self,
-        found: &Arc<TrackComparison>,
+        (reference, found): (&Arc<NamedReference>, &Arc<TrackComparison>),
         motion: &Arc<Motion>,
         context: &Context<'_>,
         requests: &mut Requests,
@@ -56,11 +58,13 @@ impl Overlaps {
         }
         let Some(footage) = context.session.take.clone().filter(|_| found.overall.is_some()) else { return };
         let measurement = context.document().measurement.clone();
-        let inputs = OverlapInputs { found: found.clone(), motion: motion.clone(), footage, measurement };
+        let (reference, found, motion) = (reference.clone(), found.clone(), motion.clone());
+        let inputs = OverlapInputs { reference, found, motion, footage, measurement };
         self.measuring.ask(context.pool, inputs, |inputs| {
-            let OverlapInputs { found, motion, footage, measurement } = inputs.clone();
+            let OverlapInputs { reference, found, motion, footage, measurement } = inputs.clone();
             once(move |cancel| {
-                let overlap = compare_overlap(&motion, &found, &footage, &measurement, cancel);
+                let compared = (&reference.reference, &*found);
+                let overlap = compare_overlap(&motion, compared, &footage, &measurement, cancel);
                 (found, overlap)
             })
         });
@@ -75,7 +79,7 @@ impl Overlaps {
         let Some(take) = context.session.take.as_ref().filter(|_| found.overall.is_some()) else { return };
         let columns = [
             ("poses", "Mean IoU of the silhouettes and the body in its poses"),
-            ("reference", "Mean IoU of the silhouettes and the same body in the reference’s poses"),
+            ("reference", "Mean IoU of the silhouettes and the body in the reference’s poses"),
         ];
         let titled = |ui: &mut Ui, of: &str| titles(ui, &format!("Overlap (IoU), {of}"), &columns);
         match self.measured.as_ref().filter(|(of, _)| Arc::ptr_eq(of, found)) {

@@ -7,11 +7,13 @@ use backlit_formats::motion::Motion;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{DataView, FitView};
-use backlit_tracking::metrics::comparison::{ComparedFrame, TrackComparison};
+use backlit_tracking::metrics::comparison::{ComparedFrame, TrackComparison, WorldMap};
 use backlit_tracking::posing::Follower;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::overlaps;
+
+use super::ComparedReference;
 
 /// Frames that are looked at, spread over those that were compared.
 const FRAMES: usize = 30;
@@ -36,17 +38,18 @@ pub struct ComparedOverlap {
     pub cameras: Vec<CameraOverlap>,
 }
 
-/// Lays both over the silhouettes of footage, in some of the frames that were compared. The body follows the reference's joints with
-/// its own lengths, as [`Follower`] does. `None` where no frame has hips, shoulders and a silhouette, and where `cancel` says so.
+/// Lays both over the silhouettes of footage, in some of the frames that were compared. A track of ours in the same world is laid as it
+/// is; else the body follows the reference's joints with its own lengths, as [`Follower`] does. `None` where no frame has hips, shoulders and a silhouette, and where `cancel` says so.
 #[must_use]
 pub fn compare_overlap(
     motion: &Motion,
-    found: &TrackComparison,
+    (reference, found): (&ComparedReference, &TrackComparison),
     footage: &Footage,
     measurement: &[SegmentOptions],
     cancel: &CancelToken,
 ) -> Option<ComparedOverlap> {
-    let Motion { model, poses, .. } = motion;
+    let Motion { model, poses, frame_rate, .. } = motion;
+    let own = reference.motion.as_ref().filter(|_| found.world == WorldMap::SAME);
     let cameras: Vec<usize> = (0..footage.cameras.len()).collect();
     let mut sums = vec![([0.0; 2], 0_usize); cameras.len()];
     let frames: Vec<&ComparedFrame> =
@@ -56,16 +59,21 @@ pub fn compare_overlap(
         if cancel.is_cancelled() {
             return None;
         }
-        let followed = reference_pose(model, &found.joints, frame);
-        let Some((theirs, ours)) = followed.zip(poses.get(&frame.frame)) else { continue };
+        let seconds = frame.frame as f64 / frame_rate + found.clock.seconds;
+        let theirs = match own {
+            Some(own) => own_pose(own, seconds),
+            None => reference_pose(model, &found.joints, frame).map(|pose| (model, pose)),
+        };
+        let Some(((their_model, theirs), ours)) = theirs.zip(poses.get(&frame.frame)) else { continue };
         let loaded = footage.load_cameras(&cameras, measurement, frame.frame);
         let views = cameras.iter().zip(loaded).filter_map(|(&camera, seen)| {
             let evidence = seen.evidence(DataView::Hard)?;
             Some((camera, FitView { camera: Arc::clone(&footage.cameras[camera]), evidence, weight: 1.0 }))
         });
         let (places, views): (Vec<usize>, Vec<FitView>) = views.unzip();
-        let of = |pose: &Pose| overlaps(model, pose, RendererKind::default(), &views);
-        for ((camera, ours), theirs) in places.into_iter().zip(of(ours)).zip(of(&theirs)) {
+        let of = |model: &Model, pose: &Pose| overlaps(model, pose, RendererKind::default(), &views);
+        for ((camera, ours), theirs) in places.into_iter().zip(of(model, ours)).zip(of(their_model, &theirs))
+        {
             let iou = [ours, theirs].map(|overlap| overlap.and_then(|overlap| overlap.iou()));
             if let [Some(ours), Some(theirs)] = iou {
                 let (sum, count) = &mut sums[camera];
@@ -90,6 +98,13 @@ pub fn compare_overlap(
 fn spread<T>(all: &[T]) -> impl Iterator<Item = &T> {
     let count = all.len().min(FRAMES);
     (0..count).map(move |number| &all[number * (all.len() - 1) / (count - 1).max(1)])
+}
+
+/// The body and the pose of a track of ours at a time.
+fn own_pose(motion: &Motion, seconds: f64) -> Option<(&Model, Pose)> {
+    let frame = (seconds * motion.frame_rate).round();
+    let pose = (frame >= 0.0).then(|| motion.poses.get(&(frame as usize)))??;
+    Some((&motion.model, pose.clone()))
 }
 
 /// The body's pose for a reference's joints. It begins standing: the frame before may be long ago.
@@ -118,16 +133,22 @@ mod tests {
             name: "b".to_owned(),
             trajectories: Trajectories::of_poses(&model, take.frame_rate(), &motion.poses),
             overlap: BTreeMap::new(),
+            motion: None,
         };
         let measure = |reference: &ComparedReference| {
             let found = compare_motion(&motion, reference, &AS_IT_IS);
-            compare_overlap(&motion, &found, &footage, take.measurement(), &CancelToken::new())
+            compare_overlap(&motion, (reference, &found), &footage, take.measurement(), &CancelToken::new())
         };
         let right = measure(&reference).unwrap();
         assert_eq!((right.frames, right.cameras.len()), (1, take.rig().count()));
         for CameraOverlap { camera, track, reference } in &right.cameras {
             assert!(*track > 0.5 && (track - reference).abs() < 0.05, "{camera}: {track} {reference}");
         }
+        // A track of ours is laid as it is.
+        reference.motion = Some(motion.clone());
+        let same = measure(&reference).unwrap();
+        assert!(same.cameras.iter().all(|camera| camera.track == camera.reference), "{same:?}");
+        reference.motion = None;
         for points in reference.trajectories.points.iter_mut().flatten().flatten() {
             points.x += 1.0;
         }
