@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use backlit_tracking::body_fit::survey::spread;
+
 use super::{ReportOptions, ReportSource};
 
 /// This share of the pictures goes to the most doubtful frames.
@@ -48,13 +50,12 @@ pub(super) fn frames(
         if options.pictures < all.len() {
             pictured.extend(doubtful(source, options.pictures, (&doubts, &worst), &sooner));
         }
-        let spread = options.pictures.saturating_sub(pictured.len()).min(all.len());
-        let place = |number: usize| number * (all.len() - 1) / (spread - 1).max(1);
-        pictured.extend((0..spread).map(|number| {
-            let before = number.checked_sub(1).map(|number| all[place(number)]);
-            let (even, sooner) = (all[place(number)], sooner(all[place(number)]));
+        let even = spread(&all, options.pictures.saturating_sub(pictured.len()));
+        let before = std::iter::once(None).chain(even.iter().map(Some));
+        pictured.extend(even.iter().zip(before).map(|(&even, before)| {
+            let sooner = sooner(even);
             let is_between =
-                before.is_none_or(|before| sooner > before) && all.binary_search(&sooner).is_ok();
+                before.is_none_or(|before| sooner > *before) && all.binary_search(&sooner).is_ok();
             if is_between { sooner } else { even }
         }));
     }
