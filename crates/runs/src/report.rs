@@ -16,7 +16,9 @@ use backlit_document::{CameraUse, Document};
 use backlit_formats::Footage;
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::footage::CameraFrame;
-use backlit_report::{Bookmark, CommandLine, DoubtedLimb, Frame, Page, PageCamera, PageLimb};
+use backlit_report::{
+    Bookmark, CommandLine, DoubtedLimb, FitSteps, Frame, Page, PageCamera, PageLimb, Picture,
+};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, RigError, up_of};
 use backlit_tracking::cancel::CancelToken;
@@ -182,36 +184,47 @@ impl ReportSource {
             return Err(ReportError::NoFrame { frame, first, last });
         }
         let seen = self.footage.as_ref().map(|footage| self.seen(footage)).transpose()?;
-        let mut notes = Vec::new();
-        let (mut pictures, mut fits) = (Vec::new(), Vec::new());
-        match &seen {
-            None => notes.push(
-                "The take was not at hand when this page was made: it has no pictures, no silhouettes and no cameras."
-                    .to_owned(),
-            ),
-            Some(seen) => {
-                let chosen = chosen::frames(self, options, seen.frames(), |frame| seen.sooner(frame));
-                pictures = seen.pictures(&chosen.pictured, &mut notes, cancel)?;
-                fits = steps::fits(self, seen, &chosen.stepped, &mut notes, cancel)?;
-            }
-        }
-        let cameras: Vec<&Camera> = seen.iter().flat_map(Seen::cameras).collect();
+        let frames = || self.track.frames.values().map(|frame| self.frame(frame)).collect();
+        let figures = || (frames(), figures::curves(self, seen.is_some()), figures::tables(self));
+        // Videos are decoded by a thread a camera: a thread without one makes the figures.
+        let (drawn, (frames, curves, tables)) =
+            rayon::join(|| self.drawn(seen.as_ref(), options, cancel), figures);
+        let Drawn { pictures, fits, notes } = drawn?;
+        let cameras: Vec<&Camera> = seen.iter().flat_map(PageFootage::cameras).collect();
         Ok(Page {
             title: self.name.clone(),
             frame_rate: self.frame_rate,
             up: up_of(cameras.iter().copied()).unwrap_or(DVec3::Z),
             limbs: PageLimb::all(&self.model),
             cameras: cameras.iter().map(|camera| PageCamera::of(camera)).collect(),
-            frames: self.track.frames.values().map(|frame| self.frame(frame)).collect(),
+            frames,
             pictures,
             fits,
-            curves: figures::curves(self, seen.is_some()),
-            tables: figures::tables(self),
+            curves,
+            tables,
             bookmarks: self.bookmarks.clone(),
             settings: making::settings(self),
             commands: self.commands(options),
             notes,
         })
+    }
+
+    /// What of the page is made of the footage.
+    fn drawn(
+        &self,
+        seen: Option<&PageFootage<'_>>,
+        options: &ReportOptions,
+        cancel: &CancelToken,
+    ) -> Result<Drawn, ReportError> {
+        let mut notes = Vec::new();
+        let Some(seen) = seen else {
+            let why = "The take was not at hand when this page was made: it has no pictures, no silhouettes and no cameras.";
+            return Ok(Drawn { notes: vec![why.to_owned()], ..Drawn::default() });
+        };
+        let chosen = chosen::frames(self, options, seen.frames(), |frame| seen.sooner(frame));
+        let pictures = seen.pictures(&chosen.pictured, &mut notes, cancel)?;
+        let fits = steps::fits(self, seen, &chosen.stepped, &mut notes, cancel)?;
+        Ok(Drawn { pictures, fits, notes })
     }
 
     fn frame(&self, estimate: &FrameEstimate) -> Frame {
@@ -241,17 +254,25 @@ impl ReportSource {
     }
 
     /// The footage with the track's cameras in it.
-    fn seen<'a>(&self, footage: &'a Footage) -> Result<Seen<'a>, RigError> {
+    fn seen<'a>(&self, footage: &'a Footage) -> Result<PageFootage<'a>, RigError> {
         let rig = footage.take().rig();
         let cameras: Result<Vec<usize>, RigError> = self.cameras.iter().map(|name| rig.index(name)).collect();
         let own = || Arc::new(footage.take().measurement().to_vec());
         let measurement = self.measurement.clone().unwrap_or_else(own);
-        Ok(Seen { footage, cameras: cameras?, measurement, weights: self.weights.clone() })
+        Ok(PageFootage { footage, cameras: cameras?, measurement, weights: self.weights.clone() })
     }
 }
 
+/// What of a page is made of the footage.
+#[derive(Default)]
+struct Drawn {
+    pictures: Vec<Picture>,
+    fits: Vec<FitSteps>,
+    notes: Vec<String>,
+}
+
 /// What the track's cameras see.
-struct Seen<'a> {
+struct PageFootage<'a> {
     footage: &'a Footage,
     /// The track's cameras, by their places in the take.
     cameras: Vec<usize>,
@@ -261,7 +282,7 @@ struct Seen<'a> {
     weights: Vec<f64>,
 }
 
-impl Seen<'_> {
+impl PageFootage<'_> {
     fn frames(&self) -> usize {
         self.footage.frame_count()
     }

@@ -11,7 +11,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{FilterType, resize};
 use rayon::prelude::*;
 
-use super::{ReportError, Seen};
+use super::{PageFootage, ReportError};
 
 /// A picture is at most this wide and high in the page, pixels.
 const WIDEST: u32 = 480;
@@ -20,8 +20,10 @@ const HIGHEST: u32 = 640;
 const QUALITY: u8 = 72;
 /// The footage may be damaged in many frames: notes name no more.
 const NAMED: usize = 3;
+/// At most this many frames are in memory at once.
+const FRAMES_AT_A_TIME: usize = 4;
 
-impl Seen<'_> {
+impl PageFootage<'_> {
     /// Every camera's picture and silhouette of these frames. What cannot be read is noted.
     pub(super) fn pictures(
         &self,
@@ -29,25 +31,42 @@ impl Seen<'_> {
         notes: &mut Vec<String>,
         cancel: &CancelToken,
     ) -> Result<Vec<Picture>, ReportError> {
-        let mut all = Vec::with_capacity(frames.len() * self.cameras.len());
-        let mut missing = Vec::new();
-        for &frame in frames {
-            if cancel.is_cancelled() {
-                return Err(ReportError::Stopped);
-            }
-            let loaded = self.load(frame);
-            let drawn = loaded.par_iter().enumerate().map(|(camera, seen)| picture(camera, frame, seen));
-            all.extend(drawn.collect::<Vec<_>>().into_iter().flatten());
-            let problems = loaded.into_iter().filter_map(|seen| seen.problem);
-            missing.extend(problems.map(|why| format!("Not whole in frame {frame}: {why}.")));
-        }
+        // A frame between two keys of a video takes long, a camera a thread. Keys are quick: some at a time leave no thread idle.
+        let (keys, between): (Vec<usize>, Vec<usize>) =
+            frames.iter().partition(|&&frame| self.sooner(frame) == frame);
+        let one = |&frame: &usize| self.frame_pictures(frame, cancel);
+        let mut all: Vec<Result<FramePictures, ReportError>> = between.iter().map(one).collect();
+        let share = keys.len().div_ceil(FRAMES_AT_A_TIME).max(1);
+        all.par_extend(keys.par_chunks(share).flat_map_iter(|frames| frames.iter().map(one)));
+        let mut all = all.into_iter().collect::<Result<Vec<FramePictures>, ReportError>>()?;
+        all.sort_by_key(|one| one.frame);
+        let missing: Vec<String> = all.iter_mut().flat_map(|one| std::mem::take(&mut one.missing)).collect();
         let more = missing.len().saturating_sub(NAMED);
         notes.extend(missing.into_iter().take(NAMED));
         if more > 0 {
             notes.push(format!("And {more} more like these."));
         }
-        Ok(all)
+        Ok(all.into_iter().flat_map(|one| one.pictures).collect())
     }
+
+    fn frame_pictures(&self, frame: usize, cancel: &CancelToken) -> Result<FramePictures, ReportError> {
+        if cancel.is_cancelled() {
+            return Err(ReportError::Stopped);
+        }
+        let loaded = self.load(frame);
+        let drawn = loaded.par_iter().enumerate().map(|(camera, seen)| picture(camera, frame, seen));
+        let pictures = drawn.collect::<Vec<_>>().into_iter().flatten().collect();
+        let problems = loaded.into_iter().filter_map(|seen| seen.problem);
+        let missing = problems.map(|why| format!("Not whole in frame {frame}: {why}.")).collect();
+        Ok(FramePictures { frame, pictures, missing })
+    }
+}
+
+/// Every camera's picture of a frame, and what could not be read.
+struct FramePictures {
+    frame: usize,
+    pictures: Vec<Picture>,
+    missing: Vec<String>,
 }
 
 /// What a camera saw in a frame; `None` where that is nothing.

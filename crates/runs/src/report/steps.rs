@@ -9,12 +9,12 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitView};
 use backlit_tracking::search::start;
 
-use super::{ReportError, ReportSource, Seen};
+use super::{PageFootage, ReportError, ReportSource};
 
 /// The fits of these frames, each from the pose of the frame before. One that cannot be made is noted.
 pub(super) fn fits(
     source: &ReportSource,
-    seen: &Seen<'_>,
+    seen: &PageFootage<'_>,
     frames: &[usize],
     notes: &mut Vec<String>,
     cancel: &CancelToken,
@@ -37,7 +37,7 @@ pub(super) fn fits(
 }
 
 /// Where a fit of the frame begins, and what that is.
-fn start_of(source: &ReportSource, seen: &Seen<'_>, frame: usize) -> Option<(Pose, String)> {
+fn start_of(source: &ReportSource, seen: &PageFootage<'_>, frame: usize) -> Option<(Pose, String)> {
     if let Some((before, estimate)) = source.track.frames.range(..frame).next_back() {
         return Some((estimate.pose.clone(), format!("the pose of frame {before}")));
     }
@@ -53,7 +53,7 @@ fn start_of(source: &ReportSource, seen: &Seen<'_>, frame: usize) -> Option<(Pos
 /// The start and all steps of a fit, and why it ended.
 fn steps(
     source: &ReportSource,
-    seen: &Seen<'_>,
+    seen: &PageFootage<'_>,
     frame: usize,
     start: Pose,
 ) -> Result<(Vec<FitStep>, String), String> {
