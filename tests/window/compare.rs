@@ -47,6 +47,8 @@ fn a_click_on_a_row_chooses_the_curve_and_words_can_be_read() {
             window.query_all_by_role(Role::ListItem).filter_map(|node| node.accesskit_node().label());
         let of_cameras: Vec<String> = overlap.filter(|label| label.starts_with("cam")).collect();
         assert_eq!(of_cameras.len(), 4, "an overlap a camera: {of_cameras:?}");
+        choose(&mut window, Role::ListItem, &of_cameras[2]);
+        assert_eq!(window.selection().camera, 2, "a click on an overlap selects the camera");
         choose(&mut window, Role::RadioButton, "Runs");
         command(&mut window, "Run again with each camera left out");
         settle(&mut window);

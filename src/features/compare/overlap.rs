@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_formats::Footage;
 use backlit_formats::motion::Motion;
 use backlit_jobs::{Task, once};
-use backlit_runs::comparison::{ComparedOverlap, compare_overlap};
+use backlit_runs::comparison::{CameraOverlap, ComparedOverlap, compare_overlap};
 use backlit_tracking::metrics::comparison::TrackComparison;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_ui::style::format;
@@ -14,7 +14,7 @@ use egui::Ui;
 
 use super::panel::{row, titles};
 use super::work::NamedReference;
-use crate::context::{Context, Requests, priority};
+use crate::context::{Context, Requests, ShellRequest, priority};
 
 /// What an overlap is measured of. Parts are shared: those of other places in memory are others.
 #[derive(Debug, Clone)]
@@ -57,6 +57,10 @@ impl Overlaps {
             self.measured = Some(measured);
         }
         let Some(footage) = context.session.take.clone().filter(|_| found.overall.is_some()) else { return };
+        // A pose that is being dragged is another in each frame of the window.
+        if context.egui.input(|input| input.pointer.any_down()) {
+            return;
+        }
         let measurement = context.document().measurement.clone();
         let (reference, found, motion) = (reference.clone(), found.clone(), motion.clone());
         let inputs = OverlapInputs { reference, found, motion, footage, measurement };
@@ -75,33 +79,36 @@ impl Overlaps {
     }
 
     /// The table of a comparison. While it is measured the cameras have their rows: what stands below does not move then.
-    pub(super) fn show(&self, ui: &mut Ui, found: &Arc<TrackComparison>, context: &Context<'_>) {
+    pub(super) fn show(
+        &self,
+        ui: &mut Ui,
+        found: &Arc<TrackComparison>,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
         let Some(take) = context.session.take.as_ref().filter(|_| found.overall.is_some()) else { return };
         let columns = [
             ("poses", "Mean IoU of the silhouettes and the body in its poses"),
             ("reference", "Mean IoU of the silhouettes and the body in the reference’s poses"),
         ];
-        let titled = |ui: &mut Ui, of: &str| titles(ui, &format!("Overlap (IoU), {of}"), &columns);
-        match self.measured.as_ref().filter(|(of, _)| Arc::ptr_eq(of, found)) {
-            None => {
-                titled(ui, "measuring…");
-                for camera in take.cameras.iter() {
-                    row(
-                        ui,
-                        camera.name(),
-                        &[format::MISSING, format::MISSING].map(str::to_owned),
-                        false,
-                        None,
-                    );
-                }
-            }
+        let measured = self.measured.as_ref().filter(|(of, _)| Arc::ptr_eq(of, found));
+        let (of, rows) = match measured {
+            None => ("measuring…".to_owned(), None),
             Some((_, None)) => return,
-            Some((_, Some(ComparedOverlap { frames, cameras }))) => {
-                titled(ui, &format::counted(*frames, "frame"));
-                for camera in cameras {
-                    let cells = [camera.track, camera.reference].map(|iou| format::number(iou, 3));
-                    row(ui, &camera.camera, &cells, false, None);
-                }
+            Some((_, Some(overlap))) => (format::counted(overlap.frames, "frame"), Some(&overlap.cameras)),
+        };
+        titles(ui, &format!("Overlap (IoU), {of}"), &columns);
+        for (index, camera) in take.cameras.iter().enumerate() {
+            let of_camera =
+                |rows: &Vec<CameraOverlap>| rows.iter().find(|row| row.camera == camera.name()).cloned();
+            let cells = match rows.map(of_camera) {
+                Some(None) => continue,
+                Some(Some(row)) => [row.track, row.reference].map(|iou| format::number(iou, 3)),
+                None => [format::MISSING; 2].map(str::to_owned),
+            };
+            let response = row(ui, camera.name(), &cells, false, None);
+            if response.on_hover_text("Select this camera").clicked() {
+                requests.request(ShellRequest::Camera(index));
             }
         }
         ui.add_space(space::WIDGET);

@@ -143,7 +143,7 @@ impl Compare {
         }
         let Some(found) = self.found.get(self.selected).cloned() else { return };
         ui.add_space(space::WIDGET);
-        self.overlaps.show(ui, &found, context);
+        self.overlaps.show(ui, &found, context, requests);
         self.joints(ui, &found);
         self.angles(ui, &found);
     }
