@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use backlit_document::tracking_choices::Following;
 use backlit_formats::Take;
 use backlit_formats::prior_file::{self, PEOPLE};
 use backlit_runs::track::{Smoothing, TrackPlan};
@@ -10,7 +11,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{KalmanOptions, Motion, WhenToSearch};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::fit_options::{SolverArguments, Words, one_of};
 use crate::numbers::within;
@@ -26,8 +27,8 @@ pub(crate) struct FollowArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) prior: Option<PathBuf>,
     /// How motion is carried from frame to frame [default: velocity, with the report preset still]
-    #[arg(long, value_enum)]
-    pub(crate) motion: Option<MotionWord>,
+    #[arg(long, value_parser = one_of(&Following::NAMED), value_name = "MOTION")]
+    pub(crate) motion: Option<Following>,
     /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
     /// and root (m/s^1.5) [0.000001 to 1000000] [default: what each frame's residuals say, what the prior has learnt]
     #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', value_parser = within(1e-6..=1e6_f64))]
@@ -65,11 +66,10 @@ impl FollowArguments {
         let preset = self.solver.preset;
         let usual = TrackPlan::of_preset(preset, self.fit()?, take, start, frames.to_vec().into());
         let noise = self.noise()?;
-        let motion = match self.motion {
+        let motion = match self.motion.map(Following::motion) {
             None => usual.motion,
-            Some(MotionWord::Still) => Motion::Still,
-            Some(MotionWord::Velocity) => Motion::Velocity,
-            Some(MotionWord::Kalman | MotionWord::Steered | MotionWord::Smoothed) => Motion::Kalman(noise),
+            Some(Motion::Kalman(_)) => Motion::Kalman(noise),
+            Some(motion) => motion,
         };
         Ok(TrackPlan {
             motion,
@@ -81,11 +81,11 @@ impl FollowArguments {
     }
 
     pub(crate) fn is_kalman(&self) -> bool {
-        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Steered | MotionWord::Smoothed))
+        self.motion.is_some_and(|motion| matches!(motion.motion(), Motion::Kalman(_)))
     }
 
     pub(crate) fn noise(&self) -> anyhow::Result<KalmanOptions> {
-        let steers = self.motion == Some(MotionWord::Steered);
+        let steers = self.motion == Some(Following::Steered);
         let default = KalmanOptions { steers, ..KalmanOptions::default() };
         match self.noise.as_deref() {
             None => Ok(default),
@@ -100,7 +100,7 @@ impl FollowArguments {
 
     /// How later frames smooth earlier ones, if they do.
     pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
-        let is_smoothed = self.motion == Some(MotionWord::Smoothed);
+        let is_smoothed = matches!(self.motion, Some(Following::Smoothed { .. }));
         if self.lag.is_some() && !is_smoothed {
             bail!("--lag is for --motion smoothed");
         }
@@ -117,18 +117,3 @@ const SEARCHES: Words<WhenToSearch> = &[
     ("poor", "Where the fit overlaps poorly: IoU below 0.9", WhenToSearch::WhenPoor),
     ("always", "Always", WhenToSearch::Always),
 ];
-
-/// How motion is carried from frame to frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MotionWord {
-    /// Start from the last pose
-    Still,
-    /// Start where the motion between the last two frames leads
-    Velocity,
-    /// Pose and velocity by the iterated extended Kalman filter, weighed against each frame's own fit
-    Kalman,
-    /// The same, but every fit begins at the prediction and carries it from the first iteration
-    Steered,
-    /// As kalman, and earlier frames smoothed by later ones at the end
-    Smoothed,
-}

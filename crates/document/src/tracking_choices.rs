@@ -26,20 +26,32 @@ pub enum Following {
 }
 
 impl Following {
-    /// All of them, smoothed by all later frames, by the words of the command line.
-    pub const NAMED: [(&'static str, Self); 5] = [
-        ("still", Self::Still),
-        ("velocity", Self::Velocity),
-        ("kalman", Self::Kalman),
-        ("steered", Self::Steered),
-        ("smoothed", Self::Smoothed { lag: None }),
+    /// All of them by their words, with what each does; smoothed is by all later frames.
+    pub const NAMED: [(&'static str, &'static str, Self); 5] = [
+        ("still", "Start from the last pose", Self::Still),
+        ("velocity", "Start where the motion between the last two frames leads", Self::Velocity),
+        (
+            "kalman",
+            "Pose and velocity by the iterated extended Kalman filter, weighed against each frame's own fit",
+            Self::Kalman,
+        ),
+        (
+            "steered",
+            "The same, but every fit begins at the prediction and carries it from the first iteration",
+            Self::Steered,
+        ),
+        (
+            "smoothed",
+            "As kalman, and earlier frames smoothed by later ones at the end",
+            Self::Smoothed { lag: None },
+        ),
     ];
 
     /// Its word.
     #[must_use]
     pub fn name(self) -> &'static str {
         let kind = |other: &Self| std::mem::discriminant(other) == std::mem::discriminant(&self);
-        Self::NAMED.iter().find(|(_, other)| kind(other)).map_or("", |(name, _)| name)
+        Self::NAMED.iter().find(|(.., other)| kind(other)).map_or("", |(name, ..)| name)
     }
 
     /// What the tracker is told.

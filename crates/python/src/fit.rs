@@ -151,9 +151,9 @@ fn cue(word: &str) -> PyResult<Cue> {
 }
 
 fn following(word: &str) -> PyResult<Following> {
-    let known = Following::NAMED.into_iter().find(|(name, _)| *name == word);
+    let known = Following::NAMED.into_iter().find(|(name, ..)| *name == word);
     let expected = "still, velocity, kalman, steered or smoothed";
-    known.map(|(_, how)| how).ok_or_else(|| wrong("motion", expected, &format!("{word:?}")))
+    known.map(|(.., how)| how).ok_or_else(|| wrong("motion", expected, &format!("{word:?}")))
 }
 
 impl Request {
