@@ -30,10 +30,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_document::Document;
+use backlit_document::frame_trust::are_same;
 use backlit_document::history::History;
 use backlit_document::run::Run;
 use backlit_document::runs::{Runs, StepRef};
-use backlit_document::told::are_same;
 use backlit_formats::Footage;
 use backlit_formats::take::BodySizes;
 

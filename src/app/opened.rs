@@ -41,7 +41,7 @@ impl Inspector {
         }
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
         self.state.lost_take = None;
-        if let Some(kept) = self.features.recovery.news(&self.state.clock) {
+        if let Some(kept) = self.features.recovery.notice(&self.state.clock) {
             self.state.notices.remind(kept, Command::Recovery(RecoveryCommand::Show));
         }
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {

@@ -78,7 +78,7 @@ fn refused(why: String) -> Applied {
 }
 
 /// How far the work is, in words, and how much of it is done where that can be told.
-fn told(text: String, share: Option<WorkShare>) -> Applied {
+fn progress(text: String, share: Option<WorkShare>) -> Applied {
     applied(move |tracking, _, _| tracking.work = Some(TrackingWork::Make(text, share)))
 }
 

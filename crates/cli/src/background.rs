@@ -40,7 +40,7 @@ pub struct BackgroundArguments {
 /// Learns the plates of all cameras, writes them, and says what each of them knows now.
 pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
     let motion = Motion::of_written(track_files::read(&arguments.without, arguments.model.as_deref())?);
-    let take = take_options::told(Take::open(&arguments.take)?);
+    let take = take_options::with_notes_shown(Take::open(&arguments.take)?);
     output::make_folder(&arguments.out)?;
     for (index, camera) in take.rig().cameras().iter().enumerate() {
         let name = camera.name();

@@ -55,16 +55,16 @@ pub(crate) fn percent_change(factor: f64) -> String {
     format!("{:+.1} %", 100.0 * (factor - 1.0))
 }
 
-/// Prints a line on standard error, as [`told`].
+/// Prints a line on standard error, as [`printable`].
 pub fn complain(line: &str) {
     // Where standard error is closed there is nobody to tell.
-    let _ = writeln!(stderr().lock(), "{}", told(line));
+    let _ = writeln!(stderr().lock(), "{}", printable(line));
 }
 
 /// A message as people read it: a line of about 400 letters at most, the beginning and the end of a longer one. What it repeats of
 /// a file or an argument cannot steer the terminal.
 #[must_use]
-pub fn told(message: &str) -> String {
+pub fn printable(message: &str) -> String {
     cut_middle(&shown(message).to_string(), [200, 200])
 }
 

@@ -122,7 +122,7 @@ pub fn no_such_command<P: CommandFactory>(word: &Path) -> Option<clap::Error> {
     let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
     let message = format!(
         "\"{}\" is neither a command ({}) nor a take; see backlit --help\n",
-        output::told(&word.to_string_lossy()),
+        output::printable(&word.to_string_lossy()),
         names.join(", ")
     );
     Some(clap::Error::raw(ErrorKind::InvalidSubcommand, message))
@@ -137,7 +137,7 @@ fn stray_word<P: CommandFactory>(arguments: &[OsString]) -> Option<clap::Error> 
 
 /// The same complaint about arguments that can be shown: it repeats them, whatever their letters and length.
 fn as_told<P: Parser>(arguments: &[OsString], error: clap::Error) -> clap::Error {
-    let told = arguments.iter().map(|argument| output::told(&argument.to_string_lossy()));
+    let told = arguments.iter().map(|argument| output::printable(&argument.to_string_lossy()));
     P::try_parse_from(told).err().unwrap_or(error)
 }
 

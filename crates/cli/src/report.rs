@@ -123,7 +123,7 @@ fn of_track(arguments: &ReportArguments, track: &Path) -> anyhow::Result<ReportS
 fn of_project(path: &Path, take: Option<&Path>) -> anyhow::Result<ReportSource> {
     let take = take.map(Take::open).transpose().context("--take")?;
     let (document, take) = open_project(path, take)?;
-    let take = take_options::told(take);
+    let take = take_options::with_notes_shown(take);
     let footage = document.footage(&Footage::new(take));
     Ok(ReportSource::of_document(&document, Arc::new(footage)))
 }

@@ -306,11 +306,11 @@ pub(crate) fn open_with_body(
 ) -> anyhow::Result<Arc<Footage>> {
     let footage = match model {
         _ if is_project(path) => of_project(path, model, segmentation)?,
-        Some(model) => Footage::new(segmentation.of(told(Take::open_with_model(path, model)?))),
+        Some(model) => Footage::new(segmentation.of(with_notes_shown(Take::open_with_model(path, model)?))),
         None if path.is_dir() && !path.join("take.toml").exists() => {
             bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
         }
-        None => Footage::new(segmentation.of(told(Take::open(path)?))),
+        None => Footage::new(segmentation.of(with_notes_shown(Take::open(path)?))),
     };
     Ok(Arc::new(footage))
 }
@@ -319,7 +319,7 @@ pub(crate) fn open_with_body(
 fn of_project(path: &Path, model: Option<Model>, segmentation: Segmentation) -> anyhow::Result<Footage> {
     let (document, take) = results::open_project(path, None)?;
     let body = model.map_or_else(|| document.model.clone(), Arc::new);
-    let take = told(take).with_body(body);
+    let take = with_notes_shown(take).with_body(body);
     let take =
         take.with_context(|| format!("{}: the body has other limbs than the take's", path.display()))?;
     let measured = document.measurement.iter().cloned();
@@ -328,14 +328,14 @@ fn of_project(path: &Path, model: Option<Model>, segmentation: Segmentation) -> 
 }
 
 /// Says what a take that was opened reads outside its own folder, and what is missing in its footage.
-pub(crate) fn told(take: Take) -> Take {
+pub(crate) fn with_notes_shown(take: Take) -> Take {
     let outside = take.outside().map(ToString::to_string);
     outside.into_iter().chain(take.notes()).for_each(|remark| note(&remark));
     take
 }
 
 /// Says what was found to be missing since a take was opened: damage in a video is known once its frames were read.
-pub(crate) fn tell_news(take: &Take, known: &[String]) {
+pub(crate) fn show_new_notes(take: &Take, known: &[String]) {
     take.notes().iter().filter(|remark| !known.contains(remark)).for_each(|remark| note(remark));
 }
 

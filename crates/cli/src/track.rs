@@ -177,7 +177,7 @@ pub(crate) fn track(
         smoothed =
             measure_overlaps(&Arc::new(silhouettes), take.model(), &done, renderer, &mut [&mut report]);
     }
-    take_options::tell_news(take, &known_notes);
+    take_options::show_new_notes(take, &known_notes);
     report.finish(take);
     report.is_partial = tracked.is_err();
     report.begun = begun;

@@ -16,7 +16,7 @@ use backlit_tracking::silhouette::{Region, StrokeError};
 use thiserror::Error;
 
 use crate::bookmark::Bookmark;
-use crate::told::Told;
+use crate::frame_trust::FrameTrust;
 use crate::tracking_choices::TrackingChoices;
 use crate::{CameraUse, Document, Estimate, Origin};
 
@@ -115,7 +115,7 @@ pub enum Edit {
 }
 
 /// A frame, what was found in it, and what was told beside, if anything was.
-pub type Tracked = (usize, Arc<Estimate>, Option<Arc<Told>>);
+pub type Tracked = (usize, Arc<Estimate>, Option<Arc<FrameTrust>>);
 
 /// Why a change cannot be made. The document is then as before.
 #[derive(Debug, Error, Clone, PartialEq)]
@@ -219,11 +219,11 @@ impl Document {
             Edit::AddEstimate { frame, estimate } => self.add_estimates(vec![(frame, estimate)])?,
             Edit::AddTrack(found) => {
                 self.add_estimates(found.iter().map(|(frame, found, _)| (*frame, found.clone())).collect())?;
-                let told = Arc::make_mut(&mut self.told);
+                let trust = Arc::make_mut(&mut self.trust);
                 for (frame, _, beside) in found {
                     match beside {
-                        Some(beside) => told.insert(frame, beside),
-                        None => told.remove(&frame),
+                        Some(beside) => trust.insert(frame, beside),
+                        None => trust.remove(&frame),
                     };
                 }
             }
@@ -306,7 +306,7 @@ impl Document {
     fn clear(&mut self, frames: RangeInclusive<usize>) {
         Arc::make_mut(&mut self.estimates).retain(|frame, _| !frames.contains(frame));
         // Rivals of a key pose stay to be chosen from.
-        Arc::make_mut(&mut self.told)
+        Arc::make_mut(&mut self.trust)
             .retain(|frame, _| !frames.contains(frame) || self.keys.contains_key(frame));
     }
 

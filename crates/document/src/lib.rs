@@ -6,6 +6,7 @@
 pub mod bookmark;
 pub mod edit;
 pub mod fit_words;
+pub mod frame_trust;
 pub mod history;
 pub mod likely_poses;
 pub mod observability_words;
@@ -15,7 +16,6 @@ pub mod run_names;
 pub mod runs;
 mod silhouettes;
 pub mod take_match;
-pub mod told;
 pub mod tracking_choices;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,7 +35,7 @@ use backlit_tracking::segment::changes::BackgroundChange;
 use serde::{Deserialize, Serialize};
 
 use crate::bookmark::Bookmark;
-use crate::told::Told;
+use crate::frame_trust::FrameTrust;
 use crate::tracking_choices::TrackingChoices;
 
 /// What one camera does in the fit.
@@ -109,8 +109,8 @@ pub struct Document {
     pub keys: Arc<BTreeMap<usize, Pose>>,
     /// Poses found, by frame. An estimate is younger than the key pose of the same frame.
     pub estimates: Arc<BTreeMap<usize, Arc<Estimate>>>,
-    /// What the tracker told beside poses, by frame.
-    pub told: Arc<BTreeMap<usize, Arc<Told>>>,
+    /// What the tracker says of poses that it found, by frame.
+    pub trust: Arc<BTreeMap<usize, Arc<FrameTrust>>>,
     /// The cameras, in the order of the take.
     pub cameras: Arc<Vec<CameraUse>>,
     /// How poses are fitted.
@@ -149,7 +149,7 @@ impl Document {
             start: Arc::new(start),
             keys: Arc::default(),
             estimates: Arc::default(),
-            told: Arc::default(),
+            trust: Arc::default(),
             cameras: Arc::default(),
             fit: Arc::default(),
             tracking: TrackingChoices::of_preset(FitOptions::default().as_preset()),
@@ -188,8 +188,8 @@ impl Document {
     /// The same for other programs, with how far poses that were tracked are believed.
     pub fn motion(&self, name: impl Into<String>, frame_rate: f64) -> Motion {
         let poses = self.own_poses();
-        let told = poses.iter().filter_map(|(&frame, pose)| Some((frame, self.told_of(frame, pose)?)));
-        let trust = told.map(|(frame, told)| (frame, told.trust.clone())).collect();
+        let judged = poses.iter().filter_map(|(&frame, pose)| Some((frame, self.trust_of(frame, pose)?)));
+        let trust = judged.map(|(frame, trust)| (frame, trust.limbs.clone())).collect();
         Motion::of_poses(name, (*self.model).clone(), frame_rate, poses).with_trust(trust)
     }
 

@@ -4,9 +4,9 @@
 //! back to the bit.
 
 mod bookmark_record;
+mod frame_trust_record;
 mod record;
 mod run_record;
-mod told_record;
 
 use std::path::{Path, PathBuf};
 
@@ -120,9 +120,9 @@ pub fn to_text(document: &Document, runs: &[Run]) -> serde_json::Result<String> 
     if let Some(person) = &file.person {
         text += &format!(",\n  \"person\": {}", serde_json::to_string(person)?);
     }
-    if !file.told.is_empty() {
+    if !file.trust.is_empty() {
         let line = |(frame, told)| Ok(format!("\"{frame}\": {}", serde_json::to_string(told)?));
-        let lines: serde_json::Result<Vec<String>> = file.told.iter().map(line).collect();
+        let lines: serde_json::Result<Vec<String>> = file.trust.iter().map(line).collect();
         text += &format!(",\n  \"told\": {{\n    {}\n  }}", lines?.join(",\n    "));
     }
     if !file.background_changes.is_empty() {
@@ -201,9 +201,9 @@ mod tests {
     use super::*;
     use crate::bookmark::Bookmark;
     use crate::edit::Edit;
+    use crate::frame_trust::FrameTrust;
     use crate::run::{RunChoices, RunEnding, RunStep};
     use crate::runs::StepRef;
-    use crate::told::Told;
     use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackPrior, TrackedBody, TrackingChoices};
     use crate::{CameraUse, Estimate, Origin, likely_poses};
     use backlit_formats::footage::BrushStroke;
@@ -230,7 +230,7 @@ mod tests {
         };
         document.measurement = Arc::new(vec![SegmentOptions::default()]);
         let model = document.model.clone();
-        let told = |pose: &Pose| {
+        let trust = |pose: &Pose| {
             let trust = (0..model.limbs().len()).map(|limb| {
                 let wrong = 0.1 * limb as f64 / 3.0;
                 LimbTrust::new(limb, wrong, [wrong / 3.0, 0.3], Reason::Rival)
@@ -243,10 +243,10 @@ mod tests {
             let covariances = vec![covariance; document.model.limbs().len()];
             let rival = document.start.as_ref().clone();
             let rivals = vec![Mode { pose: rival, weight: 1.0 / 3.0, covariances }];
-            Some(Arc::new(Told::new(&model, pose.clone(), trust.collect(), holds.collect(), rivals)))
+            Some(Arc::new(FrameTrust::new(&model, pose.clone(), trust.collect(), holds.collect(), rivals)))
         };
         let found = Arc::new(estimate);
-        let track = [4, 5].map(|frame| (frame, found.clone(), told(&found.pose))).into();
+        let track = [4, 5].map(|frame| (frame, found.clone(), trust(&found.pose))).into();
         let mut likely = (*document.fit).clone();
         likely_poses::set_weight(&mut likely, 4.5);
         for edit in [
@@ -364,9 +364,9 @@ mod tests {
             assert!(json.as_object_mut().unwrap().remove(field).is_some());
         }
         std::fs::write(&path, json.to_string()).unwrap();
-        let Document { tracking, told, .. } = read_project(&path).unwrap().document;
+        let Document { tracking, trust, .. } = read_project(&path).unwrap().document;
         assert_eq!(tracking, TrackingChoices::of_preset(None));
-        assert!(told.is_empty());
+        assert!(trust.is_empty());
     }
 
     #[cfg(unix)]

@@ -82,12 +82,6 @@ impl Covered {
     }
 }
 
-/// Numbers of at most `most` frames, spread evenly over `count` frames.
-pub(crate) fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let wanted = most.min(count);
-    (0..wanted).map(move |k| k * (count - 1) / (wanted - 1).max(1))
-}
-
 /// A camera's name as the name of a plate's file.
 #[must_use]
 pub fn file_name(camera: &str) -> String {

@@ -27,7 +27,7 @@ pub(crate) fn owned<'py, T: Element + Copy, D: Dimension>(
 pub(crate) fn numbers(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<usize>)> {
     let numpy = value.py().import("numpy")?;
     let array = numpy.call_method1("ascontiguousarray", (value, "float64"));
-    let array = array.map_err(|_error| wrong(argument, "an array of numbers", &told(value)))?;
+    let array = array.map_err(|_error| wrong(argument, "an array of numbers", &kind_text(value)))?;
     let array: PyReadonlyArrayDyn<'_, f64> = array.cast::<PyArrayDyn<f64>>()?.try_readonly()?;
     Ok((array.as_slice()?.to_vec(), array.shape().to_vec()))
 }
@@ -68,7 +68,7 @@ pub(crate) fn shape_text(shape: &[usize]) -> String {
 }
 
 /// What an argument is, for a message: its type, or the shape and kind of an array.
-fn told(value: &Bound<'_, PyAny>) -> String {
+fn kind_text(value: &Bound<'_, PyAny>) -> String {
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         return format!("{} of the shape {}", array.dtype(), shape_text(array.shape()));
     }
@@ -135,7 +135,7 @@ impl CameraMasks {
     }
 
     fn of(argument: &str, value: &Bound<'_, PyAny>, shape: MaskShape) -> PyResult<Self> {
-        let refuse = || wrong(argument, shape.expected(), &told(value));
+        let refuse = || wrong(argument, shape.expected(), &kind_text(value));
         let array = value.cast::<PyUntypedArray>().map_err(|_error| refuse())?;
         let py = value.py();
         let is_boolean = array.dtype().is_equiv_to(&dtype::<bool>(py));
@@ -157,12 +157,12 @@ pub(crate) fn masks(rig: &Rig, value: &Bound<'_, PyAny>, shape: MaskShape) -> Py
     let is_list = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
     let is_array = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() == shape.sides());
     if !is_list && !is_array {
-        return Err(wrong("masks", shape.expected(), &told(value)));
+        return Err(wrong("masks", shape.expected(), &kind_text(value)));
     }
     let count = value.len()?;
     if count != rig.count() {
         let expected = format!("masks of {} cameras, as there are in cams", rig.count());
-        return Err(wrong("masks", &expected, &format!("{count}, {}", told(value))));
+        return Err(wrong("masks", &expected, &format!("{count}, {}", kind_text(value))));
     }
     let mut all: Vec<CameraMasks> = Vec::with_capacity(count);
     for (index, camera) in rig.cameras().iter().enumerate() {

@@ -137,7 +137,7 @@ impl ReportSource {
                 one.lost_because = found.lost.then_some(Lost::Numbers);
                 ious.extend(found.iou.map(|iou| (frame, iou)));
             }
-            if let Some(told) = document.told_of(frame, &one.pose) {
+            if let Some(told) = document.trust_of(frame, &one.pose) {
                 one.trust = told.doubts().to_vec();
             }
             track.frames.insert(frame, one);

@@ -80,7 +80,7 @@ fn merge(input: GroupInput<'_>, groups: Vec<SphereGroup>, count: usize) -> Vec<S
     let mut heap: BinaryHeap<Reverse<MergePair>> = first.into_iter().map(Reverse).collect();
     while left > count {
         let Some(Reverse(MergePair { ball, pair: [a, b] })) = heap.pop() else {
-            let pairs = strangers(&groups);
+            let pairs = separate_pairs(&groups);
             let found: Vec<_> = pairs.par_iter().filter_map(|&pair| candidate(&groups, pair)).collect();
             heap.extend(found.into_iter().map(Reverse));
             continue;
@@ -107,7 +107,7 @@ fn merge(input: GroupInput<'_>, groups: Vec<SphereGroup>, count: usize) -> Vec<S
 }
 
 /// Pairs of groups whose surfaces do not touch: each with those nearest to it.
-fn strangers(groups: &[Option<SphereGroup>]) -> Vec<[usize; 2]> {
+fn separate_pairs(groups: &[Option<SphereGroup>]) -> Vec<[usize; 2]> {
     let all: Vec<(usize, Ball)> =
         groups.iter().enumerate().filter_map(|(index, group)| Some((index, group.as_ref()?.ball))).collect();
     let mut pairs = BTreeSet::new();

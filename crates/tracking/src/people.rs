@@ -233,10 +233,11 @@ fn explaining(parts: Vec<Vec<DVec3>>, views: &[HullView<&Camera, &Mask>], voxel:
     let mut left: Vec<_> = explained_by.into_iter().zip(parts).collect();
     let (mut people, mut explained) = (Vec::new(), BTreeSet::new());
     while !left.is_empty() {
-        let news: Vec<usize> = left.iter().map(|(places, _)| places.difference(&explained).count()).collect();
-        let most = (0..left.len()).rev().max_by_key(|&index| news[index]).unwrap_or(0);
+        let fresh: Vec<usize> =
+            left.iter().map(|(places, _)| places.difference(&explained).count()).collect();
+        let most = (0..left.len()).rev().max_by_key(|&index| fresh[index]).unwrap_or(0);
         let (places, part) = left.remove(most);
-        if (news[most] as f64) < LEAST_NEW * places.len() as f64 {
+        if (fresh[most] as f64) < LEAST_NEW * places.len() as f64 {
             break;
         }
         explained.extend(places);

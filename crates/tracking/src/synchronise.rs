@@ -8,7 +8,7 @@
 //! φ_A(t) = φ_B(t + τ),  low and high
 //! ```
 //!
-//! For every pair of cameras and every offset τ the evidence is how much better B foretells A's two angles than no
+//! For every pair of cameras and every offset τ the evidence is how much better B predicts A's two angles than no
 //! knowledge does, in nats, moving samples only,
 //!
 //! ```text

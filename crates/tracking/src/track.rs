@@ -22,7 +22,9 @@ pub use beam::{Beam, Mode, Rival};
 pub use estimate::{FrameEstimate, Track, overlaps};
 pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, Lost, UsualCost};
 pub use memory::{FilterMemory, LastFrame, MemoryError, TrackerMemory, WaitingFrame};
-pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, MotionModel, Predicted, Seen};
+pub use motion::{
+    Begins, FrameBelief, FrameMeasurement, KalmanOptions, Motion, MotionError, MotionModel, Predicted,
+};
 pub use patience::Patience;
 pub use rewind::{REWOUND_FRAMES, Rewind};
 pub use smoothing::{Smoother, SmoothingError, WHOLE_LAG, smoothed};

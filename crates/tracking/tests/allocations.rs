@@ -59,7 +59,7 @@ fn evaluating_and_solving_allocate_nothing_after_the_first_time() {
     }
 }
 
-/// Two frames of the full body that a Kalman filter has followed: the second one is foretold.
+/// Two frames of the full body that a Kalman filter has followed: the second one is predicted.
 fn followed() -> [FrameEstimate; 2] {
     let model = Arc::new(builtin::full_body());
     let pose = Pose::rest(&model);

@@ -127,7 +127,7 @@ fn findings(
                 }
             }
             ui.vertical(|ui| {
-                told(ui, finding, take.rig().cameras(), context, requests);
+                finding_text(ui, finding, take.rig().cameras(), context, requests);
                 if !is_current {
                     return;
                 }
@@ -161,7 +161,13 @@ fn findings(
 }
 
 /// A finding in words.
-fn told(ui: &mut Ui, finding: &Finding, cameras: &[Camera], context: &Context<'_>, requests: &mut Requests) {
+fn finding_text(
+    ui: &mut Ui,
+    finding: &Finding,
+    cameras: &[Camera],
+    context: &Context<'_>,
+    requests: &mut Requests,
+) {
     let palette = theme::palette(ui);
     let words = FindingWords::of(finding, cameras);
     let sentence = |text: &str| RichText::new(format!("{}.", format::capitalised(text)));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_document::told::Told;
+use backlit_document::frame_trust::FrameTrust;
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::Cue;
@@ -119,8 +119,8 @@ impl<'a> CameraPane<'a> {
         let document = context.document();
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let uses = document.cameras.get(index);
-        let told = document.told_of(context.pictured().0, self.pose);
-        let told = told.filter(|_| self.marks.ghosts.is_none());
+        let trust = document.trust_of(context.pictured().0, self.pose);
+        let trust = trust.filter(|_| self.marks.ghosts.is_none());
         TileInput {
             index,
             is_active: context.selection.camera == index,
@@ -151,8 +151,8 @@ impl<'a> CameraPane<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
-            held: told.map_or(&[], |told| &told.holds),
-            doubts: told.map_or(&[], Told::doubts),
+            held: trust.map_or(&[], |trust| &trust.holds),
+            doubts: trust.map_or(&[], FrameTrust::doubts),
             keypoints: match document.tracking.cues.cues().contains(&Cue::Keypoints) {
                 true => session
                     .shown_frame(context.selection.frame)

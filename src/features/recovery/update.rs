@@ -313,9 +313,9 @@ impl Recovery {
         adopted.map(|left| left.about)
     }
 
-    /// Tells of what was left and was not told of before: by an earlier window, or by this one when it opened something
+    /// What was left and was not mentioned before: by an earlier window, or by this one when it opened something
     /// else.
-    pub(crate) fn news(&mut self, clock: &Clock) -> Option<String> {
+    pub(crate) fn notice(&mut self, clock: &Clock) -> Option<String> {
         let is_new = |left: &&Left| !self.told.contains(&left.path);
         let new: Vec<&Left> = self.offered.iter().filter(is_new).collect();
         let text = match new[..] {

@@ -102,9 +102,9 @@ pub(super) fn motions(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, s
 /// The limbs that are not believed in a frame, by name; `None` where nothing is known of its pose.
 pub(super) fn doubtful_limbs<'a>(context: &Context<'a>, frame: usize) -> Option<Vec<&'a str>> {
     let document = context.document();
-    let told = document.told_of(frame, document.pose_at(frame))?;
+    let trust = document.trust_of(frame, document.pose_at(frame))?;
     let limbs = document.model.limbs();
-    let names = told.doubts().iter().filter_map(|doubt| Some(limbs.get(doubt.limb)?.name.as_str()));
+    let names = trust.doubts().iter().filter_map(|doubt| Some(limbs.get(doubt.limb)?.name.as_str()));
     Some(names.collect())
 }
 
@@ -113,14 +113,14 @@ pub(super) fn doubts(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, sc
     let painter = ground(ui, "Doubtful limbs", names, lane);
     let inside = painter.with_clip_rect(lane);
     let half = 0.5 * scale.step().max(1.0);
-    for (at, told) in context.document().doubted() {
+    for (at, trust) in context.document().doubted() {
         let x = scale.x(at as f64);
         if x + half < lane.left() || x - half > lane.right() {
             continue;
         }
-        let strength = FAINTEST + (1.0 - FAINTEST) * (told.expected_wrong() / MANY).min(1.0);
+        let strength = FAINTEST + (1.0 - FAINTEST) * (trust.expected_wrong() / MANY).min(1.0);
         let colour = UNSURE.gamma_multiply(strength as f32);
-        let is_wrong = told.doubts().iter().any(|doubt| doubt.verdict == Verdict::Wrong);
+        let is_wrong = trust.doubts().iter().any(|doubt| doubt.verdict == Verdict::Wrong);
         let height = if is_wrong { 1.0 } else { DOUBTFUL } * lane.height();
         let bar = Rect::from_x_y_ranges(x - half..=x + half, lane.bottom() - height..=lane.bottom());
         inside.rect_filled(bar, 0.0, colour);

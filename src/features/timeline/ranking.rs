@@ -1,15 +1,15 @@
 //! Which fitted frames are worst: lost ones, then those whose limbs are most likely to be wrong, then those that overlap least.
 
 use backlit_document::Estimate;
-use backlit_document::told::Told;
+use backlit_document::frame_trust::FrameTrust;
 
 use crate::context::Context;
 
 /// How bad a frame is: first by the one, then by the next. More is worse.
 fn badness(context: &Context<'_>, frame: usize, found: &Estimate) -> [f64; 3] {
-    let told = context.document().told_of(frame, &found.pose);
+    let trust = context.document().trust_of(frame, &found.pose);
     let lost = if found.lost { 1.0 } else { 0.0 };
-    [lost, told.map_or(0.0, Told::expected_wrong), -found.iou.unwrap_or(1.0)]
+    [lost, trust.map_or(0.0, FrameTrust::expected_wrong), -found.iou.unwrap_or(1.0)]
 }
 
 /// All fitted frames, the worst first.
@@ -75,7 +75,7 @@ mod tests {
         let here = app.state.selection.frame;
         let wrong = |frame: usize| {
             let found = &app.document().estimates[&frame];
-            app.document().told_of(frame, &found.pose).unwrap().expected_wrong()
+            app.document().trust_of(frame, &found.pose).unwrap().expected_wrong()
         };
         let frames = || app.document().estimates.keys().copied();
         assert!(wrong(here) > 0.0 && frames().all(|frame| wrong(frame) <= wrong(here)), "{here}");

@@ -11,7 +11,7 @@ use backlit_jobs::{Job, Outbox, Turn};
 use backlit_tracking::body::{Model, Pose};
 use backlit_ui::style::format;
 
-use super::{Applied, applied, refused, told};
+use super::{Applied, applied, progress, refused};
 use crate::context::Context;
 use crate::context::activity::WorkShare;
 use crate::context::command::{Command, HistoryCommand};
@@ -56,7 +56,7 @@ impl BackgroundJob {
         let name = self.footage.cameras[camera].name().to_owned();
         let all = self.files.len() + 1 + self.waiting.len();
         let number = self.files.len() + 1;
-        out.send(told(
+        out.send(progress(
             format!("Learning the background without the body: {name}, {number} of {all}"),
             Some(WorkShare { done: number - 1, total: all }),
         ));

@@ -21,7 +21,7 @@ use backlit_tracking::silhouette::Label;
 use backlit_ui::style::format;
 
 use super::job::WindowReader;
-use super::{Applied, applied, people, refused, told};
+use super::{Applied, applied, people, progress, refused};
 use crate::context::activity::WorkShare;
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
@@ -135,7 +135,7 @@ pub(super) fn spheres(model: &Arc<Model>, frames: Vec<PosedViews>, out: &Outbox<
     let (options, fit) = (sphere_options(&frames), FitOptions::default());
     let tell = |SphereBodyProgress { doing, done, total }| {
         let text = format!("Making a body of spheres: {doing}, {} of {total}", done + 1);
-        out.send(told(text, Some(WorkShare { done, total })));
+        out.send(progress(text, Some(WorkShare { done, total })));
     };
     match sphere_body(model, frames, &options, &fit, out.cancel(), tell) {
         Ok(body) => out.send(applied(move |_, context, requests| take_in_spheres(&body, context, requests))),
@@ -194,7 +194,7 @@ pub(super) fn find_person(search: PersonSearch, reader: &WindowReader, out: &Out
             }
         }));
     }
-    match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(told(text, None))) {
+    match search.run(reader.footage.take(), reader, out.cancel(), |text| out.send(progress(text, None))) {
         _ if out.cancel().is_cancelled() => {}
         Ok(person) => out.send(applied(move |tracking, context, requests| {
             take_in_person(frame, &person, context, requests);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_document::edit::{Edit, Tracked};
-use backlit_document::told::Told;
+use backlit_document::frame_trust::FrameTrust;
 use backlit_document::tracking_choices::{AtKeys, CueChoice, TrackPrior, TrackingChoices};
 use backlit_document::{Estimate, Origin, likely_poses};
 use backlit_formats::footage::changes::ChangeSurvey;
@@ -219,12 +219,12 @@ fn changed_footage(reader: &WindowReader, cameras: &[usize], out: &Outbox<Applie
     if found.is_empty() {
         return None;
     }
-    let told: Vec<String> = found.iter().map(|change| change_text(change, footage.take())).collect();
+    let texts: Vec<String> = found.iter().map(|change| change_text(change, footage.take())).collect();
     let changes = Arc::new(found);
     let footage = Arc::new(footage.with_changes(changes.clone()));
     out.send(applied(move |tracking, _, requests| {
         requests.edits.push((Edit::SetChanges(changes), tracking.gesture));
-        requests.inform(format!("{}.", told.join("; ")), None);
+        requests.inform(format!("{}.", texts.join("; ")), None);
     }));
     let WindowReader { measurement, fit, cues, .. } = reader;
     Some(WindowReader { footage, measurement: measurement.clone(), fit: fit.clone(), cues: *cues })
@@ -270,8 +270,8 @@ fn tracked(model: &Model, found: &[FrameEstimate]) -> Vec<Tracked> {
             is_stale: false,
         };
         let rivals = one.modes.iter().filter(|mode| mode.weight >= LEAST_LIKELY).cloned().collect();
-        let told = Told::new(model, one.pose.clone(), one.trust.clone(), one.holds.clone(), rivals);
-        (one.frame, Arc::new(estimate), Some(Arc::new(told)))
+        let trust = FrameTrust::new(model, one.pose.clone(), one.trust.clone(), one.holds.clone(), rivals);
+        (one.frame, Arc::new(estimate), Some(Arc::new(trust)))
     };
     found.iter().map(kept).collect()
 }

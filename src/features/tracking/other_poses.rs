@@ -2,7 +2,7 @@
 //! them.
 
 use backlit_document::edit::Edit;
-use backlit_document::told::are_same;
+use backlit_document::frame_trust::are_same;
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::search::Origin;
 use backlit_ui::drawing::{farthest_limb, limbs_elsewhere};
@@ -65,9 +65,10 @@ fn rivals(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     for (index, (pose, weight)) in modes.iter().enumerate() {
         let other = Kinematics::new(model, pose);
         let most = farthest_limb(&limbs_elsewhere(&other, &leading), &other, &leading);
-        let told = |limb| context.document().told.get(&frame)?.deviation_m(pose, limb);
+        let deviation = |limb| context.document().trust.get(&frame)?.deviation_m(pose, limb);
         let off = most.map(|(limb, apart)| {
-            let give_or_take = told(limb).map_or_else(String::new, |m| format!(" ± {}", format::length(m)));
+            let give_or_take =
+                deviation(limb).map_or_else(String::new, |m| format!(" ± {}", format::length(m)));
             format!(": {} {}{give_or_take} off", model.limbs()[limb].name, format::length(apart))
         });
         let which = if index == 0 { "Tracked" } else { "Rival" };

@@ -9,7 +9,7 @@ use backlit_tracking::people::{FEWEST_CAMERAS, FollowedPerson, PersonTrack};
 use backlit_ui::style::format;
 
 use super::job::WindowReader;
-use super::{Applied, Tracking, TrackingWork, applied, refused, told};
+use super::{Applied, Tracking, TrackingWork, applied, progress, refused};
 use crate::context::Context;
 use crate::context::Requests;
 use crate::context::activity::WorkShare;
@@ -35,7 +35,7 @@ impl Tracking {
             reader.footage = Arc::new(everybody);
             let tell = |done, total| {
                 let share = Some(WorkShare { done, total });
-                out.send(told(format!("{LOOKING}: {done} of {total} frames"), share));
+                out.send(progress(format!("{LOOKING}: {done} of {total} frames"), share));
             };
             let found = people::find(&Arc::new(reader), &frames, out.cancel(), tell);
             match found {

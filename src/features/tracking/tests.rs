@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_document::told::Told;
+use backlit_document::frame_trust::FrameTrust;
 use backlit_document::tracking_choices::{CueChoice, TrackPrior, TrackedBody, TrackingChoices};
 use backlit_document::{Document, likely_poses};
 use backlit_formats::export::TrackExport;
@@ -134,7 +134,7 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
     assert_eq!(app.document().estimates.len(), frames, "it is tracked as it opens");
     let with_keypoints = mean_mm(&app);
     let by_keypoints = app.document().estimates.iter().filter(|(frame, found)| {
-        let held = &app.document().told_of(**frame, &found.pose).unwrap().holds;
+        let held = &app.document().trust_of(**frame, &found.pose).unwrap().holds;
         held.iter().any(|hold| !hold.by_silhouettes && hold.cues == [Cue::Keypoints])
     });
     assert!(by_keypoints.count() > frames / 4);
@@ -151,8 +151,8 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
         "{with_keypoints:.0}, {by_silhouettes:.0} mm"
     );
     let doubted = app.document().estimates.iter().filter(|(frame, found)| {
-        let told = app.document().told_of(**frame, &found.pose).unwrap();
-        told.holds.is_empty() && !told.doubts().is_empty()
+        let trust = app.document().trust_of(**frame, &found.pose).unwrap();
+        trust.holds.is_empty() && !trust.doubts().is_empty()
     });
     assert!(doubted.count() > frames / 4, "the arms are lost, and that is told without cues too");
     let found = app.document().estimates.values().filter_map(|found| found.iou);
@@ -192,8 +192,8 @@ fn a_rival_pose_is_taken_and_taken_back() {
     pose.rotations[rotation] = glam::DQuat::from_rotation_x(1.0) * pose.rotations[rotation] * (1.0 + 1e-9);
     let rivals = vec![Mode { pose: pose.clone(), weight: 0.3, covariances: Vec::new() }];
     let found = app.document().estimates[&frame].clone();
-    let told = Told::new(&model, tracked.clone(), Vec::new(), Vec::new(), rivals);
-    app.state.edit(Edit::AddTrack(vec![(frame, found, Some(Arc::new(told)))]), None);
+    let trust = FrameTrust::new(&model, tracked.clone(), Vec::new(), Vec::new(), rivals);
+    app.state.edit(Edit::AddTrack(vec![(frame, found, Some(Arc::new(trust)))]), None);
     app.settle();
     assert_eq!(app.context().rivals(), [(&pose, 0.3)]);
     let edit = Edit::SetPose { frame, pose: pose.clone(), what: "Take rival pose".to_owned() };

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use self::cases::{Case, CaseReader};
-use self::counts::{Counts, RANGES, Told};
+use self::counts::{Counts, JudgedJoint, RANGES};
 use super::{Experiment, Run};
 use crate::numbers::within;
 use crate::output::number;
@@ -133,11 +133,11 @@ fn signs(estimate: &FrameEstimate, limb: usize) -> Option<Signs> {
 }
 
 /// What a network tells of joints.
-fn told(network: &ErrorNetwork, joints: &[(Signs, f64)]) -> Vec<Told> {
+fn judged(network: &ErrorNetwork, joints: &[(Signs, f64)]) -> Vec<JudgedJoint> {
     let of_joint = |(signs, error_m): &(Signs, f64)| {
         let error = network.distribution(signs);
         let verdict = LimbTrust::of_error(0, &error, Reason::Loose).verdict;
-        Told { error_mm: 1e3 * error_m, error, verdict }
+        JudgedJoint { error_mm: 1e3 * error_m, error, verdict }
     };
     joints.iter().map(of_joint).collect()
 }
@@ -178,7 +178,7 @@ impl Experiment for Trust {
         let held_out = |is_wanted: &dyn Fn(&Case) -> bool| {
             let joints = tracked.iter().filter(|one| one.case.is_held_out && is_wanted(&one.case));
             let joints: Vec<_> = joints.flat_map(|one| one.joints.iter().copied()).collect();
-            Counts::of(&told(&learnt, &joints))
+            Counts::of(&judged(&learnt, &joints))
         };
         Ok(Report {
             held_out: held_out(&|_| true),
@@ -190,7 +190,7 @@ impl Experiment for Trust {
                     name: case.name.clone(),
                     frames: case.frames.len(),
                     is_held_out: case.is_held_out,
-                    counts: Counts::of(&told(&learnt, joints)),
+                    counts: Counts::of(&judged(&learnt, joints)),
                 })
                 .collect(),
         })
@@ -296,7 +296,7 @@ mod tests {
     fn what_is_told_is_counted_by_how_far_off_it_is() {
         let told = |error_mm, wrong: f64, verdict| {
             let error = ErrorDistribution::of_shares([0.0, 0.0, 1.0 - wrong, 0.0, 0.0, wrong, 0.0]);
-            Told { error_mm, error, verdict }
+            JudgedJoint { error_mm, error, verdict }
         };
         let all = [
             told(300.0, 0.6, Verdict::Wrong),

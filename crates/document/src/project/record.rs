@@ -19,12 +19,12 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::bookmark_record::BookmarkRecord;
+use super::frame_trust_record::FrameTrustRecord;
 use super::run_record::{RunRecord, read_runs};
-use super::told_record::ToldRecord;
 use super::{FORMAT, Project, ProjectProblem};
 use crate::bookmark::Bookmark;
+use crate::frame_trust::FrameTrust;
 use crate::run::Run;
-use crate::told::Told;
 use crate::tracking_choices::TrackingChoices;
 use crate::{CameraUse, Document, Estimate, likely_poses};
 
@@ -77,8 +77,8 @@ pub(crate) struct ProjectFile {
     #[serde(default, skip_serializing)]
     pub(crate) background_changes: Vec<BackgroundChange>,
     /// Written apart, a line a frame.
-    #[serde(default, skip_serializing, deserialize_with = "unique_keys")]
-    pub(crate) told: BTreeMap<usize, ToldRecord>,
+    #[serde(default, rename = "told", skip_serializing, deserialize_with = "unique_keys")]
+    pub(crate) trust: BTreeMap<usize, FrameTrustRecord>,
     /// Written apart, a line a run.
     #[serde(default, skip_serializing)]
     pub(crate) runs: Vec<RunRecord>,
@@ -118,9 +118,9 @@ impl ProjectFile {
         let estimate = |(frame, estimate): (&usize, &Arc<Estimate>)| {
             (*frame, estimate.with_pose(PoseRecord::of(model, &estimate.pose)))
         };
-        let told = |(frame, told): (&usize, &Arc<Told>)| {
+        let trust = |(frame, trust): (&usize, &Arc<FrameTrust>)| {
             let found = document.estimates.get(frame).map(|found| &found.pose);
-            (*frame, ToldRecord::of(model, told, found))
+            (*frame, FrameTrustRecord::of(model, trust, found))
         };
         Self {
             format: FORMAT.to_owned(),
@@ -150,7 +150,7 @@ impl ProjectFile {
             brush: document.brush.iter().filter_map(|one| StrokeRecord::of(document, one)).collect(),
             person: document.person.as_deref().cloned(),
             background_changes: (*document.changes).clone(),
-            told: document.told.iter().map(told).collect(),
+            trust: document.trust.iter().map(trust).collect(),
             runs: runs.iter().filter_map(|run| RunRecord::of(model, run)).collect(),
         }
     }
@@ -171,10 +171,10 @@ impl ProjectFile {
         for (frame, record) in &self.estimates {
             estimates.insert(*frame, Arc::new(read_estimate(&model, *frame, record)?));
         }
-        let mut told = BTreeMap::new();
-        for (frame, record) in self.told {
+        let mut trust = BTreeMap::new();
+        for (frame, record) in self.trust {
             let found = estimates.get(&frame).map(|found: &Arc<Estimate>| &found.pose);
-            told.insert(frame, Arc::new(record.read(&model, &format!("told.{frame}"), found)?));
+            trust.insert(frame, Arc::new(record.read(&model, &format!("told.{frame}"), found)?));
         }
         let pins = self.pins.iter().map(|name| limb_index(&model, "pins", name)).collect::<Result<_, _>>()?;
         let cameras = checked_cameras(self.cameras)?;
@@ -210,7 +210,7 @@ impl ProjectFile {
             start: Arc::new(start),
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
-            told: Arc::new(told),
+            trust: Arc::new(trust),
             cameras: Arc::new(cameras),
             tracking: self.tracking.unwrap_or_else(|| TrackingChoices::of_preset(fit.as_preset())),
             fit: Arc::new(fit),

@@ -62,8 +62,8 @@ pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
                 estimate.iterations.to_string(),
                 estimate.is_lost().to_string(),
                 estimate.termination.map(ending_text).unwrap_or_default(),
-                told(export, estimate, Verdict::Doubtful),
-                told(export, estimate, Verdict::Wrong),
+                limbs_text(export, estimate, Verdict::Doubtful),
+                limbs_text(export, estimate, Verdict::Wrong),
             ];
             rows.write_record(fields.into_iter().chain(overlap))?;
         }
@@ -72,7 +72,7 @@ pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result
 }
 
 /// The limbs of a verdict that have a rotation of their own, each with the reason.
-fn told(export: &TrackExport<'_>, estimate: &FrameEstimate, verdict: Verdict) -> String {
+fn limbs_text(export: &TrackExport<'_>, estimate: &FrameEstimate, verdict: Verdict) -> String {
     let limbs = export.model.limbs();
     let judged = estimate.judged(export.model, verdict);
     let words: Vec<String> = judged

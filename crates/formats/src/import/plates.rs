@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use backlit_tracking::body_fit::survey::spread_numbers;
 use backlit_tracking::segment::{Background, LearningFrame, LearningOptions, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
@@ -9,7 +10,7 @@ use image::RgbImage;
 use super::{ImportCamera, ImportError, ImportSurvey};
 use crate::keypoints::{self, Person};
 use crate::memory;
-use crate::plate::{self, Covered, MOST_FRAMES, Plate};
+use crate::plate::{Covered, MOST_FRAMES, Plate};
 
 /// Frames that tell how tall the person is in the picture.
 const GUESSING_FRAMES: usize = 12;
@@ -24,7 +25,7 @@ const SHORTEST_SIDE: usize = 64;
 
 /// Frames that are spread over the recording.
 pub(super) fn spread(found: &ImportSurvey, most: usize) -> Vec<usize> {
-    plate::spread(found.count, most).map(|frame| found.first + frame).collect()
+    spread_numbers(found.count, most).map(|frame| found.first + frame).collect()
 }
 
 /// A camera's people in a frame.

@@ -8,12 +8,12 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
+use backlit_tracking::body_fit::survey::spread_numbers;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use toml::Value;
 
 use super::Numbers;
-use crate::plate::spread;
 use crate::{FileError, FileProblem, Result};
 
 /// Masks that are looked at to tell what their numbers mean.
@@ -112,8 +112,8 @@ pub(crate) fn values_of(
     source: &MaskSequence<'_>,
 ) -> Result<MaskValues, (usize, FileError)> {
     let mut seen = NumberStatistics::default();
-    let few: Vec<usize> = spread(source.count, LOOKED_AT).collect();
-    let many = spread(source.count, MOST_LOOKED_AT).filter(|index| !few.contains(index));
+    let few: Vec<usize> = spread_numbers(source.count, LOOKED_AT).collect();
+    let many = spread_numbers(source.count, MOST_LOOKED_AT).filter(|index| !few.contains(index));
     for (order, index) in few.iter().copied().chain(many).enumerate() {
         if order >= few.len() && seen.suffices(given) {
             break;

@@ -31,11 +31,11 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
     for (frame, pose) in frames {
         match pose {
             Some(pose) => {
-                for (point, told) in joints.of(pose).zip(scene.told(frame)) {
+                for (point, trust) in joints.of(pose).zip(scene.joint_trust(frame)) {
                     for value in point.to_array() {
                         out.extend((value as f32).to_le_bytes());
                     }
-                    out.extend(residual(told.error_95_m).to_le_bytes());
+                    out.extend(residual(trust.error_95_m).to_le_bytes());
                 }
             }
             None => {

@@ -30,7 +30,7 @@ pub(super) struct MotionFrames<'a> {
 /// What is told of a joint: the probability that it is wrong, and how far it is off at most in 95 of 100 such frames, metres. Not a
 /// number where nobody judged it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ToldError {
+pub(super) struct JointTrust {
     pub(super) wrong: f64,
     pub(super) error_95_m: f64,
 }
@@ -109,15 +109,15 @@ impl<'a> MotionFrames<'a> {
         self.frames.iter().any(|(frame, _)| self.trust.contains_key(frame))
     }
 
-    /// What is told of the joints of a frame, in their order. The root is judged as the first limb, which begins there.
-    pub(super) fn told(&self, frame: usize) -> Vec<ToldError> {
+    /// How far the joints of a frame are believed, in their order. The root is judged as the first limb, which begins there.
+    pub(super) fn joint_trust(&self, frame: usize) -> Vec<JointTrust> {
         let limbs = self.trust.get(&frame).map_or(&[][..], |limbs| limbs);
-        let told = |limb: Option<&LimbTrust>| ToldError {
+        let one = |limb: Option<&LimbTrust>| JointTrust {
             wrong: limb.map_or(f64::NAN, |limb| limb.wrong),
             error_95_m: limb.map_or(f64::NAN, |limb| limb.error_95_m),
         };
-        let of_limbs = (0..self.model.limbs().len()).map(|limb| told(limbs.get(limb)));
-        std::iter::once(told(limbs.first())).chain(of_limbs).collect()
+        let of_limbs = (0..self.model.limbs().len()).map(|limb| one(limbs.get(limb)));
+        std::iter::once(one(limbs.first())).chain(of_limbs).collect()
     }
 
     /// Number of the first and the last frame.

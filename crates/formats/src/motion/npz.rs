@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::frames::{MotionFrames, ToldError, too_large};
+use super::frames::{JointTrust, MotionFrames, too_large};
 use super::names;
 use crate::FileProblem;
 
@@ -46,9 +46,10 @@ pub(super) fn to_bytes(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem>
         ("offsets.npy", doubles(&[j, 3], offsets.flat_map(|offset| offset.to_array()))),
     ];
     if scene.is_judged() {
-        let told: Vec<ToldError> = scene.frames.iter().flat_map(|(frame, _)| scene.told(*frame)).collect();
-        let errors = told.iter().map(|told| told.error_95_m * scene.unit.per_metre());
-        files.push(("wrong.npy", doubles(&[n, j], told.iter().map(|told| told.wrong))));
+        let trust: Vec<JointTrust> =
+            scene.frames.iter().flat_map(|(frame, _)| scene.joint_trust(*frame)).collect();
+        let errors = trust.iter().map(|joint| joint.error_95_m * scene.unit.per_metre());
+        files.push(("wrong.npy", doubles(&[n, j], trust.iter().map(|joint| joint.wrong))));
         files.push(("error.npy", doubles(&[n, j], errors)));
     }
     store(&files)

@@ -104,12 +104,12 @@ pub(super) fn csv(scene: &MotionFrames<'_>) -> Result<Vec<u8>, FileProblem> {
     let mut joints = scene.joints();
     for (frame, pose) in &scene.frames {
         let seconds = scene.seconds(*frame);
-        for ((name, point), told) in names.iter().zip(joints.of(pose)).zip(scene.told(*frame)) {
+        for ((name, point), trust) in names.iter().zip(joints.of(pose)).zip(scene.joint_trust(*frame)) {
             let _ = write!(out, "{frame},{seconds},{name},{},{},{}", point.x, point.y, point.z);
-            if is_judged && told.wrong.is_nan() {
+            if is_judged && trust.wrong.is_nan() {
                 out.push_str(",,");
             } else if is_judged {
-                let _ = write!(out, ",{},{}", told.wrong, told.error_95_m * scene.unit.per_metre());
+                let _ = write!(out, ",{},{}", trust.wrong, trust.error_95_m * scene.unit.per_metre());
             }
             out.push('\n');
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::body_fit::survey::spread_numbers;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::render::prediction::covered;
@@ -15,7 +16,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::{Covered, MOST_FRAMES, Plate, spread};
+use super::{Covered, MOST_FRAMES, Plate};
 use crate::{FileError, Take, TakeError, memory};
 
 /// A body is drawn stouter by so much to leave out clothes, hair and what the track is off by, metres.
@@ -58,7 +59,7 @@ pub fn plate_without_body(
     let most = memory::held(seen_by.width() * seen_by.height(), MOST_FRAMES);
     let all: Vec<(&usize, &Pose)> = poses.iter().collect();
     let chosen: Vec<(usize, &Pose)> =
-        spread(all.len(), most).map(|index| (*all[index].0, all[index].1)).collect();
+        spread_numbers(all.len(), most).map(|index| (*all[index].0, all[index].1)).collect();
     let resized = |radius: &dyn Fn(f64) -> f64| {
         let sizes = |limb: usize| {
             let limb = &model.limbs()[limb];

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use backlit_tracking::body_fit::survey::spread_numbers;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::metrics::ReferenceJoints;
@@ -14,7 +15,6 @@ use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
 use crate::keypoints::joints::{KeypointOrder, LOWEST_SCORE, body_of, cues_of, joint_pixels, joints_of};
 use crate::keypoints::{self, Person, tallest};
-use crate::plate;
 use crate::{MAX_TEXT_BYTES, Result};
 
 /// Frames whose keypoints are looked at to tell their order.
@@ -72,7 +72,7 @@ impl Take {
             return Ok(*order);
         }
         let mut order = None;
-        for frame in plate::spread(self.frame_count, MOST_LOOKED_AT) {
+        for frame in spread_numbers(self.frame_count, MOST_LOOKED_AT) {
             order = body_of(&self.subjects(frame)?).map(|body| body.order);
             if order.is_some() {
                 break;

@@ -20,7 +20,7 @@ const GOOD_MM: f64 = 100.0;
 
 /// What a track says of the thresholds.
 #[derive(Debug, Default)]
-struct Found {
+struct TrackCounts {
     good: usize,
     lost_good: usize,
     /// IoU of the first frame's fit, which a search questions if it is poor.
@@ -33,11 +33,11 @@ fn track(
     frames: usize,
     truth: impl Fn(usize) -> Pose,
     views: impl Fn(usize) -> Vec<FitView>,
-) -> Found {
+) -> TrackCounts {
     let tracker = Tracker::new(model.clone(), FitOptions::default(), truth(0)).unwrap();
     let tracker = tracker.with_motion(Motion::Velocity, frame_rate).unwrap();
     let mut tracker = tracker.with_search(WhenToSearch::Never);
-    let mut found = Found::default();
+    let mut found = TrackCounts::default();
     for frame in 0..frames {
         let estimate = tracker.track_frame(frame, views(frame), &CancelToken::new()).unwrap();
         let [ends, true_ends] =
@@ -54,7 +54,7 @@ fn track(
     found
 }
 
-fn of_figure(frame_rate: f64, cameras: &[Arc<Camera>], pose: impl Fn(&Model, f64) -> Pose) -> Found {
+fn of_figure(frame_rate: f64, cameras: &[Arc<Camera>], pose: impl Fn(&Model, f64) -> Pose) -> TrackCounts {
     let model = Arc::new(builtin::full_body());
     let truth = |frame: usize| pose(&model, frame as f64 / frame_rate);
     track(&model, frame_rate, FRAMES, truth, |frame| {

@@ -84,7 +84,7 @@ fn plan(model: &Arc<Model>, from: usize, to: usize) -> TrackPlan {
 
 /// The track as it is told, and the frames that were mended.
 #[derive(Debug, Default)]
-struct Told {
+struct Followed {
     track: BTreeMap<usize, FrameEstimate>,
     mended: Vec<Mended>,
     /// How many frames were read again until the first were mended.
@@ -100,7 +100,7 @@ struct Mended {
     after: Pose,
 }
 
-fn follow(run: &mut TrackRun<Walk>, cancel: &CancelToken, told: &mut Told) {
+fn follow(run: &mut TrackRun<Walk>, cancel: &CancelToken, told: &mut Followed) {
     let (mut is_done, mut newest, reader) = (false, 0, run.reader.clone());
     while !is_done {
         run.step(cancel, &mut |message| match message {
@@ -131,7 +131,7 @@ fn follow(run: &mut TrackRun<Walk>, cancel: &CancelToken, told: &mut Told) {
 fn later_frames_mend_earlier_ones_and_a_stopped_run_goes_on_alike() {
     let model = Arc::new(builtin::full_body());
     let walk = Arc::new(Walk::new(&model));
-    let (go, mut whole) = (CancelToken::new(), Told::default());
+    let (go, mut whole) = (CancelToken::new(), Followed::default());
     follow(&mut TrackRun::new(walk.clone(), plan(&model, 0, FRAMES)), &go, &mut whole);
     let by = whole.mended.first().expect("a leg is lost and found again").by;
     assert!(whole.mended.iter().all(|one| one.frame < one.by), "{:?}", whole.mended);
@@ -143,7 +143,7 @@ fn later_frames_mend_earlier_ones_and_a_stopped_run_goes_on_alike() {
     // Stopped just before that frame, and while it is followed back.
     let interrupted = Arc::new(Walk::of(walk.frames.clone(), whole.read_again));
     for (walk, cancel, to) in [(&walk, &go, by / EVERY), (&interrupted, &interrupted.stop, FRAMES)] {
-        let mut parts = Told::default();
+        let mut parts = Followed::default();
         let mut run = TrackRun::new(walk.clone(), plan(&model, 0, to)).remembering();
         follow(&mut run, cancel, &mut parts);
         let resume = run.resume_point().expect("frames were tracked");
@@ -154,7 +154,8 @@ fn later_frames_mend_earlier_ones_and_a_stopped_run_goes_on_alike() {
         let earlier = EarlierFrames { memory, waiting: Vec::new(), recent, rewind };
         let run = TrackRun::new(walk.clone(), plan(&model, stop, FRAMES));
         follow(&mut run.resuming(earlier).unwrap(), &go, &mut parts);
-        let poses = |told: &Told| -> Vec<Pose> { told.track.values().map(|one| one.pose.clone()).collect() };
+        let poses =
+            |told: &Followed| -> Vec<Pose> { told.track.values().map(|one| one.pose.clone()).collect() };
         assert_eq!(poses(&whole), poses(&parts), "stopped after {stop} frames");
         assert_eq!(whole.mended, parts.mended, "stopped after {stop} frames");
     }
@@ -174,7 +175,7 @@ fn a_thing_that_is_no_person_is_not_believed() {
         };
         cameras.iter().map(view).collect()
     };
-    let mut told = Told::default();
+    let mut told = Followed::default();
     let walk = Arc::new(Walk::of((0..4).map(frame).collect(), usize::MAX));
     follow(&mut TrackRun::new(walk, plan(&model, 0, 4)), &CancelToken::new(), &mut told);
     for estimate in told.track.values() {

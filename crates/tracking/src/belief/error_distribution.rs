@@ -257,9 +257,13 @@ mod tests {
             assert!((share - probability).abs() < 0.05, "{share} within the region of {probability}");
         }
         for edge in [0.03, 0.05, 0.1, 0.25] {
-            let foretold: f64 = others.iter().map(|one| network.distribution(&one.signs).beyond(edge)).sum();
+            let prediction: f64 =
+                others.iter().map(|one| network.distribution(&one.signs).beyond(edge)).sum();
             let beyond = others.iter().filter(|one| one.error_m > edge).count() as f64;
-            assert!((foretold / beyond - 1.0).abs() < 0.06, "beyond {edge}: {foretold} told, {beyond} are");
+            assert!(
+                (prediction / beyond - 1.0).abs() < 0.06,
+                "beyond {edge}: {prediction} told, {beyond} are"
+            );
         }
     }
 

@@ -279,7 +279,7 @@ fn doubts(own: &BodyFit, judged: &Judged, options: &OwnSizesOptions) -> Vec<Doub
         }
     }
     for size in &own.sizes {
-        let deviations = size.oddness();
+        let deviations = size.z_score();
         if deviations.abs() > options.most_size_deviations {
             let name = size.name.clone();
             doubts.push(Doubt::Size { name, kind: size.kind, deviations });

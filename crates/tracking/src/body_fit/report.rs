@@ -44,7 +44,7 @@ impl SizeEstimate {
     }
 
     /// How far it is from what the proportions say for a body of this size and stoutness, as a logarithm in deviations.
-    pub fn oddness(&self) -> f64 {
+    pub fn z_score(&self) -> f64 {
         (self.found / self.expected).ln() / (self.prior_deviation / self.found)
     }
 

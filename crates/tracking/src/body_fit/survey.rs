@@ -110,10 +110,15 @@ fn borders(mask: &Mask) -> (usize, usize) {
 /// Frames that are looked at: the first, the last, and some between.
 pub const LOOKED_AT: usize = 5;
 
+/// Numbers of at most `most` of `count` frames, spread from the first to the last.
+pub fn spread_numbers(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    let wanted = most.min(count);
+    (0..wanted).map(move |k| k * (count - 1) / (wanted - 1).max(1))
+}
+
 /// At most this many of some frames, spread from the first to the last.
 pub fn spread(frames: &[usize], most: usize) -> Vec<usize> {
-    let wanted = most.min(frames.len());
-    (0..wanted).map(|k| frames[k * (frames.len() - 1) / (wanted - 1).max(1)]).collect()
+    spread_numbers(frames.len(), most).map(|number| frames[number]).collect()
 }
 
 /// What one camera shows in the frames that were looked at.

@@ -107,7 +107,7 @@ impl Fit {
     }
 
     /// The same frame fitted from another start, which the pull to the start is then to.
-    pub(crate) fn elsewhere(&self, start: Pose) -> Self {
+    pub(crate) fn started_at(&self, start: Pose) -> Self {
         let prepared = PreparedFit { start: start.clone(), ..self.prepared.clone() };
         let constraints = self.constraints.clone();
         Self::begin(Arc::clone(&self.model), prepared, self.options.clone(), constraints, 0, &start)

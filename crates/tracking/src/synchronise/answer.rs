@@ -69,7 +69,7 @@ pub struct Offset {
     pub deviation_s: f64,
     /// How probable it is that this is the right peak, 0 to 1.
     pub probability: f64,
-    /// The evidence for it, nats: how much better the other cameras foretell this one so than no knowledge does.
+    /// The evidence for it, nats: how much better the other cameras predict this one so than no knowledge does.
     pub evidence: f64,
     /// The next best offset and its evidence, if there is any other peak.
     pub rival: Option<(f64, f64)>,

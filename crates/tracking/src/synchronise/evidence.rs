@@ -1,4 +1,4 @@
-//! How well one camera's silhouettes foretell another's at every offset of their clocks.
+//! How well one camera's silhouettes predict another's at every offset of their clocks.
 
 use super::answer::{PairOffset, SynchroniseOptions};
 use super::signals::{Common, PairSignals};

@@ -45,7 +45,7 @@ const PRIOR: f64 = 0.5;
 /// A part of the body is odd above this energy.
 const ODD: f64 = 12.0;
 /// Cameras look the same way where their axes are this near to their mean, as a cosine.
-const ALIKE: f64 = 0.9;
+const PARALLEL_COSINE: f64 = 0.9;
 /// Chains are seeded again where this much speaks against them, square metres a camera.
 const TROUBLE_M2: f64 = 0.002;
 /// Chains that are seeded again in one frame at most.
@@ -108,7 +108,7 @@ impl Contest<'_> {
     /// Fits a hypothesis that was this far behind, and keeps it if it is no double and not too far behind. Tells how far it is
     /// behind by this frame alone.
     fn enter(&mut self, start: Pose, before: f64, last: Option<LastFrame>) -> Option<f64> {
-        let mut fit = self.leader.elsewhere(start);
+        let mut fit = self.leader.started_at(start);
         let summary = fit.run(self.cancel, |_| {});
         if summary.is_broken() || self.cancel.is_cancelled() {
             return None;
@@ -272,7 +272,7 @@ fn confused(model: &Model, pose: &Pose, views: &[FitView], energies: &[PartEnerg
     let aheads = views.iter().filter(|view| view.has_data());
     let aheads: Vec<DVec3> = aheads.map(|view| view.camera.axis_in_world()).collect();
     let mean = aheads.iter().sum::<DVec3>().normalize_or_zero();
-    if aheads.iter().all(|ahead| ahead.dot(mean) > ALIKE) {
+    if aheads.iter().all(|ahead| ahead.dot(mean) > PARALLEL_COSINE) {
         let odd = (0..parts.chains.len()).filter(|&chain| energy_of(chain) > ODD);
         for rotations in odd.map(|chain| &parts.chains[chain]) {
             let mut long = rotations.clone();

@@ -11,7 +11,7 @@
 //! **What is known of poses**, by the prior of poses, if it pulls, and by how far limbs twist, counts once
 //! ([`count_once`](crate::filter::count_once)) and never as a measurement; limits bound the pose and say nothing of its covariance.
 
-use super::motion::{Foretold, KalmanOptions, Motion, MotionModel};
+use super::motion::{ConditionedPrediction, KalmanOptions, Motion, MotionModel};
 use super::tracker::Tracker;
 use crate::body::{Kinematics, Parameters, Pose};
 use crate::cancel::CancelToken;
@@ -64,23 +64,23 @@ impl Tracker {
         }
     }
 
-    /// Weighs a frame's fit against what was foretold of it, and gives R: `variance` first, and then what the residuals leave that are
+    /// Weighs a frame's fit against what was predicted of it, and gives R: `variance` first, and then what the residuals leave that are
     /// without the pull of priors.
     pub(super) fn weigh(
         &self,
         fit: &mut Fit,
-        foretold: &Foretold,
+        prediction: &ConditionedPrediction,
         variance: f64,
         views: &[FitView],
         cancel: &CancelToken,
     ) -> Result<f64, FilterError> {
-        fit.go_on_with(foretold.prior(variance)?);
+        fit.go_on_with(prediction.prior(variance)?);
         fit.run(cancel, |_| {});
         let Motion::Kalman(KalmanOptions { measurement_deviation: None, .. }) = &self.motion else {
             return Ok(variance);
         };
         let variance = self.left_variance(fit, views);
-        fit.go_on_with(foretold.prior(variance)?);
+        fit.go_on_with(prediction.prior(variance)?);
         fit.run(cancel, |_| {});
         Ok(variance)
     }

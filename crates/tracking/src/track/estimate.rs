@@ -98,12 +98,12 @@ impl FrameEstimate {
         self.overlap = overlaps(model, &self.pose, renderer, views);
     }
 
-    /// Without what only the filter, smoothing and tuning need: what was foretold, and what the frame says by itself. That is two
+    /// Without what only the filter, smoothing and tuning need: what was predicted, and what the frame says by itself. That is two
     /// thirds of what a filter keeps of a frame.
     #[must_use]
     pub fn settled(mut self) -> Self {
         if let Some(belief) = &mut self.belief {
-            (belief.predicted, belief.seen) = (None, None);
+            (belief.predicted, belief.measurement) = (None, None);
         }
         self
     }

@@ -237,13 +237,18 @@ pub(super) fn waiting_again(
     let mut before: Option<(usize, Pose, Belief)> = None;
     let again = |(estimate, waiting): (FrameEstimate, WaitingFrame)| {
         let WaitingFrame { frame, pose, belief, goes_on } = waiting;
-        let foretold = before.take().filter(|_| goes_on).map(|(last, pose, belief)| {
+        let prediction = before.take().filter(|_| goes_on).map(|(last, pose, belief)| {
             let seconds = (frame as f64 - last as f64) * frame_seconds;
             Predicted::after(motion.clone(), &pose, &belief, seconds)
         });
         before = belief.clone().map(|belief| (frame, pose.clone(), belief));
-        let believed =
-            |belief| FrameBelief { belief, predicted: foretold, innovation: None, begins: None, seen: None };
+        let believed = |belief| FrameBelief {
+            belief,
+            predicted: prediction,
+            innovation: None,
+            begins: None,
+            measurement: None,
+        };
         let belief = belief.map(believed);
         FrameEstimate { pose, belief, ..estimate }
     };

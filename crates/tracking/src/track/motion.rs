@@ -113,17 +113,17 @@ pub struct FrameBelief {
     pub belief: Belief,
     /// Before it was seen, where the filter goes on from the frame before: mean pose, belief and the seconds since.
     pub predicted: Option<Predicted>,
-    /// How the frame agreed with what was foretold; `None` where nothing was, or nobody was seen.
+    /// How the frame agreed with what was predicted; `None` where nothing was, or nobody was seen.
     pub innovation: Option<Innovation>,
     /// Why the filter began at this frame; `None` where it went on.
     pub begins: Option<Begins>,
     /// What the frame says by itself at its pose; `None` where nobody was seen.
-    pub seen: Option<Seen>,
+    pub measurement: Option<FrameMeasurement>,
 }
 
 /// What a frame says of its pose by itself.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct FrameMeasurement {
     /// JᵀJ, tangent columns × tangent columns.
     pub products: DMatrix<f64>,
     /// Jᵀρ, tangent columns.
@@ -139,13 +139,13 @@ pub enum Begins {
     First,
     /// The subject was lost in the frame before.
     AfterLoss,
-    /// The fit near what was foretold was lost, and the pose was found elsewhere.
+    /// The fit near what was predicted was lost, and the pose was found elsewhere.
     FoundElsewhere,
     /// What was believed could not be carried on.
     Broken(FilterError),
 }
 
-/// What was foretold of a frame.
+/// What was predicted of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicted {
     /// Mean pose.
@@ -154,13 +154,13 @@ pub struct Predicted {
     pub belief: Belief,
     /// Since the frame before; negative when tracking backwards.
     pub seconds: f64,
-    /// By which it was foretold.
+    /// By which it was predicted.
     pub motion: MotionModel,
 }
 
-/// What is foretold of a frame with what is always known of poses.
+/// What is predicted of a frame with what is always known of poses.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Foretold {
+pub(super) struct ConditionedPrediction {
     /// By motion alone.
     predicted: Predicted,
     pub(super) mean: Pose,
@@ -219,14 +219,17 @@ impl Predicted {
     ///
     /// # Errors
     /// The covariance is certain of a direction.
-    pub(super) fn knowing(self, known: &NormalEquations) -> Result<Foretold, FilterError> {
+    pub(super) fn conditioned_on(
+        self,
+        known: &NormalEquations,
+    ) -> Result<ConditionedPrediction, FilterError> {
         let (step, belief) = count_once(&self.belief, &known.jtj, &known.jtr)?;
         let mean = self.mean.retract(Parameters::Tangent, step.as_slice());
-        Ok(Foretold { predicted: self, mean, belief })
+        Ok(ConditionedPrediction { predicted: self, mean, belief })
     }
 }
 
-impl Foretold {
+impl ConditionedPrediction {
     /// What it says of a frame's pose, with R of the frame.
     ///
     /// # Errors
@@ -237,7 +240,7 @@ impl Foretold {
     }
 }
 
-impl From<Predicted> for Foretold {
+impl From<Predicted> for ConditionedPrediction {
     fn from(predicted: Predicted) -> Self {
         Self { mean: predicted.mean.clone(), belief: predicted.belief.clone(), predicted }
     }
@@ -255,38 +258,48 @@ pub(super) fn start_belief(n: usize) -> Belief {
 }
 
 impl FrameBelief {
-    /// What is believed after a frame of this pose; `seen` is `None` where there was nothing to see. Without a prediction the filter
+    /// What is believed after a frame of this pose; `measurement` is `None` where nobody was seen. Without a prediction the filter
     /// begins, for the reason given.
-    pub(super) fn learnt(pose: &Pose, seen: Option<Seen>, foretold: Result<Foretold, Begins>) -> Self {
-        let learnt = match foretold {
-            Ok(foretold) => Self::going_on(pose, seen.as_ref(), foretold)
-                .unwrap_or_else(|error| Self::beginning(pose, seen.as_ref(), Begins::Broken(error))),
-            Err(begins) => Self::beginning(pose, seen.as_ref(), begins),
+    pub(super) fn learnt(
+        pose: &Pose,
+        measurement: Option<FrameMeasurement>,
+        prediction: Result<ConditionedPrediction, Begins>,
+    ) -> Self {
+        let learnt = match prediction {
+            Ok(prediction) => Self::going_on(pose, measurement.as_ref(), prediction)
+                .unwrap_or_else(|error| Self::beginning(pose, measurement.as_ref(), Begins::Broken(error))),
+            Err(begins) => Self::beginning(pose, measurement.as_ref(), begins),
         };
-        Self { seen, ..learnt }
+        Self { measurement, ..learnt }
     }
 
-    fn going_on(pose: &Pose, seen: Option<&Seen>, foretold: Foretold) -> Result<Self, FilterError> {
-        let Foretold { predicted, mean, belief } = foretold;
-        let (belief, innovation) = match seen {
-            Some(Seen { products, variance, .. }) => {
+    fn going_on(
+        pose: &Pose,
+        measurement: Option<&FrameMeasurement>,
+        prediction: ConditionedPrediction,
+    ) -> Result<Self, FilterError> {
+        let ConditionedPrediction { predicted, mean, belief } = prediction;
+        let (belief, innovation) = match measurement {
+            Some(FrameMeasurement { products, variance, .. }) => {
                 let step = DVector::from_vec(pose.local(&mean));
                 let (belief, innovation) = update::update(&belief, &step, products, *variance)?;
                 (belief, Some(innovation))
             }
             None => (belief, None),
         };
-        Ok(Self { belief, predicted: Some(predicted), innovation, begins: None, seen: None })
+        Ok(Self { belief, predicted: Some(predicted), innovation, begins: None, measurement: None })
     }
 
-    fn beginning(pose: &Pose, seen: Option<&Seen>, begins: Begins) -> Self {
+    fn beginning(pose: &Pose, measurement: Option<&FrameMeasurement>, begins: Begins) -> Self {
         let n = Parameters::Tangent.columns(pose.rotations.len());
         let start = start_belief(n);
         // Where even this cannot be learned, what is believed is what a start is.
-        let belief = seen
-            .and_then(|seen| update::update(&start, &DVector::zeros(n), &seen.products, seen.variance).ok())
+        let belief = measurement
+            .and_then(|measurement| {
+                update::update(&start, &DVector::zeros(n), &measurement.products, measurement.variance).ok()
+            })
             .map_or(start, |(belief, _)| belief);
-        Self { belief, predicted: None, innovation: None, begins: Some(begins), seen: None }
+        Self { belief, predicted: None, innovation: None, begins: Some(begins), measurement: None }
     }
 }
 

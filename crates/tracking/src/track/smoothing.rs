@@ -27,7 +27,7 @@ pub enum SmoothingError {
 /// `lag`, by this many frames after each, as a live track could show that many frames late.
 ///
 /// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
-/// was foretold, begins again. Costs and overlaps stay those of the filtered poses; overlaps can be measured again
+/// was predicted, begins again. Costs and overlaps stay those of the filtered poses; overlaps can be measured again
 /// ([`FrameEstimate::measure_overlap`]).
 ///
 /// # Errors
@@ -198,7 +198,7 @@ fn smoothed_by(
 mod tests {
     use super::*;
     use crate::body::builtin;
-    use crate::track::motion::{Begins, FrameBelief, KalmanOptions, Predicted, Seen};
+    use crate::track::motion::{Begins, FrameBelief, FrameMeasurement, KalmanOptions, Predicted};
     use nalgebra::DMatrix;
 
     /// A limb that the filter follows through these frames of a movement.
@@ -210,14 +210,14 @@ mod tests {
             let seconds = frame as f64 / 30.0;
             let step = [0.1 * seconds, 0.0, 0.0, 0.4 * (5.0 * seconds).sin(), 0.2, 0.3 * seconds];
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
-            let foretold = |before: &FrameEstimate| {
+            let prediction = |before: &FrameEstimate| {
                 let (belief, since) = (before.belief.as_ref().unwrap(), frame as f64 - before.frame as f64);
                 Predicted::after(motion.clone(), &before.pose, &belief.belief, since * (1.0 / 30.0)).into()
             };
-            let predicted = found.last().map(foretold).ok_or(Begins::First);
+            let predicted = found.last().map(prediction).ok_or(Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
-            let seen = Seen { products, pull: DVector::zeros(6), variance: 100.0 * 100.0 };
-            let belief = FrameBelief::learnt(&pose, Some(seen), predicted);
+            let measurement = FrameMeasurement { products, pull: DVector::zeros(6), variance: 100.0 * 100.0 };
+            let belief = FrameBelief::learnt(&pose, Some(measurement), predicted);
             found.push(FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, pose) });
         }
         found
@@ -259,7 +259,7 @@ mod tests {
                 let other = &whole.frames[&estimate.frame];
                 farthest = estimate.pose.local(&other.pose).iter().fold(farthest, |far, x| far.max(x.abs()));
                 let belief = estimate.belief.as_ref().unwrap();
-                let is_needed = belief.predicted.is_some() || belief.seen.is_some();
+                let is_needed = belief.predicted.is_some() || belief.measurement.is_some();
                 assert!(!is_needed, "what only smoothing needs is gone");
             }
             assert!(farthest < 1e-6, "{farthest}");

@@ -9,7 +9,10 @@ use super::estimate::{FrameEstimate, iou, overlaps};
 use super::extent;
 use super::lost::{Lost, UsualCost};
 use super::memory::{FilterMemory, LastFrame};
-use super::motion::{Begins, Foretold, FrameBelief, KalmanOptions, Motion, MotionError, Predicted, Seen};
+use super::motion::{
+    Begins, ConditionedPrediction, FrameBelief, FrameMeasurement, KalmanOptions, Motion, MotionError,
+    Predicted,
+};
 use super::patience::{LAST_RESORT, Patience};
 use super::trust::Beside;
 use crate::belief::{self, Conflicts};
@@ -168,9 +171,9 @@ impl Tracker {
     #[must_use]
     pub fn start_of(&self, frame: usize) -> Pose {
         if self.steering().is_some()
-            && let Ok(foretold) = self.predict(frame)
+            && let Ok(prediction) = self.predict(frame)
         {
-            return foretold.mean;
+            return prediction.mean;
         }
         let Some(last) = &self.last else { return self.first_start() };
         last.leads_to(self.seconds_between(last.frame, frame))
@@ -312,13 +315,13 @@ impl Tracker {
         overlaps(&self.model, pose, self.options.renderer, views)
     }
 
-    /// Learns from a frame's fit. A Kalman filter weighs it against what was foretold; the next frame's fit starts from it as
+    /// Learns from a frame's fit. A Kalman filter weighs it against what was predicted; the next frame's fit starts from it as
     /// it is, so that what the filter believes loses nothing that the fit would have found.
     fn keep(
         &mut self,
         frame: usize,
         attempt: Attempt,
-        mut predicted: Result<Foretold, Begins>,
+        mut predicted: Result<ConditionedPrediction, Begins>,
         views: &[FitView],
         cancel: &CancelToken,
     ) -> FrameEstimate {
@@ -332,8 +335,8 @@ impl Tracker {
             && let Motion::Kalman(options) = &self.motion
         {
             variance = self.variance(options, &fit, views);
-            if let Ok(foretold) = &predicted {
-                match self.weigh(&mut fit, foretold, variance, views, cancel) {
+            if let Ok(prediction) = &predicted {
+                match self.weigh(&mut fit, prediction, variance, views, cancel) {
                     Ok(weighed) => variance = weighed,
                     Err(error) => predicted = Err(Begins::Broken(error)),
                 }
@@ -342,11 +345,11 @@ impl Tracker {
                 overlap = self.overlaps(&summary.pose, views);
             }
         }
-        let seen = || {
+        let measurement = || {
             let NormalEquations { jtj, jtr, .. } = fit.measured_equations();
-            Seen { products: jtj, pull: jtr, variance }
+            FrameMeasurement { products: jtj, pull: jtr, variance }
         };
-        let belief = self.believe(&summary.pose, || lost.is_none().then(seen), predicted);
+        let belief = self.believe(&summary.pose, || lost.is_none().then(measurement), predicted);
         let holds = self.cues.as_mut().map(|watch| watch.learn(&summary.pose, lost.is_none()));
         let signs = if self.judges {
             let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
@@ -382,11 +385,11 @@ impl Tracker {
     fn believe(
         &mut self,
         pose: &Pose,
-        seen: impl FnOnce() -> Option<Seen>,
-        predicted: Result<Foretold, Begins>,
+        measurement: impl FnOnce() -> Option<FrameMeasurement>,
+        predicted: Result<ConditionedPrediction, Begins>,
     ) -> Option<FrameBelief> {
         let Motion::Kalman(noise) = self.motion else { return None };
-        let learned = FrameBelief::learnt(pose, seen(), predicted);
+        let learned = FrameBelief::learnt(pose, measurement(), predicted);
         self.filter = Some(FilterMemory { noise, pose: pose.clone(), belief: learned.belief.clone() });
         Some(learned)
     }
@@ -397,7 +400,7 @@ impl Tracker {
         frame: usize,
         pose: Pose,
         views: &[FitView],
-        predicted: Result<Foretold, Begins>,
+        predicted: Result<ConditionedPrediction, Begins>,
         because: Lost,
     ) -> FrameEstimate {
         let names = || views.iter().map(|view| view.camera.name().to_owned()).collect();
@@ -418,19 +421,19 @@ impl Tracker {
         estimate
     }
 
-    /// Fits a frame near the one before, without the widest stages; by what was foretold of it, where that is to steer.
+    /// Fits a frame near the one before, without the widest stages; by what was predicted of it, where that is to steer.
     fn follow(
         &self,
         views: &[FitView],
         start: Pose,
-        foretold: Option<&Foretold>,
+        prediction: Option<&ConditionedPrediction>,
         cancel: &CancelToken,
     ) -> Result<Attempt, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, views, &start);
         let mut fit = Fit::new(model, views.to_vec(), start, options)?;
-        if let Some((options, foretold)) = self.steering().zip(foretold)
-            && let Ok(prior) = foretold.prior(self.variance(options, &fit, views))
+        if let Some((options, prediction)) = self.steering().zip(prediction)
+            && let Ok(prior) = prediction.prior(self.variance(options, &fit, views))
         {
             fit = fit.steered_by(prior);
         }
@@ -477,8 +480,8 @@ impl Tracker {
         self.attempt(fit, found, views, cancel)
     }
 
-    /// What the Kalman filter foretells of a frame, or why it begins there.
-    fn predict(&self, frame: usize) -> Result<Foretold, Begins> {
+    /// What the Kalman filter predicts of a frame, or why it begins there.
+    fn predict(&self, frame: usize) -> Result<ConditionedPrediction, Begins> {
         let last = self.last.as_ref().ok_or(Begins::First)?;
         if last.lost {
             return Err(Begins::AfterLoss);
@@ -488,7 +491,7 @@ impl Tracker {
             self.filter.as_ref().zip(self.motion_model()).ok_or(Begins::First)?;
         let predicted = Predicted::after(motion, pose, belief, seconds);
         let known = self.known(&predicted.mean);
-        predicted.knowing(&known).map_err(Begins::Broken)
+        predicted.conditioned_on(&known).map_err(Begins::Broken)
     }
 
     /// The filter's options, if it steers.

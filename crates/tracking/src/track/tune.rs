@@ -2,7 +2,7 @@
 //!
 //! Each frame's fit is a measurement of the pose: z = X ⊞ H⁺ Jᵀρ with covariance R H⁺, H = JᵀJ where the fit ended. A filter
 //! over these, without pictures, takes a millisecond a frame, so it can be tried with many noises. With ν what a frame adds
-//! to what was foretold along the directions U that are well seen, and S = Uᵀ P⁻ U + R D⁻¹ (H U = U D), the logarithm of the
+//! to what was predicted along the directions U that are well seen, and S = Uᵀ P⁻ U + R D⁻¹ (H U = U D), the logarithm of the
 //! likelihood is
 //!
 //! ```text
@@ -71,7 +71,8 @@ pub fn tune(track: &Track, from: KalmanOptions) -> Option<Tuned> {
     let beliefs = || track.frames.values().filter_map(|frame| frame.belief.as_ref());
     let motion = beliefs().find_map(|belief| Some(&belief.predicted.as_ref()?.motion))?;
     // One R for all frames, which begins as their mean where each had its own.
-    let variances: Vec<f64> = beliefs().filter_map(|belief| Some(belief.seen.as_ref()?.variance)).collect();
+    let variances: Vec<f64> =
+        beliefs().filter_map(|belief| Some(belief.measurement.as_ref()?.variance)).collect();
     let mean = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
     let deviation = Some(from.measurement_deviation.unwrap_or(mean));
     let from = KalmanOptions { measurement_deviation: deviation, ..from };
@@ -136,18 +137,18 @@ fn measurements(track: &Track) -> Vec<Measured> {
     for frame in frames {
         let last = before.take();
         let Some(belief) = &frame.belief else { continue };
-        let Some(seen) = &belief.seen else { continue };
+        let Some(measurement) = &belief.measurement else { continue };
         let since = belief.predicted.as_ref().zip(last);
         let since =
             since.map(|(predicted, last)| (predicted.seconds, DVector::from_vec(frame.pose.local(last))));
-        let eigen = seen.products.clone().symmetric_eigen();
+        let eigen = measurement.products.clone().symmetric_eigen();
         let least = WELL_SEEN * eigen.eigenvalues.amax();
         let kept: Vec<usize> =
             (0..eigen.eigenvalues.len()).filter(|&at| eigen.eigenvalues[at] > least).collect();
         let directions = eigen.eigenvectors.select_columns(&kept);
         let variances =
             DVector::from_iterator(kept.len(), kept.iter().map(|&at| 1.0 / eigen.eigenvalues[at]));
-        let offset = directions.tr_mul(&seen.pull).component_mul(&variances);
+        let offset = directions.tr_mul(&measurement.pull).component_mul(&variances);
         found.push(Measured { since, directions, offset, variances });
         before = Some(&frame.pose);
     }
@@ -166,8 +167,8 @@ fn score(measured: &Measurements, noise: &KalmanOptions) -> (f64, Innovation) {
         let (mean, prior, counts) = match (&frame.since, state.take()) {
             (Some((seconds, step)), Some((mean, belief))) => {
                 let (onwards, belief) = model.predict(&belief, *seconds);
-                let foretold = tangent::compose(&tangent::compose(&-step, &mean), &onwards);
-                (foretold, belief, true)
+                let prediction = tangent::compose(&tangent::compose(&-step, &mean), &onwards);
+                (prediction, belief, true)
             }
             _ => (DVector::zeros(n), start_belief(n), false),
         };
@@ -199,7 +200,7 @@ mod tests {
 
     use super::*;
     use crate::body::{Parameters, builtin};
-    use crate::track::motion::{Predicted, Seen};
+    use crate::track::motion::{FrameMeasurement, Predicted};
     use crate::track::{Begins, FrameBelief, FrameEstimate};
 
     /// A limb that moves by a known noise and is measured with a known noise: both are found again, from far off.
@@ -237,11 +238,15 @@ mod tests {
             velocity = noise.velocity + drawn.rows(6, 6);
             let error = normal(6) * (50.0 / 1e7f64.sqrt());
             let measured = pose.retract(Parameters::Tangent, error.as_slice());
-            let foretold =
+            let prediction =
                 |(pose, belief): &(_, _)| Predicted::after(supposed.clone(), pose, belief, seconds).into();
-            let predicted = last.as_ref().map(foretold).ok_or(Begins::First);
-            let seen = Seen { products: products.clone(), pull: DVector::zeros(6), variance: 200.0 * 200.0 };
-            let belief = FrameBelief::learnt(&measured, Some(seen), predicted);
+            let predicted = last.as_ref().map(prediction).ok_or(Begins::First);
+            let measurement = FrameMeasurement {
+                products: products.clone(),
+                pull: DVector::zeros(6),
+                variance: 200.0 * 200.0,
+            };
+            let belief = FrameBelief::learnt(&measured, Some(measurement), predicted);
             last = Some((measured.clone(), belief.belief.clone()));
             let estimate = FrameEstimate { belief: Some(belief), ..FrameEstimate::of_pose(frame, measured) };
             track.frames.insert(frame, estimate);

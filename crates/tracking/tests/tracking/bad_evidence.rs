@@ -108,7 +108,7 @@ fn frames_in_which_nobody_is_seen_are_lost_and_tracking_goes_on() {
             assert_eq!(found.empty_cameras, ["left", "right"], "{preset}");
             assert_eq!((found.iterations, found.termination, found.iou()), (0, None, None), "{preset}");
             assert_eq!((found.cost, found.rms), (None, None), "{preset}: nobody is not a perfect fit");
-            // What is foretold is not far off, and it does not run away.
+            // What is predicted is not far off, and it does not run away.
             assert!(error_mm(&model, frame, &found.pose) < 120.0, "{preset}, frame {frame}");
         }
         assert_eq!(track.frames[&3].pose, track.frames[&4].pose, "{preset}: a lost body moves on");

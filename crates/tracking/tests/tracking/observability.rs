@@ -104,7 +104,7 @@ fn noisy(
 
 /// Hundreds of fits to noisy data scatter as the covariance says.
 #[test]
-fn joints_of_noisy_fits_scatter_as_foretold() {
+fn joints_of_noisy_fits_scatter_as_predicted() {
     const FITS: usize = 240;
     const DEVIATION: f64 = 2.0;
     let model = Arc::new(builtin::upper_body());
@@ -119,7 +119,7 @@ fn joints_of_noisy_fits_scatter_as_foretold() {
         cameras.iter().map(|camera| noisy(&model, &truth, camera, DEVIATION, seed)).collect()
     };
     let views = draw(&mut seed);
-    let foretold = look(&truth, &views).observe_with_noise(&[0, 1], Some(Noise::white(DEVIATION)));
+    let prediction = look(&truth, &views).observe_with_noise(&[0, 1], Some(Noise::white(DEVIATION)));
     let centre = Kinematics::new(&model, &truth);
     let mut scatter = vec![Matrix3::zeros(); model.limbs().len()];
     let (mut pixel, mut together) = (0.0, 0.0);
@@ -130,7 +130,7 @@ fn joints_of_noisy_fits_scatter_as_foretold() {
             let pull = look(&pose, &views).equations(&[0, 1]).jtr;
             // Gauss-Newton in the seen directions of the truth: their steps are δ = D u, orthogonal by H.
             let mut step = DVector::zeros(pull.len());
-            for direction in foretold.directions.iter().filter(|direction| !direction.is_null) {
+            for direction in prediction.directions.iter().filter(|direction| !direction.is_null) {
                 step += &direction.step * (direction.step.dot(&pull) / direction.value);
             }
             pose = pose.retract(Parameters::Tangent, step.as_slice());
@@ -148,7 +148,7 @@ fn joints_of_noisy_fits_scatter_as_foretold() {
     assert!((pixel / DEVIATION - 1.0).abs() < 0.05, "{pixel}");
     assert!(together < 1.3, "independent pixels err by themselves: {together}");
     let mut failures = Failures::default();
-    for joint in foretold.joints.iter().filter(|joint| joint.limb.is_some()) {
+    for joint in prediction.joints.iter().filter(|joint| joint.limb.is_some()) {
         let name = &model.limbs()[joint.limb.unwrap()].name;
         let found = &scatter[joint.limb.unwrap()];
         // In each of its own axes: what is known well and what is known badly.

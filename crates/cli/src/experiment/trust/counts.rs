@@ -15,7 +15,7 @@ pub(super) const RANGES: [f64; 6] = [0.01, 0.03, 0.1, 0.25, 0.5, 1.0];
 
 /// What is told of a joint, and how far off it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Told {
+pub(super) struct JudgedJoint {
     pub(super) error_mm: f64,
     pub(super) error: ErrorDistribution,
     pub(super) verdict: Verdict,
@@ -47,7 +47,7 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    pub(super) fn of(told: &[Told]) -> Self {
+    pub(super) fn of(told: &[JudgedJoint]) -> Self {
         let mut counts = Self { joints: told.len(), ..Self::default() };
         let count = told.len().max(1) as f64;
         for joint in told {
@@ -78,13 +78,13 @@ impl Counts {
     }
 }
 
-fn reliability(told: &[Told]) -> Vec<(usize, f64, f64)> {
+fn reliability(told: &[JudgedJoint]) -> Vec<(usize, f64, f64)> {
     let mut from = 0.0;
     let range = |to: f64| {
         let begins = std::mem::replace(&mut from, to);
         let within = |wrong: f64| wrong <= to && (wrong > begins || begins == 0.0);
-        let wrong = |joint: &Told| joint.error.beyond(1e-3 * WRONG_MM);
-        let inside: Vec<&Told> = told.iter().filter(|joint| within(wrong(joint))).collect();
+        let wrong = |joint: &JudgedJoint| joint.error.beyond(1e-3 * WRONG_MM);
+        let inside: Vec<&JudgedJoint> = told.iter().filter(|joint| within(wrong(joint))).collect();
         let count = inside.len().max(1) as f64;
         let mean = inside.iter().map(|joint| wrong(joint)).sum::<f64>() / count;
         let is = inside.iter().filter(|joint| joint.error_mm > WRONG_MM).count() as f64 / count;
@@ -95,10 +95,10 @@ fn reliability(told: &[Told]) -> Vec<(usize, f64, f64)> {
 
 /// How often a joint above the error is told to be above it with a larger probability than one below, ties by half (Mann and
 /// Whitney 1947). `None` where all are on one side.
-fn auc(told: &[Told], above_mm: f64) -> Option<f64> {
+fn auc(told: &[JudgedJoint], above_mm: f64) -> Option<f64> {
     let beyond: Vec<f64> = told.iter().map(|joint| joint.error.beyond(1e-3 * above_mm)).collect();
-    let is_above = |joint: &&(f64, &Told)| joint.1.error_mm > above_mm;
-    let ranked: Vec<(f64, &Told)> = ranks(&beyond).into_iter().zip(told).collect();
+    let is_above = |joint: &&(f64, &JudgedJoint)| joint.1.error_mm > above_mm;
+    let ranked: Vec<(f64, &JudgedJoint)> = ranks(&beyond).into_iter().zip(told).collect();
     let above = ranked.iter().filter(is_above).count() as f64;
     let below = told.len() as f64 - above;
     let sum: f64 = ranked.iter().filter(is_above).map(|joint| joint.0).sum();

@@ -1,4 +1,4 @@
-//! What the tracker told beside a pose: what held its limbs, how far they are believed, which poses rival it.
+//! How far a tracked pose is believed: what held its limbs, how likely each is wrong, which poses rival it.
 
 use std::cmp::Reverse;
 
@@ -17,11 +17,12 @@ pub fn are_same(a: &Pose, b: &Pose) -> bool {
     a.root.distance(b.root) < SAME && a.local(b).iter().all(|value| value.abs() < SAME)
 }
 
-/// What the tracker told beside a pose.
+/// What the tracker says of a pose that it found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct FrameTrust {
     pub(crate) pose: Pose,
-    pub(crate) trust: Vec<LimbTrust>,
+    /// By limb; empty where nobody judged them.
+    pub(crate) limbs: Vec<LimbTrust>,
     /// Those that are doubtful or wrong and have a rotation of their own, the wrong ones first.
     doubts: Vec<LimbTrust>,
     /// What held the limbs, part by part; empty where it was not tracked with cues.
@@ -30,20 +31,20 @@ pub struct Told {
     pub rivals: Vec<Mode>,
 }
 
-impl Told {
+impl FrameTrust {
     /// How far each limb of this pose of a body is believed (empty where nobody judged them), what held them, and what rivals it.
     pub fn new(
         model: &Model,
         pose: Pose,
-        trust: Vec<LimbTrust>,
+        limbs: Vec<LimbTrust>,
         holds: Vec<LimbHold>,
         rivals: Vec<Mode>,
     ) -> Self {
         let has_own = |limb: usize| model.limbs().get(limb).is_some_and(|limb| limb.has_own_rotation);
         let is_doubt = |limb: &&LimbTrust| limb.verdict > Verdict::Good && has_own(limb.limb);
-        let mut doubts: Vec<LimbTrust> = trust.iter().filter(is_doubt).copied().collect();
+        let mut doubts: Vec<LimbTrust> = limbs.iter().filter(is_doubt).copied().collect();
         doubts.sort_by_key(|doubt| Reverse(doubt.verdict));
-        Self { pose, trust, doubts, holds, rivals }
+        Self { pose, limbs, doubts, holds, rivals }
     }
 
     /// The limbs that are doubtful or wrong and have a rotation of their own.
@@ -71,22 +72,22 @@ impl Told {
 }
 
 impl Document {
-    /// What the tracker told of this pose of a frame; nothing of one that was set by hand.
-    pub fn told_of(&self, frame: usize, pose: &Pose) -> Option<&Told> {
-        let told = self.told.get(&frame).filter(|told| told.pose == *pose)?;
-        (self.keys.get(&frame) != Some(pose)).then_some(told)
+    /// What the tracker says of this pose of a frame; nothing of one that was set by hand.
+    pub fn trust_of(&self, frame: usize, pose: &Pose) -> Option<&FrameTrust> {
+        let trust = self.trust.get(&frame).filter(|trust| trust.pose == *pose)?;
+        (self.keys.get(&frame) != Some(pose)).then_some(trust)
     }
 
-    /// What was told of the tracked frames in which a limb is not believed.
-    pub fn doubted(&self) -> impl Iterator<Item = (usize, &Told)> {
-        let doubted = self.told.iter().filter(|(_, told)| !told.doubts.is_empty());
+    /// The tracked frames in which a limb is not believed.
+    pub fn doubted(&self) -> impl Iterator<Item = (usize, &FrameTrust)> {
+        let doubted = self.trust.iter().filter(|(_, trust)| !trust.doubts.is_empty());
         doubted
-            .filter_map(|(&frame, _)| Some((frame, self.told_of(frame, &self.estimates.get(&frame)?.pose)?)))
+            .filter_map(|(&frame, _)| Some((frame, self.trust_of(frame, &self.estimates.get(&frame)?.pose)?)))
     }
 
     /// The poses that a frame allowed as it was tracked, if this one is one of them.
     pub fn modes(&self, frame: usize, pose: &Pose) -> Vec<(&Pose, f64)> {
-        let modes: Vec<_> = self.told.get(&frame).into_iter().flat_map(|told| told.modes()).collect();
+        let modes: Vec<_> = self.trust.get(&frame).into_iter().flat_map(|trust| trust.modes()).collect();
         if modes.iter().any(|(mode, _)| are_same(mode, pose)) { modes } else { Vec::new() }
     }
 }

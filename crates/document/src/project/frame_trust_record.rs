@@ -1,4 +1,4 @@
-//! What the tracker told beside a pose, as a project's file has it.
+//! What the tracker says of a pose, as a project's file has it.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use super::ProjectProblem;
 use super::record::{PoseRecord, check_numbers, limb_index};
-use crate::told::Told;
+use crate::frame_trust::FrameTrust;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ToldRecord {
+pub(crate) struct FrameTrustRecord {
     /// Only where it is not the estimate's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pose: Option<PoseRecord>,
@@ -75,19 +75,19 @@ impl RivalRecord {
     }
 }
 
-impl ToldRecord {
+impl FrameTrustRecord {
     /// What was told in a frame whose estimate has this pose.
-    pub(super) fn of(model: &Model, told: &Told, found: Option<&Pose>) -> Self {
+    pub(super) fn of(model: &Model, trust: &FrameTrust, found: Option<&Pose>) -> Self {
         let pose = |pose: &Pose| PoseRecord::of(model, pose);
         let hold = |hold: &LimbHold| {
             let LimbHold { limb, cameras, by_silhouettes, ref cues } = *hold;
             (model.limbs()[limb].name.clone(), HoldRecord { cameras, by_silhouettes, cues: cues.clone() })
         };
         Self {
-            pose: (found != Some(&told.pose)).then(|| pose(&told.pose)),
-            trust: TrustRecord::of(model, &told.trust),
-            held: told.holds.iter().map(hold).collect(),
-            rivals: told.rivals.iter().map(|rival| RivalRecord::of(model, rival)).collect(),
+            pose: (found != Some(&trust.pose)).then(|| pose(&trust.pose)),
+            trust: TrustRecord::of(model, &trust.limbs),
+            held: trust.holds.iter().map(hold).collect(),
+            rivals: trust.rivals.iter().map(|rival| RivalRecord::of(model, rival)).collect(),
         }
     }
 
@@ -96,7 +96,7 @@ impl ToldRecord {
         model: &Model,
         field: &str,
         found: Option<&Pose>,
-    ) -> Result<Told, ProjectProblem> {
+    ) -> Result<FrameTrust, ProjectProblem> {
         let pose = match (&self.pose, found) {
             (Some(record), _) => record.pose(model, &format!("{field}.pose"))?,
             (None, Some(found)) => found.clone(),
@@ -113,6 +113,6 @@ impl ToldRecord {
         for (index, rival) in self.rivals.into_iter().enumerate() {
             rivals.push(rival.read(model, &format!("{field}.rivals[{index}]"))?);
         }
-        Ok(Told::new(model, pose, trust, holds, rivals))
+        Ok(FrameTrust::new(model, pose, trust, holds, rivals))
     }
 }
