@@ -73,7 +73,7 @@ pub struct App {
 }
 
 impl App {
-    /// The window's state. `egui` is woken when a job has news.
+    /// The window's state. `egui` is woken when a job has an event.
     ///
     /// # Errors
     /// The system gives no thread.
@@ -88,7 +88,7 @@ impl App {
         if options.offers_tour {
             inspector.features.tour.offer();
         }
-        inspector.ask(|features, _, requests| features.recovery.look(requests));
+        inspector.ask(|features, _, requests| features.recovery.check(requests));
         let (state_file, is_first_window) = (options.state_file, options.is_first_window);
         let files = Files::default();
         let mut app = Self { inspector, files, settings_writer, state_file, is_first_window };

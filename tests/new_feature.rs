@@ -14,7 +14,7 @@ const MOST_FILES: usize = 4;
 /// The feature itself.
 const FEATURE: &str = r#"//! How much of each camera's picture the subject covers.
 
-use backlit_jobs::{News, Task, once};
+use backlit_jobs::{TaskEvent, Task, once};
 use backlit_tracking::silhouette::Label;
 use backlit_ui::style::format;
 use egui::Ui;
@@ -35,9 +35,9 @@ impl Feature for Coverage {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.task.poll() {
             match news {
-                News::Output(shares) => self.shares = shares,
-                News::Ended => {}
-                News::Failed(failure) => requests.failed("Counting pixels", &failure),
+                TaskEvent::Output(shares) => self.shares = shares,
+                TaskEvent::Ended => {}
+                TaskEvent::Failed(failure) => requests.failed("Counting pixels", &failure),
             }
         }
         if let Some(frame) = context.session.frames.get(context.selection.frame) {

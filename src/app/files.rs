@@ -34,7 +34,7 @@ const OPENER: &str = if cfg!(target_os = "macos") {
 
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Asked {
+enum FilePurpose {
     Take,
     Motion,
     FindTake,
@@ -50,7 +50,7 @@ pub(crate) struct Files {
     pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>, { priority::TAKE_IN }>,
     /// Tables, plots, numbers. They are written one after the other.
     writes: Vec<Task<PathBuf, anyhow::Result<()>, { priority::WRITE }>>,
-    dialogs: FileDialogs<Asked>,
+    dialogs: FileDialogs<FilePurpose>,
 }
 
 impl Files {
@@ -77,15 +77,15 @@ impl Files {
     pub(crate) fn command(&mut self, inspector: &mut Inspector, command: FileCommand) {
         match command {
             FileCommand::NewTake => inspector.new_take(Vec::new()),
-            FileCommand::OpenTake => self.ask(&mut inspector.state, Asked::Take),
-            FileCommand::OpenMotion => self.ask(&mut inspector.state, Asked::Motion),
+            FileCommand::OpenTake => self.ask(&mut inspector.state, FilePurpose::Take),
+            FileCommand::OpenMotion => self.ask(&mut inspector.state, FilePurpose::Motion),
             FileCommand::OpenBuiltIn => self.open(inspector, Opening::Take(TakeSource::BuiltIn)),
-            FileCommand::OpenProject => self.ask(&mut inspector.state, Asked::Project),
-            FileCommand::FindTake => self.ask(&mut inspector.state, Asked::FindTake),
-            FileCommand::SaveAs => self.ask(&mut inspector.state, Asked::SaveAs),
+            FileCommand::OpenProject => self.ask(&mut inspector.state, FilePurpose::Project),
+            FileCommand::FindTake => self.ask(&mut inspector.state, FilePurpose::FindTake),
+            FileCommand::SaveAs => self.ask(&mut inspector.state, FilePurpose::SaveAs),
             FileCommand::Save => match inspector.state.project.clone() {
                 Some(path) => self.save_to(&inspector.state, &path),
-                None => self.ask(&mut inspector.state, Asked::SaveAs),
+                None => self.ask(&mut inspector.state, FilePurpose::SaveAs),
             },
             FileCommand::Quit => inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
         }
@@ -117,15 +117,15 @@ impl Files {
     }
 
     /// Asks for a file in a dialog of the desktop's.
-    fn ask(&self, state: &mut State, asked: Asked) {
+    fn ask(&self, state: &mut State, asked: FilePurpose) {
         let take = state.session.take.as_ref();
         let name = take.map_or("project", |take| take.take().name());
         let dialog = match asked {
-            Asked::Take => ("Open take", DialogKind::Folder),
-            Asked::Motion => ("Play a motion", DialogKind::File(&motion::ENDINGS)),
-            Asked::FindTake => ("Find take", DialogKind::Folder),
-            Asked::Project => ("Open project", DialogKind::File(&[PROJECT_EXTENSION])),
-            Asked::SaveAs => {
+            FilePurpose::Take => ("Open take", DialogKind::Folder),
+            FilePurpose::Motion => ("Play a motion", DialogKind::File(&motion::ENDINGS)),
+            FilePurpose::FindTake => ("Find take", DialogKind::Folder),
+            FilePurpose::Project => ("Open project", DialogKind::File(&[PROJECT_EXTENSION])),
+            FilePurpose::SaveAs => {
                 ("Save project", DialogKind::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[]))
             }
         };
@@ -139,12 +139,14 @@ impl Files {
         self.take_in_written(&mut inspector.state);
         for (asked, path) in self.dialogs.answers() {
             match asked {
-                Asked::Take | Asked::Motion | Asked::Project => self.open(inspector, Opening::of(&path)),
-                Asked::FindTake => self.find_take(inspector, &path),
-                Asked::SaveAs if path.extension().is_none() => {
+                FilePurpose::Take | FilePurpose::Motion | FilePurpose::Project => {
+                    self.open(inspector, Opening::of(&path));
+                }
+                FilePurpose::FindTake => self.find_take(inspector, &path),
+                FilePurpose::SaveAs if path.extension().is_none() => {
                     self.save_to(&inspector.state, &path.with_extension(PROJECT_EXTENSION));
                 }
-                Asked::SaveAs => self.save_to(&inspector.state, &path),
+                FilePurpose::SaveAs => self.save_to(&inspector.state, &path),
             }
         }
     }

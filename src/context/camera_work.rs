@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_formats::Footage;
 use backlit_formats::footage::replacement::Calibration;
-use backlit_jobs::{Job, News, Outbox, Pool, Task, one_step};
+use backlit_jobs::{Job, Outbox, Pool, Task, TaskEvent, one_step};
 use backlit_ui::style::{format, theme};
 use backlit_ui::widgets::{WorkAnswer, hint, work_buttons};
 use egui::{RichText, Ui};
@@ -54,12 +54,12 @@ impl<P: Send + 'static, R: Send + 'static, const PRIORITY: u8> CameraWork<P, R, 
         context: &Context<'_>,
         requests: &mut Requests,
     ) -> Option<Arc<Footage>> {
-        for news in self.task.poll() {
-            match news {
-                News::Output(WorkMessage::At(progress)) => self.progress = Some(progress),
-                News::Output(WorkMessage::Ended(outcome)) => self.outcome = Some(outcome),
-                News::Ended => self.progress = None,
-                News::Failed(failure) => requests.failed(what, &failure),
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(WorkMessage::At(progress)) => self.progress = Some(progress),
+                TaskEvent::Output(WorkMessage::Ended(outcome)) => self.outcome = Some(outcome),
+                TaskEvent::Ended => self.progress = None,
+                TaskEvent::Failed(failure) => requests.failed(what, &failure),
             }
         }
         let take = context.session.take.as_ref().filter(|_| self.is_wanted)?;

@@ -13,26 +13,26 @@ pub(crate) enum DialogKind {
     NewFile(String, &'static [&'static str]),
 }
 
-/// The dialogs of a feature. `Asked` says what for; it comes back with the answer.
+/// The dialogs of a feature. `Purpose` says what for; it comes back with the answer.
 #[derive(Debug)]
-pub(crate) struct FileDialogs<Asked> {
-    sender: Sender<(Asked, PathBuf)>,
-    answers: Receiver<(Asked, PathBuf)>,
+pub(crate) struct FileDialogs<Purpose> {
+    sender: Sender<(Purpose, PathBuf)>,
+    answers: Receiver<(Purpose, PathBuf)>,
 }
 
-impl<Asked> Default for FileDialogs<Asked> {
+impl<Purpose> Default for FileDialogs<Purpose> {
     fn default() -> Self {
         let (sender, answers) = channel();
         Self { sender, answers }
     }
 }
 
-impl<Asked: Send + 'static> FileDialogs<Asked> {
+impl<Purpose: Send + 'static> FileDialogs<Purpose> {
     /// Asks, on a thread that lives as long as the dialog; complains if the system gives none.
     pub(crate) fn ask(
         &self,
         egui: &egui::Context,
-        asked: Asked,
+        purpose: Purpose,
         (title, kind): (&'static str, DialogKind),
         complain: impl FnOnce(String),
     ) {
@@ -40,7 +40,7 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             if let Some(path) = show(title, &kind) {
                 // The window may be gone by now.
-                let _ = sender.send((asked, path));
+                let _ = sender.send((purpose, path));
                 egui.request_repaint();
             }
         });
@@ -50,7 +50,7 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
     }
 
     /// The answers since the last call.
-    pub(crate) fn answers(&self) -> Vec<(Asked, PathBuf)> {
+    pub(crate) fn answers(&self) -> Vec<(Purpose, PathBuf)> {
         self.answers.try_iter().collect()
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_jobs::{News, Pool, Task};
+use backlit_jobs::{Pool, Task, TaskEvent};
 use backlit_ui::style::format;
 pub use choices::{ExportArea, ExportChoices, MotionChoices, SeriesFormat};
 pub(crate) use choices::{ExportOrder, Painter, Shot, Subject};
@@ -88,17 +88,17 @@ impl Feature for Export {
         if let Some(path) = self.report.update(requests) {
             self.folder = path.parent().map(Path::to_owned);
         }
-        for news in self.task.poll() {
-            match news {
-                News::Output(said) => {
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(said) => {
                     let Some(running) = &mut self.running else { continue };
                     match said {
                         Exported::Pictures(count) => running.done = count,
                         outcome => running.outcome = outcome,
                     }
                 }
-                News::Ended => self.ended(requests),
-                News::Failed(failure) => {
+                TaskEvent::Ended => self.ended(requests),
+                TaskEvent::Failed(failure) => {
                     requests.failed("The export", &failure);
                     self.running = None;
                 }

@@ -19,7 +19,7 @@ use backlit_tracking::body::{Model, Pose};
 
 pub(crate) use check::{Checked, Worst};
 pub use comparison::{Basis, Comparison, Contestant};
-use job::{Lacking, Look, Racing, Stepped};
+use job::{DrawingMessage, LaboratoryMessage, Lacking, Racing};
 pub use lineup::{Entrant, Lineup};
 pub(crate) use push::{Push, PushAxis, Pushed};
 pub(crate) use start::StartChoice;
@@ -65,8 +65,8 @@ pub struct Laboratory {
     /// Steps that were asked for while one was being made.
     pending_steps: usize,
     fits: Vec<Racing>,
-    steps: Task<(), Stepped, { priority::LABORATORY }>,
-    looks: Task<Lacking, Look, { priority::LABORATORY_LOOK }>,
+    steps: Task<(), LaboratoryMessage, { priority::LABORATORY }>,
+    looks: Task<Lacking, DrawingMessage, { priority::LABORATORY_LOOK }>,
     /// Known by the fits and poses whose gradients are checked.
     checks: Task<Vec<(usize, Pose)>, (usize, Checked), { priority::LABORATORY_CHECK }>,
     dialogs: FileDialogs<()>,

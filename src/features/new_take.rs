@@ -24,13 +24,13 @@ pub(crate) struct NewTake {
     rate: String,
     out: String,
     stage: ImportStage,
-    look: Task<(Vec<PathBuf>, ImportOptions), Result<Looked, String>, { priority::OPEN }>,
-    write: Task<(), Written, { priority::EXPORT }>,
-    dialogs: FileDialogs<Asked>,
+    survey: Task<(Vec<PathBuf>, ImportOptions), Result<SurveyedFolders, String>, { priority::OPEN }>,
+    write: Task<(), WriteMessage, { priority::EXPORT }>,
+    dialogs: FileDialogs<ImportPath>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Asked {
+enum ImportPath {
     Footage,
     Calibration,
     Out,
@@ -43,11 +43,11 @@ enum ImportStage {
     #[default]
     Empty,
     Looking,
-    Found(Box<Looked>),
+    Found(Box<SurveyedFolders>),
     /// It cannot be used; why not.
     Unusable(String),
     /// The take is being written; what is done just now.
-    Writing(Box<Looked>, String),
+    Writing(Box<SurveyedFolders>, String),
 }
 
 /// Height of the pictures on the card, pixels.
@@ -55,14 +55,14 @@ const PICTURE_HEIGHT: usize = 96;
 
 /// What was found, with a picture of each camera.
 #[derive(Debug, Clone)]
-struct Looked {
+struct SurveyedFolders {
     found: Arc<ImportSurvey>,
     /// By camera; `None` where the first picture cannot be read.
     pictures: Vec<Option<Arc<ColorImage>>>,
 }
 
 /// Looks through folders. Errors: why no take can be made, in a sentence.
-fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
+fn survey_folders(paths: &[PathBuf], options: &ImportOptions) -> Result<SurveyedFolders, String> {
     let found = import::survey(paths, options).map_err(|error| error.to_string())?;
     let picture = |camera: &import::ImportCamera| {
         let picture = camera.pictures.picture(found.first).ok()?;
@@ -72,12 +72,12 @@ fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
         Some(Arc::new(ColorImage::from_rgb(size, small.as_raw())))
     };
     let pictures = found.cameras.iter().map(picture).collect();
-    Ok(Looked { found: Arc::new(found), pictures })
+    Ok(SurveyedFolders { found: Arc::new(found), pictures })
 }
 
 /// What is heard of the writing.
 #[derive(Debug)]
-enum Written {
+enum WriteMessage {
     Step(String),
     /// Something that was done and is to be known.
     Said(String),
@@ -85,12 +85,12 @@ enum Written {
     Failed(String),
 }
 
-fn write(found: &ImportSurvey, folder: &Path, out: &Outbox<Written>) {
+fn write(found: &ImportSurvey, folder: &Path, out: &Outbox<WriteMessage>) {
     let mut say = |step: ImportStep| match step {
         ImportStep::Learning { camera } => {
-            out.send(Written::Step(format!("Learning the background of {camera}")));
+            out.send(WriteMessage::Step(format!("Learning the background of {camera}")));
         }
-        ImportStep::Adjusted { median_px: [before, after] } => out.send(Written::Said(format!(
+        ImportStep::Adjusted { median_px: [before, after] } => out.send(WriteMessage::Said(format!(
             "The cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px. The take \
              keeps both calibrations."
         ))),
@@ -98,8 +98,8 @@ fn write(found: &ImportSurvey, folder: &Path, out: &Outbox<Written>) {
     };
     let written = import::write(found, folder, WriteOptions::default(), out.cancel(), &mut say);
     out.send(match written {
-        Ok(file) => Written::Done(file),
-        Err(error) => Written::Failed(error.to_string()),
+        Ok(file) => WriteMessage::Done(file),
+        Err(error) => WriteMessage::Failed(error.to_string()),
     });
 }
 
@@ -110,15 +110,15 @@ impl Feature for NewTake {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for (asked, path) in self.dialogs.answers() {
             match asked {
-                Asked::Footage => self.look_at(vec![path], context),
-                Asked::Calibration => {
+                ImportPath::Footage => self.look_at(vec![path], context),
+                ImportPath::Calibration => {
                     self.options.calibration = Some(path);
                     self.look_at(self.paths.clone(), context);
                 }
-                Asked::Out => self.out = path.display().to_string(),
+                ImportPath::Out => self.out = path.display().to_string(),
             }
         }
-        for looked in requests.outputs("Looking through the folder", &mut self.look) {
+        for looked in requests.outputs("Looking through the folder", &mut self.survey) {
             match looked {
                 Ok(looked) => {
                     if self.out.is_empty() {
@@ -130,24 +130,24 @@ impl Feature for NewTake {
                 Err(why) => self.stage = ImportStage::Unusable(why),
             }
         }
-        if self.look.failure().is_some() && matches!(self.stage, ImportStage::Looking) {
+        if self.survey.failure().is_some() && matches!(self.stage, ImportStage::Looking) {
             self.stage = ImportStage::Empty;
         }
         for written in requests.outputs("Writing the take", &mut self.write) {
             match written {
-                Written::Step(text) => {
+                WriteMessage::Step(text) => {
                     if let ImportStage::Writing(_, said) = &mut self.stage {
                         *said = text;
                     }
                 }
-                Written::Said(text) => requests.inform(text, None),
-                Written::Done(file) => {
+                WriteMessage::Said(text) => requests.inform(text, None),
+                WriteMessage::Done(file) => {
                     *self = Self::default();
                     requests.request(ShellRequest::CloseCard);
                     requests.request(DesktopRequest::OpenPath(file.parent().unwrap_or(&file).to_owned()));
                     return;
                 }
-                Written::Failed(why) => {
+                WriteMessage::Failed(why) => {
                     requests.complain(format!("The take was not written: {why}."));
                     self.back_to_found();
                 }
@@ -181,17 +181,17 @@ impl NewTake {
         self.paths = paths;
         self.stage = ImportStage::Looking;
         let inputs = (self.paths.clone(), self.options.clone());
-        self.look.begin(context.pool, inputs, |(paths, options)| {
+        self.survey.begin(context.pool, inputs, |(paths, options)| {
             let (paths, options) = (paths.clone(), options.clone());
-            once(move |_| look(&paths, &options))
+            once(move |_| survey_folders(&paths, &options))
         });
     }
 
-    fn ask(&self, asked: Asked, context: &Context<'_>, requests: &mut Requests) {
+    fn ask(&self, asked: ImportPath, context: &Context<'_>, requests: &mut Requests) {
         let dialog = match asked {
-            Asked::Footage => ("Folder with the footage", DialogKind::Folder),
-            Asked::Calibration => ("Calibration", DialogKind::File(CALIBRATIONS)),
-            Asked::Out => ("Folder of the take", DialogKind::Folder),
+            ImportPath::Footage => ("Folder with the footage", DialogKind::Folder),
+            ImportPath::Calibration => ("Calibration", DialogKind::File(CALIBRATIONS)),
+            ImportPath::Out => ("Folder of the take", DialogKind::Folder),
         };
         self.dialogs.ask(context.egui, asked, dialog, |why| requests.complain(why));
     }

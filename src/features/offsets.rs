@@ -11,7 +11,7 @@ use std::sync::Arc;
 use backlit_formats::Footage;
 use backlit_formats::synchronise::{self, OffsetShift, TakeClocks, TakeClocksError, shift_offsets};
 use backlit_formats::video::Video;
-use backlit_jobs::{News, Outbox, Task, once, one_step};
+use backlit_jobs::{Outbox, Task, TaskEvent, once, one_step};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::synchronise::SynchroniseOptions;
 use egui::{ColorImage, Ui};
@@ -96,18 +96,18 @@ impl Feature for Offsets {
         for side in &mut self.sides {
             side.update(requests);
         }
-        for news in self.find.poll() {
-            match news {
-                News::Output(SearchMessage::At(progress)) => self.progress = Some(progress),
-                News::Output(SearchMessage::Ended(found)) => {
+        for event in self.find.poll() {
+            match event {
+                TaskEvent::Output(SearchMessage::At(progress)) => self.progress = Some(progress),
+                TaskEvent::Output(SearchMessage::Ended(found)) => {
                     let shifts = found.iter().flat_map(|found| &found.shifts);
                     for (shift, found) in self.shifts.iter_mut().zip(shifts) {
                         *shift = found.as_ref().map_or(*shift, |found| found.frames);
                     }
                     self.found = Some(found);
                 }
-                News::Ended => self.progress = None,
-                News::Failed(failure) => requests.failed("The search for the offsets", &failure),
+                TaskEvent::Ended => self.progress = None,
+                TaskEvent::Failed(failure) => requests.failed("The search for the offsets", &failure),
             }
         }
         for written in requests.outputs("Writing the offsets", &mut self.write) {

@@ -6,7 +6,7 @@ mod panel;
 mod update;
 
 pub use copies::Copies;
-pub(crate) use left::{CopyNote, Left, Thumbnail};
+pub(crate) use left::{CopyNote, Thumbnail, UnsavedCopy};
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub(crate) struct Recovery {
     /// `None` without a folder for them.
     copies: Option<Copies>,
     /// What earlier windows have left and the user has not decided about.
-    pub(crate) offered: Vec<Left>,
+    pub(crate) offered: Vec<UnsavedCopy>,
     /// Whether the user wants to decide later.
     is_put_off: bool,
     /// The copies that a notice has told of.
@@ -43,7 +43,7 @@ pub(crate) struct Recovery {
     /// Whether the window was told not to close, since its work could not be kept.
     has_stayed_open: bool,
     /// The copy that is being opened.
-    adopted: Option<Left>,
+    adopted: Option<UnsavedCopy>,
     /// The copies that were discarded last: where they are now.
     discarded: Vec<PathBuf>,
 }

@@ -1,6 +1,6 @@
 //! `backlit experiment`: measurements on data of known truth, most of them figures of the report.
 //!
-//! An experiment is one file, listed in [`Chosen`]. Its options are a struct: the command line fills it in, and the file
+//! An experiment is one file, listed in [`ExperimentCommand`]. Its options are a struct: the command line fills it in, and the file
 //! with the numbers keeps it. [`Experiment::run`] measures; [`Experiment::table`] and [`Experiment::pictures`] show the report.
 //! [`Experiment::perform`] does the rest: progress, Ctrl+C, files, the screen.
 
@@ -26,7 +26,7 @@ mod track;
 mod trust;
 
 use anyhow::{Context, ensure};
-use backlit_plot::{AsPicture, Drawn, png};
+use backlit_plot::{AsPicture, FigureOrSheet, png};
 use backlit_tracking::cancel::CancelToken;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -52,7 +52,7 @@ pub(crate) trait Experiment: Serialize {
     fn table(&self, report: &Self::Report) -> String;
 
     /// The report in pictures, each with the name of its file.
-    fn pictures(&self, _report: &Self::Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, _report: &Self::Report) -> Vec<(String, FigureOrSheet)> {
         Vec::new()
     }
 
@@ -175,7 +175,7 @@ impl<E: Experiment + Args> WithOutput<E> {
 
 /// All experiments, in the order of the help. The documentation of their arguments is their help.
 #[derive(Debug, Subcommand)]
-enum Chosen {
+enum ExperimentCommand {
     #[command(name = fig51::SingleLimb::NAME)]
     SingleLimb(WithOutput<fig51::SingleLimb>),
     #[command(name = fig52::UpperBody::<1>::NAME)]
@@ -214,7 +214,7 @@ same options give the same numbers. docs/report.md has the report's figures besi
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     #[command(subcommand)]
-    chosen: Chosen,
+    chosen: ExperimentCommand,
 }
 
 /// Runs the experiment.
@@ -223,23 +223,23 @@ pub struct Arguments {
 /// An option is out of range, a file cannot be read or written, or Ctrl+C was pressed.
 pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.chosen {
-        Chosen::SingleLimb(chosen) => chosen.run(),
-        Chosen::BeforeOneCamera(chosen) => chosen.run(),
-        Chosen::BeforeTwoCameras(chosen) => chosen.run(),
-        Chosen::OneFrame(chosen) => chosen.run(),
-        Chosen::Followed(chosen) => chosen.run(),
-        Chosen::FollowedSmall(chosen) => chosen.run(),
-        Chosen::Sizes(chosen) => chosen.run(),
-        Chosen::Track(chosen) => chosen.run(),
-        Chosen::Basin(chosen) => chosen.run(),
-        Chosen::Acquire(chosen) => chosen.run(),
-        Chosen::CalibrationFaults(chosen) => chosen.run(),
-        Chosen::Begin(chosen) => chosen.run(),
-        Chosen::Footage(chosen) => chosen.run(),
-        Chosen::NoStart(chosen) => chosen.run(),
-        Chosen::CameraPlan(chosen) => chosen.run(),
-        Chosen::RefineCameras(chosen) => chosen.run(),
-        Chosen::Sync(chosen) => chosen.run(),
-        Chosen::Trust(chosen) => chosen.run(),
+        ExperimentCommand::SingleLimb(chosen) => chosen.run(),
+        ExperimentCommand::BeforeOneCamera(chosen) => chosen.run(),
+        ExperimentCommand::BeforeTwoCameras(chosen) => chosen.run(),
+        ExperimentCommand::OneFrame(chosen) => chosen.run(),
+        ExperimentCommand::Followed(chosen) => chosen.run(),
+        ExperimentCommand::FollowedSmall(chosen) => chosen.run(),
+        ExperimentCommand::Sizes(chosen) => chosen.run(),
+        ExperimentCommand::Track(chosen) => chosen.run(),
+        ExperimentCommand::Basin(chosen) => chosen.run(),
+        ExperimentCommand::Acquire(chosen) => chosen.run(),
+        ExperimentCommand::CalibrationFaults(chosen) => chosen.run(),
+        ExperimentCommand::Begin(chosen) => chosen.run(),
+        ExperimentCommand::Footage(chosen) => chosen.run(),
+        ExperimentCommand::NoStart(chosen) => chosen.run(),
+        ExperimentCommand::CameraPlan(chosen) => chosen.run(),
+        ExperimentCommand::RefineCameras(chosen) => chosen.run(),
+        ExperimentCommand::Sync(chosen) => chosen.run(),
+        ExperimentCommand::Trust(chosen) => chosen.run(),
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use backlit_tracking::segment::{BackgroundError, LearningFrame, LearningOptions, learn_plate};
 use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
 
-use crate::take::Known;
+use crate::take::PlateKnowledge;
 use crate::{Result, images};
 
 pub use without_body::{PlateError, plate_without_body};
@@ -23,7 +23,7 @@ pub struct Plate {
     /// What the camera sees without the subject; black where that is not known.
     pub picture: RgbImage,
     /// What is known, row by row.
-    pub known: Vec<Known>,
+    pub known: Vec<PlateKnowledge>,
 }
 
 impl Plate {
@@ -35,9 +35,9 @@ impl Plate {
     ) -> Result<Self, BackgroundError> {
         let learnt = learn_plate(frames, options)?;
         let known = learnt.known.iter().enumerate().map(|(index, &known)| match known {
-            true => Known::Scene,
-            false if covered.always(index) => Known::AlwaysSubject,
-            false => Known::Nothing,
+            true => PlateKnowledge::Scene,
+            false if covered.always(index) => PlateKnowledge::AlwaysSubject,
+            false => PlateKnowledge::Nothing,
         });
         Ok(Self { known: known.collect(), picture: learnt.picture })
     }
@@ -45,7 +45,7 @@ impl Plate {
     /// The share of the pixels in which the scene is known, 0 to 1.
     #[must_use]
     pub fn known_share(&self) -> f64 {
-        let known = self.known.iter().filter(|known| **known == Known::Scene).count();
+        let known = self.known.iter().filter(|known| **known == PlateKnowledge::Scene).count();
         known as f64 / self.known.len().max(1) as f64
     }
 

@@ -18,7 +18,8 @@ use thiserror::Error;
 use crate::FileError;
 
 pub use footage::{
-    BackgroundSource, CameraFootage, Known, MAX_BACKGROUND_FRAMES, MAX_FRAMES, USUAL_BACKGROUND_FRAMES,
+    BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES, PlateKnowledge,
+    USUAL_BACKGROUND_FRAMES,
 };
 pub use measurement::measurement_lines;
 pub use offsets::{OffsetShift, shift_offsets};

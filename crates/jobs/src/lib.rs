@@ -9,14 +9,14 @@
 //! [`priority()`]. An inline pool does the same without threads, for tests that are the same every time.
 //!
 //! ```
-//! use backlit_jobs::{Crew, News, Pool, Task, once, priority};
+//! use backlit_jobs::{Crew, TaskEvent, Pool, Task, once, priority};
 //!
 //! let pool = Pool::inline();
 //! let mut square: Task<u64, u64> = Task::new(priority(Crew::Screen, 0));
 //! assert!(square.ask(&pool, 12, |&side| once(move |_| side * side)));
 //! assert!(!square.ask(&pool, 12, |&side| once(move |_| side * side)), "it is under way");
 //! pool.turn();
-//! assert_eq!(square.poll(), [News::Output(144), News::Ended]);
+//! assert_eq!(square.poll(), [TaskEvent::Output(144), TaskEvent::Ended]);
 //! ```
 
 mod job;
@@ -28,7 +28,7 @@ mod task;
 mod tests;
 
 pub use job::{Job, Turn, once, one_step};
-pub use outbox::{Failure, News, Outbox};
+pub use outbox::{Failure, Outbox, TaskEvent};
 pub use pool::Pool;
 pub use priority::{Crew, priority};
 pub use task::Task;

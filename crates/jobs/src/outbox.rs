@@ -9,7 +9,7 @@ use super::pool::Wake;
 
 /// What a task hears of its work.
 #[derive(Debug, PartialEq, Eq)]
-pub enum News<O> {
+pub enum TaskEvent<O> {
     /// The job sent it.
     Output(O),
     /// The job is over.
@@ -41,18 +41,18 @@ impl std::error::Error for Failure {}
 /// Where a job sends its outputs.
 pub struct Outbox<O> {
     cancel: CancelToken,
-    news: Sender<News<O>>,
+    events: Sender<TaskEvent<O>>,
     wake: Wake,
 }
 
 impl<O> Outbox<O> {
-    pub(super) const fn new(cancel: CancelToken, news: Sender<News<O>>, wake: Wake) -> Self {
-        Self { cancel, news, wake }
+    pub(super) const fn new(cancel: CancelToken, events: Sender<TaskEvent<O>>, wake: Wake) -> Self {
+        Self { cancel, events, wake }
     }
 
     /// Sends an output and wakes the window.
     pub fn send(&self, output: O) {
-        self.tell(News::Output(output));
+        self.tell(TaskEvent::Output(output));
     }
 
     /// What a job asks while it works.
@@ -60,9 +60,9 @@ impl<O> Outbox<O> {
         &self.cancel
     }
 
-    pub(super) fn tell(&self, news: News<O>) {
+    pub(super) fn tell(&self, event: TaskEvent<O>) {
         // Nobody listens any more when the work is superseded or its task is gone.
-        let _ = self.news.send(news);
+        let _ = self.events.send(event);
         (self.wake)();
     }
 }

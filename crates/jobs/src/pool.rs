@@ -47,7 +47,7 @@ impl Pool {
         }
     }
 
-    /// Whether no task has work or news that it has not read.
+    /// Whether no task has work or events that it has not read.
     pub fn is_idle(&self) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1
     }

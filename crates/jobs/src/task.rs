@@ -8,7 +8,7 @@ use backlit_cancel::CancelToken;
 
 use super::pool::{Pool, QueuePosition, RunTurn, Shared, Slot};
 use super::priority::Crew;
-use super::{Failure, Job, News, Outbox, Turn};
+use super::{Failure, Job, Outbox, TaskEvent, Turn};
 
 /// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is saved. By default it has
 /// the [priority](crate::priority()) `PRIORITY`.
@@ -24,7 +24,7 @@ struct Pending<O> {
     shared: Arc<Shared>,
     place: QueuePosition,
     cancel: CancelToken,
-    news: Receiver<News<O>>,
+    events: Receiver<TaskEvent<O>>,
     _open: Arc<()>,
 }
 
@@ -41,32 +41,32 @@ impl<I, O, const P: u8> Task<I, O, P> {
     }
 
     /// What has happened since the last call, in order. The last of a piece of work is its end or its failure.
-    pub fn poll(&mut self) -> Vec<News<O>> {
+    pub fn poll(&mut self) -> Vec<TaskEvent<O>> {
         let mut all = Vec::new();
         while let Some(work) = &self.work {
-            let news = match work.news.try_recv() {
-                Ok(news) => news,
+            let event = match work.events.try_recv() {
+                Ok(event) => event,
                 Err(TryRecvError::Empty) => break,
                 // The pool is gone.
-                Err(TryRecvError::Disconnected) => News::Ended,
+                Err(TryRecvError::Disconnected) => TaskEvent::Ended,
             };
-            if !matches!(news, News::Output(_)) {
+            if !matches!(event, TaskEvent::Output(_)) {
                 self.work = None;
             }
-            if let News::Failed(failure) = &news {
+            if let TaskEvent::Failed(failure) = &event {
                 self.failure = Some(failure.clone());
             }
-            all.push(news);
+            all.push(event);
         }
         all
     }
 
     /// What was sent since the last call; `failed` is told if the job broke down.
     pub fn outputs(&mut self, mut failed: impl FnMut(&Failure)) -> Vec<O> {
-        let output = |news| match news {
-            News::Output(output) => Some(output),
-            News::Ended => None,
-            News::Failed(failure) => {
+        let output = |event| match event {
+            TaskEvent::Output(output) => Some(output),
+            TaskEvent::Ended => None,
+            TaskEvent::Failed(failure) => {
                 failed(&failure);
                 None
             }
@@ -136,7 +136,7 @@ impl<I, O: Send + 'static, const P: u8> Task<I, O, P> {
     /// Begins work, whatever was before: it is superseded and nothing more is heard of it.
     pub fn begin<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) {
         let shared = pool.shared();
-        let (sender, news) = channel();
+        let (sender, events) = channel();
         let cancel = CancelToken::new();
         let out = Outbox::new(cancel.clone(), sender, shared.wake.clone());
         // What is to be saved is under way also when its task is gone.
@@ -151,7 +151,7 @@ impl<I, O: Send + 'static, const P: u8> Task<I, O, P> {
         });
         let place = shared.put(self.priority, superseded, Slot { cancel: cancel.clone(), run });
         let (shared, open) = (shared.clone(), shared.open.clone());
-        self.work = Some(Pending { shared, place, cancel, news, _open: open });
+        self.work = Some(Pending { shared, place, cancel, events, _open: open });
         self.inputs = Some(inputs);
         self.failure = None;
     }
@@ -180,8 +180,8 @@ fn run<O: Send + 'static>(job: impl Job<O> + 'static, out: Outbox<O>, open: Opti
         let Some((steps, _)) = &mut job else { return Turn::Done };
         let end = match catch_unwind(AssertUnwindSafe(|| steps.step(&out))) {
             Ok(Turn::Again) => return Turn::Again,
-            Ok(Turn::Done) => News::Ended,
-            Err(panic) => News::Failed(Failure::of_panic(&*panic)),
+            Ok(Turn::Done) => TaskEvent::Ended,
+            Err(panic) => TaskEvent::Failed(Failure::of_panic(&*panic)),
         };
         // Whoever hears of the end may rely on it.
         job = None;

@@ -79,18 +79,18 @@ fn until(mut is_so: impl FnMut() -> bool) {
     }
 }
 
-fn wait<I>(pool: &Pool, task: &mut Task<I, u32>) -> Vec<News<u32>> {
-    let mut news = Vec::new();
+fn wait<I>(pool: &Pool, task: &mut Task<I, u32>) -> Vec<TaskEvent<u32>> {
+    let mut events = Vec::new();
     until(|| {
         pool.turn();
-        news.extend(task.poll());
+        events.extend(task.poll());
         !task.is_busy()
     });
-    news
+    events
 }
 
-fn outputs_and_end(outputs: &[u32]) -> Vec<News<u32>> {
-    outputs.iter().copied().map(News::Output).chain([News::Ended]).collect()
+fn outputs_and_end(outputs: &[u32]) -> Vec<TaskEvent<u32>> {
+    outputs.iter().copied().map(TaskEvent::Output).chain([TaskEvent::Ended]).collect()
 }
 
 #[test]
@@ -152,8 +152,8 @@ fn new_work_supersedes_old_and_is_not_held_up_by_other_tasks() {
     fit.ask(&pool, [0, 2], count);
     assert_eq!(wait(&pool, &mut fit), outputs_and_end(&[0, 1]));
     track.stop();
-    let news = wait(&pool, &mut track);
-    assert!(news.len() > 1 && news.last() == Some(&News::Ended), "its last outputs still arrive");
+    let events = wait(&pool, &mut track);
+    assert!(events.len() > 1 && events.last() == Some(&TaskEvent::Ended), "its last outputs still arrive");
     assert!(pool.is_idle());
 }
 
@@ -191,10 +191,10 @@ fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
 fn a_panic_is_a_failure_that_is_not_tried_again_and_the_thread_lives_on() {
     for pool in both_pools() {
         let mut task = counting(&pool, SCREEN, [12, 20]);
-        let news = wait(&pool, &mut task);
+        let events = wait(&pool, &mut task);
         assert!(
-            matches!(&news[..], [News::Output(12), News::Failed(failure)] if failure.to_string() == "thirteen"),
-            "{news:?}"
+            matches!(&events[..], [TaskEvent::Output(12), TaskEvent::Failed(failure)] if failure.to_string() == "thirteen"),
+            "{events:?}"
         );
         assert_eq!(task.failure().map(ToString::to_string).as_deref(), Some("thirteen"));
         assert!(!task.ask(&pool, [12, 20], count) && task.failure().is_some());
@@ -254,8 +254,8 @@ fn dropping_the_pool_ends_endless_jobs_and_their_tasks_hear_of_it() {
         let mut track = counting(&pool, LONG, [100, u32::MAX]);
         let mut basin = counting(&pool, LONG + 1, [100, u32::MAX]);
         drop(pool);
-        assert_eq!(track.poll().last(), Some(&News::Ended));
-        assert_eq!(basin.poll(), [News::Ended]);
+        assert_eq!(track.poll().last(), Some(&TaskEvent::Ended));
+        assert_eq!(basin.poll(), [TaskEvent::Ended]);
         assert!(!track.is_busy() && !basin.is_busy());
         let other = Pool::inline();
         assert!(track.ask(&other, [0, 1], count));
@@ -283,7 +283,7 @@ fn the_most_urgent_of_each_crew_does_one_step_a_turn_in_the_order_of_the_crews()
     }
     (0..3).for_each(|_| pool.turn());
     assert_eq!(*said.lock().unwrap(), ["another fit"; 2]);
-    tasks.iter_mut().for_each(|task| assert_eq!(task.poll(), [News::Ended]));
+    tasks.iter_mut().for_each(|task| assert_eq!(task.poll(), [TaskEvent::Ended]));
     assert!(pool.is_idle());
 }
 
@@ -307,7 +307,7 @@ fn what_is_to_be_saved_is_saved_without_task_and_pool() {
         }
         drop(pool);
         assert_eq!(*said.lock().unwrap(), ["settings", "settings", "one", "one", "two", "two"]);
-        assert_eq!(left.poll(), [News::Ended]);
+        assert_eq!(left.poll(), [TaskEvent::Ended]);
     }
 }
 

@@ -35,14 +35,14 @@ pub trait AsPicture {
 
 /// Curves or pictures, where an experiment has both.
 #[derive(Debug)]
-pub enum Drawn {
+pub enum FigureOrSheet {
     /// Curves.
     Figure(Figure),
     /// Pictures.
     Sheet(Sheet),
 }
 
-impl AsPicture for Drawn {
+impl AsPicture for FigureOrSheet {
     fn picture(&self, theme: Theme) -> RgbaImage {
         match self {
             Self::Figure(figure) => figure.picture(theme),

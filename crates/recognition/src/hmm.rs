@@ -41,13 +41,13 @@ impl HiddenMarkov {
         let mut sum = vec![0.0; at.len()];
         for _ in 0..LONG {
             sum.iter_mut().zip(&at).for_each(|(sum, p)| *sum += p / LONG as f64);
-            at = self.onwards(&at);
+            at = self.after_step(&at);
         }
         sum
     }
 
     /// Where probabilities of states lead in a step.
-    fn onwards(&self, from: &[f64]) -> Vec<f64> {
+    fn after_step(&self, from: &[f64]) -> Vec<f64> {
         let to = |to: usize| from.iter().zip(&self.transitions).map(|(p, row)| p * row[to]).sum();
         (0..self.state_count()).map(to).collect()
     }
@@ -81,7 +81,7 @@ impl HiddenMarkov {
             let logs = self.log_densities(row);
             let prior: Vec<f64> = match alphas.last() {
                 None => self.start.clone(),
-                Some(before) => self.onwards(before),
+                Some(before) => self.after_step(before),
             };
             // States that cannot be do not set the scale.
             let possible = logs.iter().zip(&prior).filter(|(_, prior)| **prior > 0.0);

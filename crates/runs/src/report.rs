@@ -189,7 +189,7 @@ impl ReportSource {
         // Videos are decoded by a thread a camera: a thread without one makes the figures.
         let (drawn, (frames, curves, tables)) =
             rayon::join(|| self.drawn(seen.as_ref(), options, cancel), figures);
-        let Drawn { pictures, fits, notes } = drawn?;
+        let PageDrawings { pictures, fits, notes } = drawn?;
         let cameras: Vec<&Camera> = seen.iter().flat_map(PageFootage::cameras).collect();
         Ok(Page {
             title: self.name.clone(),
@@ -215,16 +215,16 @@ impl ReportSource {
         seen: Option<&PageFootage<'_>>,
         options: &ReportOptions,
         cancel: &CancelToken,
-    ) -> Result<Drawn, ReportError> {
+    ) -> Result<PageDrawings, ReportError> {
         let mut notes = Vec::new();
         let Some(seen) = seen else {
             let why = "The take was not at hand when this page was made: it has no pictures, no silhouettes and no cameras.";
-            return Ok(Drawn { notes: vec![why.to_owned()], ..Drawn::default() });
+            return Ok(PageDrawings { notes: vec![why.to_owned()], ..PageDrawings::default() });
         };
         let chosen = chosen::frames(self, options, seen.frames(), |frame| seen.sooner(frame));
         let pictures = seen.pictures(&chosen.pictured, &mut notes, cancel)?;
         let fits = steps::fits(self, seen, &chosen.stepped, &mut notes, cancel)?;
-        Ok(Drawn { pictures, fits, notes })
+        Ok(PageDrawings { pictures, fits, notes })
     }
 
     fn frame(&self, estimate: &FrameEstimate) -> Frame {
@@ -265,7 +265,7 @@ impl ReportSource {
 
 /// What of a page is made of the footage.
 #[derive(Default)]
-struct Drawn {
+struct PageDrawings {
     pictures: Vec<Picture>,
     fits: Vec<FitSteps>,
     notes: Vec<String>,

@@ -140,7 +140,7 @@ fn burst_costs(input: GroupInput<'_>, groups: &[SphereGroup]) -> Vec<(f64, Vec<u
 fn burst(input: GroupInput<'_>, mut groups: Vec<SphereGroup>, count: usize) -> Vec<SphereGroup> {
     while groups.len() > count {
         let costs = burst_costs(input, &groups);
-        let chosen = apart(&costs, groups.len() - count, f64::INFINITY);
+        let chosen = independent_groups(&costs, groups.len() - count, f64::INFINITY);
         if chosen.is_empty() {
             return groups;
         }
@@ -150,7 +150,7 @@ fn burst(input: GroupInput<'_>, mut groups: Vec<SphereGroup>, count: usize) -> V
 }
 
 /// Groups to burst, the cheapest first, none of which gives to or takes from another.
-fn apart(costs: &[(f64, Vec<usize>)], most: usize, below: f64) -> BTreeSet<usize> {
+fn independent_groups(costs: &[(f64, Vec<usize>)], most: usize, below: f64) -> BTreeSet<usize> {
     let mut order: Vec<usize> = (0..costs.len()).filter(|&index| costs[index].0 < below).collect();
     order.sort_by(|&a, &b| costs[a].0.total_cmp(&costs[b].0).then_with(|| a.cmp(&b)));
     let (mut chosen, mut is_used) = (BTreeSet::new(), vec![false; costs.len()]);
@@ -217,7 +217,7 @@ fn exchange(input: GroupInput<'_>, mut groups: Vec<SphereGroup>, count: usize) -
     let costs = burst_costs(input, &groups);
     let worst = groups[order[0]].ball.error();
     let most = (groups.len() / 10).max(1);
-    let mut cheap: Vec<usize> = apart(&costs, most, BURST_GAIN * worst).into_iter().collect();
+    let mut cheap: Vec<usize> = independent_groups(&costs, most, BURST_GAIN * worst).into_iter().collect();
     cheap.sort_by(|&a, &b| costs[a].0.total_cmp(&costs[b].0).then_with(|| a.cmp(&b)));
     let (mut burst, mut split) = (BTreeSet::new(), BTreeSet::new());
     let mut free = count - groups.len().min(count);

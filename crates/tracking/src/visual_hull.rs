@@ -140,9 +140,9 @@ impl<'a> CarvingView<'a> {
     }
 
     /// What this camera says about a ball.
-    fn says(&self, point: DVec3, radius: f64) -> Says {
+    fn vote(&self, point: DVec3, radius: f64) -> CameraVote {
         let Extent { camera, is_whole, .. } = self.extent;
-        let unseen = if is_whole { Says::Empty } else { Says::Nothing };
+        let unseen = if is_whole { CameraVote::Empty } else { CameraVote::Nothing };
         let Some(pixel) = camera.project(point) else { return unseen };
         let reach = radius * camera.intrinsics().mean_focal_px() / camera.depth(point);
         let (width, height) = (self.distance.width(), self.distance.height());
@@ -154,16 +154,16 @@ impl<'a> CarvingView<'a> {
         let pixel = inside.round();
         let away = self.distance.range(pixel.y as usize * width + pixel.x as usize).map(f64::from);
         match away.map(|away| away <= reach) {
-            [_, true] => Says::Subject,
-            [true, false] => Says::Unknown,
-            [false, false] => Says::Empty,
+            [_, true] => CameraVote::Subject,
+            [true, false] => CameraVote::Unknown,
+            [false, false] => CameraVote::Empty,
         }
     }
 }
 
 /// What a camera says about a ball.
 #[derive(Clone, Copy, PartialEq)]
-enum Says {
+enum CameraVote {
     /// It may hold some of the subject.
     Subject,
     /// It may, if what is unknown there is the subject.
@@ -217,10 +217,10 @@ impl Grid {
             let point = self.centre(cell);
             let (mut pictures, mut witnesses) = (0, 0);
             let is_possible = seen.iter().all(|view| {
-                let says = view.says(point, reach * self.side);
-                pictures += usize::from(says != Says::Nothing);
-                witnesses += usize::from(says == Says::Subject);
-                says != Says::Empty
+                let vote = view.vote(point, reach * self.side);
+                pictures += usize::from(vote != CameraVote::Nothing);
+                witnesses += usize::from(vote == CameraVote::Subject);
+                vote != CameraVote::Empty
             });
             held[self.index(cell)] = is_possible && pictures >= 2 && witnesses >= enough;
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use backlit_document::edit::Edit;
 use backlit_formats::Footage;
-use backlit_jobs::{Job, News, Outbox, Turn};
+use backlit_jobs::{Job, Outbox, TaskEvent, Turn};
 use backlit_runs::basin::{self, BasinError, BasinOptions, BasinResult, Subject, Trial};
 use backlit_tracking::search::start;
 use backlit_ui::style::format;
@@ -50,12 +50,12 @@ fn trials(subject: Subject, options: BasinOptions) -> impl Job<Result<Trial, Bas
 
 impl Feature for Basin {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.task.poll() {
-            match news {
-                News::Output(Ok(trial)) => self.add(trial),
-                News::Output(Err(error)) => requests.complain(format!("The basin cannot run: {error}.")),
-                News::Ended => self.ended(requests),
-                News::Failed(failure) => {
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(Ok(trial)) => self.add(trial),
+                TaskEvent::Output(Err(error)) => requests.complain(format!("The basin cannot run: {error}.")),
+                TaskEvent::Ended => self.ended(requests),
+                TaskEvent::Failed(failure) => {
                     requests.failed("The basin", &failure);
                     self.ended(requests);
                 }

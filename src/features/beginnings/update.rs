@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backlit_document::edit::Edit;
 use backlit_formats::Footage;
-use backlit_jobs::{Job, News, Outbox, Turn};
+use backlit_jobs::{Job, Outbox, TaskEvent, Turn};
 use backlit_runs::initialisation::{InitialisationMessage, InitialisationOutcome, InitialisationRun};
 use backlit_tracking::initialisation::{InitialisationMethod as Method, InitialisationOptions};
 use egui::Ui;
@@ -89,18 +89,18 @@ impl Feature for Beginnings {
         if self.about.as_ref().is_some_and(|about| !is_about(about, context)) {
             self.forget();
         }
-        for news in self.task.poll() {
-            match news {
-                News::Output(BeginningMessage::Begun(method)) => self.running = Some(method),
-                News::Output(BeginningMessage::Ended(method, outcome)) => {
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(BeginningMessage::Begun(method)) => self.running = Some(method),
+                TaskEvent::Output(BeginningMessage::Ended(method, outcome)) => {
                     let is_first = outcome.is_ok() && self.at.is_none();
                     self.ended.insert(method, outcome);
                     if is_first {
                         self.look_at(AttemptIndex { method, step: 0 });
                     }
                 }
-                News::Ended => self.running = None,
-                News::Failed(failure) => {
+                TaskEvent::Ended => self.running = None,
+                TaskEvent::Failed(failure) => {
                     self.running = None;
                     requests.failed("A way to begin", &failure);
                 }

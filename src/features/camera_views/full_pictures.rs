@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_formats::Footage;
-use backlit_jobs::{Job, News, Outbox, Task, Turn};
+use backlit_jobs::{Job, Outbox, Task, TaskEvent, Turn};
 use egui::ColorImage;
 
 use crate::context::Context;
@@ -54,8 +54,8 @@ impl FullPictures {
             self.task.ask(context.pool, wanted, |wanted| ReadJob { wanted: wanted.clone(), camera: 0 });
         }
         let is_of_this = self.task.inputs() == self.of.as_ref();
-        for news in self.task.poll() {
-            if let News::Output((camera, picture)) = news
+        for event in self.task.poll() {
+            if let TaskEvent::Output((camera, picture)) = event
                 && is_of_this
                 && let Some(place) = self.pictures.get_mut(camera)
             {

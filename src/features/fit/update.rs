@@ -8,7 +8,7 @@ use backlit_document::run::{Run, RunChoices, RunEnding, RunStep};
 use backlit_document::runs::{RunChange, StepRef};
 use backlit_document::tracking_choices::TrackingChoices;
 use backlit_document::{Estimate, Origin, fit_words as words};
-use backlit_jobs::News;
+use backlit_jobs::TaskEvent;
 use backlit_tracking::fit::{FitOptions, Preset};
 
 use super::job::{FitJob, FitMessage, FitStart};
@@ -37,32 +37,32 @@ impl Feature for Fit {
     fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
         // A run that was removed does not go on, even if it comes back.
         self.live.take_if(|live| context.runs().get(live.number).is_none());
-        for news in self.task.poll() {
-            match news {
-                News::Output(FitMessage::Step(step, predicted)) => {
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(FitMessage::Step(step, predicted)) => {
                     self.take_in(*step, predicted, context, requests);
                 }
-                News::Output(FitMessage::Refused(error)) => {
+                TaskEvent::Output(FitMessage::Refused(error)) => {
                     requests.complain(format!("The fit cannot begin: {error}"));
                     self.end(Some(RunEnding::Solver(error.to_string())), requests);
                 }
-                News::Output(FitMessage::Paused(ending, paused)) => {
+                TaskEvent::Output(FitMessage::Paused(ending, paused)) => {
                     self.paused = paused;
                     self.end(ending, requests);
                 }
-                News::Ended if self.pending_steps > 0 => {
+                TaskEvent::Ended if self.pending_steps > 0 => {
                     let steps = std::mem::take(&mut self.pending_steps);
                     self.gesture = Some(next_gesture(context.egui));
                     self.go_on(Some(steps), context);
                 }
-                News::Ended => {
+                TaskEvent::Ended => {
                     let was_comparison = self.live.as_ref().is_some_and(|live| live.is_comparison);
                     if was_comparison && !self.begin_next(context, requests) {
                         // The views show the body again.
                         self.live = None;
                     }
                 }
-                News::Failed(failure) => {
+                TaskEvent::Failed(failure) => {
                     requests.failed("The fit", &failure);
                     // Nothing else begins by itself after it.
                     requests.request(FeatureRequest::InterruptFit);

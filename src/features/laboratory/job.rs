@@ -19,7 +19,7 @@ const NEARLY_BACKGROUND: f32 = 250.0;
 
 /// What comes of stepping. Numbers in front are those of the fits.
 #[derive(Debug)]
-pub(super) enum Stepped {
+pub(super) enum LaboratoryMessage {
     /// A step of a fit; the first is the start.
     Step(usize, Box<RunStep>, Arc<Predicted>),
     /// Where data and start of a fit are, by camera.
@@ -31,7 +31,7 @@ pub(super) enum Stepped {
 }
 
 #[derive(Debug)]
-pub(super) enum Look {
+pub(super) enum DrawingMessage {
     /// What a fit predicts at the step that is looked at.
     Step(usize, Arc<Predicted>),
     /// What pushes at the start, of all fits.
@@ -79,18 +79,18 @@ impl StepJob {
         Self { starts: Vec::new(), steps, target: None, fits }
     }
 
-    fn begin_next(&mut self, scene: FitInputs, pose: &Pose, out: &Outbox<Stepped>) {
+    fn begin_next(&mut self, scene: FitInputs, pose: &Pose, out: &Outbox<LaboratoryMessage>) {
         let index = self.fits.len();
         let last = Arc::new(Predicted::new(&scene, pose, None));
-        out.send(Stepped::Extents(last.cameras.iter().map(extent).collect()));
+        out.send(LaboratoryMessage::Extents(last.cameras.iter().map(extent).collect()));
         let options = (*scene.fit).clone();
         let fit = match Fit::new(scene.model.clone(), scene.views(), pose.clone(), options) {
             Ok(fit) => {
-                out.send(Stepped::Step(index, Box::new(last.start_of(&fit)), last.clone()));
+                out.send(LaboratoryMessage::Step(index, Box::new(last.start_of(&fit)), last.clone()));
                 Some(fit)
             }
             Err(error) => {
-                out.send(Stepped::Ended(index, RunEnding::Solver(error.to_string())));
+                out.send(LaboratoryMessage::Ended(index, RunEnding::Solver(error.to_string())));
                 None
             }
         };
@@ -104,8 +104,8 @@ impl StepJob {
         self.target.is_none_or(|target| racing.done < target).then_some(index)
     }
 
-    fn end(&mut self, out: &Outbox<Stepped>) -> Turn {
-        out.send(Stepped::Waiting(std::mem::take(&mut self.fits)));
+    fn end(&mut self, out: &Outbox<LaboratoryMessage>) -> Turn {
+        out.send(LaboratoryMessage::Waiting(std::mem::take(&mut self.fits)));
         Turn::Done
     }
 }
@@ -125,8 +125,8 @@ fn extent(camera: &CameraPrediction) -> Option<Extent> {
     found
 }
 
-impl Job<Stepped> for StepJob {
-    fn step(&mut self, out: &Outbox<Stepped>) -> Turn {
+impl Job<LaboratoryMessage> for StepJob {
+    fn step(&mut self, out: &Outbox<LaboratoryMessage>) -> Turn {
         if let Some((scene, pose)) = self.starts.pop() {
             self.begin_next(scene, &pose, out);
             return if self.starts.is_empty() { self.end(out) } else { Turn::Again };
@@ -146,7 +146,7 @@ impl Job<Stepped> for StepJob {
             let is_annealed = racing.last.scene.fit.stages.len() > 1;
             let ending = fit.termination.map(|why| RunEnding::of(why, is_annealed));
             racing.fit = None;
-            out.send(Stepped::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
+            out.send(LaboratoryMessage::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
             return Turn::Again;
         };
         let seconds = began.elapsed().as_secs_f64();
@@ -156,13 +156,13 @@ impl Job<Stepped> for StepJob {
             racing.last = Arc::new(Predicted::new(&last.scene, &record.point, Some(last)));
         }
         let step = racing.last.step_of(record, seconds);
-        out.send(Stepped::Step(index, Box::new(step), racing.last.clone()));
+        out.send(LaboratoryMessage::Step(index, Box::new(step), racing.last.clone()));
         Turn::Again
     }
 }
 
 /// Draws what the screen lacks: pictures of the step that is looked at, and what pushes at the start.
-pub(super) fn draw(comparison: &Comparison, lacking: &Lacking) -> impl Job<Look> + use<> {
+pub(super) fn draw(comparison: &Comparison, lacking: &Lacking) -> impl Job<DrawingMessage> + use<> {
     // Each with its scene, its pose, and a prediction whose data may be reused.
     let step = |(index, pose): &(usize, Pose)| {
         let fit = comparison.contestants.get(*index)?;
@@ -172,13 +172,13 @@ pub(super) fn draw(comparison: &Comparison, lacking: &Lacking) -> impl Job<Look>
     let starts = comparison.contestants.iter();
     let starts = starts.map(|fit| (fit.scene.clone(), comparison.basis.start.clone()));
     let mut push: Option<(PushKey, Vec<(FitInputs, Pose)>)> = lacking.push.map(|key| (key, starts.collect()));
-    move |out: &Outbox<Look>| {
+    move |out: &Outbox<DrawingMessage>| {
         if let Some((index, scene, pose, earlier)) = steps.pop() {
             let predicted = Predicted::new(&scene, &pose, earlier.as_deref());
-            out.send(Look::Step(index, Arc::new(predicted)));
+            out.send(DrawingMessage::Step(index, Arc::new(predicted)));
         } else if let Some((key, starts)) = push.take() {
             let pushes = starts.iter().filter_map(|(scene, pose)| Push::new(scene, pose, key));
-            out.send(Look::Pushes(key, Pushed::all(pushes.collect())));
+            out.send(DrawingMessage::Pushes(key, Pushed::all(pushes.collect())));
         }
         if steps.is_empty() && push.is_none() { Turn::Done } else { Turn::Again }
     }

@@ -6,14 +6,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::Footage;
-use backlit_jobs::{News, Pool};
+use backlit_jobs::{Pool, TaskEvent};
 use backlit_plot::AsPicture;
 use backlit_tracking::body::Pose;
 use image::{DynamicImage, ImageFormat};
 
 use super::check::{FitCheck, check_all};
 use super::comparison::PushKey;
-use super::job::{Lacking, Look, StepJob, Stepped, draw};
+use super::job::{DrawingMessage, LaboratoryMessage, Lacking, StepJob, draw};
 use super::{Basis, Comparison, Contestant, Laboratory, LaboratoryChoices};
 use crate::context::command::{Command, LaboratoryCommand};
 use crate::context::feature::Feature;
@@ -97,28 +97,31 @@ impl Feature for Laboratory {
 
 impl Laboratory {
     fn take_in_steps(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.steps.poll() {
-            match (news, &mut self.comparison) {
-                (News::Output(Stepped::Step(index, mut step, predicted)), Some(comparison)) => {
+        for event in self.steps.poll() {
+            match (event, &mut self.comparison) {
+                (
+                    TaskEvent::Output(LaboratoryMessage::Step(index, mut step, predicted)),
+                    Some(comparison),
+                ) => {
                     step.joint_error_mm = context.joint_error_mm(&step.iteration.point);
                     comparison.add_step(index, *step, predicted);
                     self.measure_steps();
                 }
-                (News::Output(Stepped::Extents(extents)), Some(comparison)) => {
+                (TaskEvent::Output(LaboratoryMessage::Extents(extents)), Some(comparison)) => {
                     comparison.add_extents(&extents);
                 }
-                (News::Output(Stepped::Ended(index, ending)), Some(comparison)) => {
+                (TaskEvent::Output(LaboratoryMessage::Ended(index, ending)), Some(comparison)) => {
                     comparison.end(index, ending);
                 }
-                (News::Output(Stepped::Waiting(fits)), _) => self.fits = fits,
-                (News::Output(_), None) => {}
-                (News::Ended, _) => {
+                (TaskEvent::Output(LaboratoryMessage::Waiting(fits)), _) => self.fits = fits,
+                (TaskEvent::Output(_), None) => {}
+                (TaskEvent::Ended, _) => {
                     let steps = std::mem::take(&mut self.pending_steps);
                     if steps > 0 {
                         self.run_fits(Some(steps), context.pool);
                     }
                 }
-                (News::Failed(failure), comparison) => {
+                (TaskEvent::Failed(failure), comparison) => {
                     requests.failed("The laboratory", &failure);
                     if let Some(comparison) = comparison {
                         comparison.break_down("the work on the fits broke down; Restart begins again");
@@ -136,10 +139,10 @@ impl Laboratory {
         let fits = &mut comparison.contestants;
         for look in looks {
             match look {
-                Look::Step(index, predicted) => {
+                DrawingMessage::Step(index, predicted) => {
                     fits.iter_mut().skip(index).take(1).for_each(|fit| fit.shown = Some(predicted.clone()));
                 }
-                Look::Pushes(key, pushed) => {
+                DrawingMessage::Pushes(key, pushed) => {
                     let fits = fits.iter_mut().zip(pushed);
                     fits.for_each(|(fit, pushed)| fit.pushed = Some((key, Arc::new(pushed))));
                 }

@@ -15,7 +15,7 @@ use egui::{
     vec2,
 };
 
-use super::{Asked, ImportStage, Looked, NewTake};
+use super::{ImportPath, ImportStage, NewTake, SurveyedFolders};
 use crate::context::{Context, Requests};
 
 /// Width of the card, and of the names in it.
@@ -29,7 +29,7 @@ const CAMERAS: f32 = 210.0;
 /// What was asked for on the card.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum CardAction {
-    Ask(Asked),
+    Ask(ImportPath),
     Look,
     Pictures(PictureSize),
     Create,
@@ -70,7 +70,7 @@ impl NewTake {
         row(ui, "Footage", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if text_button(ui, "Choose folder…").clicked() {
-                    *action = Some(CardAction::Ask(Asked::Footage));
+                    *action = Some(CardAction::Ask(ImportPath::Footage));
                 }
                 let path = self.paths.first().map_or_else(String::new, |path| path.display().to_string());
                 let mut typed = path.clone();
@@ -108,7 +108,7 @@ impl NewTake {
         self.buttons(ui, action);
     }
 
-    fn settings(&mut self, ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
+    fn settings(&mut self, ui: &mut Ui, looked: &SurveyedFolders, action: &mut Option<CardAction>) {
         row(ui, "Frames a second", |ui| {
             let field = vec2(76.0, size::BUTTON);
             let rate = |ui: &mut Ui| text_field(ui, "Frames a second", "", &mut self.rate);
@@ -125,7 +125,7 @@ impl NewTake {
         row(ui, "Take goes to", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if text_button(ui, "Choose…").clicked() {
-                    *action = Some(CardAction::Ask(Asked::Out));
+                    *action = Some(CardAction::Ask(ImportPath::Out));
                 }
                 text_field(ui, "Take goes to", "a new folder", &mut self.out);
             });
@@ -171,7 +171,7 @@ impl NewTake {
 }
 
 /// What was found: the calibration, each camera, and what there is to know about them.
-fn found(ui: &mut Ui, looked: &Looked, action: &mut Option<CardAction>) {
+fn found(ui: &mut Ui, looked: &SurveyedFolders, action: &mut Option<CardAction>) {
     let (found, palette) = (&looked.found, theme::palette(ui));
     calibration_row(ui, Some(&found.calibration), action);
     let of = format!(
@@ -266,7 +266,7 @@ fn calibration_row(ui: &mut Ui, path: Option<&Path>, action: &mut Option<CardAct
     row(ui, "Calibration", |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             if text_button(ui, "Choose file…").clicked() {
-                *action = Some(CardAction::Ask(Asked::Calibration));
+                *action = Some(CardAction::Ask(ImportPath::Calibration));
             }
             let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {

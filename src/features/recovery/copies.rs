@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use backlit_document::project::{ProjectError, read_project};
 use backlit_formats::reason;
 
-use super::{CopyNote, Left, Thumbnail};
+use super::{CopyNote, Thumbnail, UnsavedCopy};
 
 /// Beginning of a copy's name.
 const NAME: &str = "unsaved";
@@ -116,7 +116,7 @@ impl Copies {
     }
 
     /// What windows that are gone have left, the newest first, and what cannot be read.
-    pub fn left(&self) -> (Vec<Left>, Vec<ProjectError>) {
+    pub fn left(&self) -> (Vec<UnsavedCopy>, Vec<ProjectError>) {
         let (mut found, mut wrong) = (Vec::new(), Vec::new());
         for path in self.files(NAME) {
             let is_own = self.own.as_ref().is_some_and(|(own, _)| *own == path);
@@ -127,7 +127,7 @@ impl Copies {
                 Ok(project) => {
                     let saved = std::fs::metadata(&path).and_then(|data| data.modified()).ok();
                     let (about, picture) = (CopyNote::read(&path), Thumbnail::read(&path));
-                    found.push(Left::new(path, &project.document, about, saved, picture));
+                    found.push(UnsavedCopy::new(path, &project.document, about, saved, picture));
                 }
                 Err(error) => wrong.push(error),
             }

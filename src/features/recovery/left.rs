@@ -19,7 +19,7 @@ use crate::session::prediction::Predicted;
 
 /// Unsaved work that a window has left.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Left {
+pub struct UnsavedCopy {
     /// The copy.
     pub path: PathBuf,
     /// When it was written last.
@@ -38,7 +38,7 @@ pub struct Left {
     pub(crate) picture: Option<Arc<ColorImage>>,
 }
 
-impl Left {
+impl UnsavedCopy {
     /// What a document holds, and when it was written.
     pub(crate) fn new(
         path: PathBuf,
@@ -257,7 +257,7 @@ mod tests {
             project: Some(PathBuf::from("/work/arm.backlit")),
         };
         let left = |document: &Document, about: &CopyNote| {
-            Left::new(PathBuf::from("unsaved.backlit"), document, about.clone(), Some(saved), None)
+            UnsavedCopy::new(PathBuf::from("unsaved.backlit"), document, about.clone(), Some(saved), None)
         };
         let nothing = left(&document, &CopyNote::default());
         assert_eq!((nothing.take.as_str(), nothing.place()), ("b", "At frame 0".to_owned()));
@@ -273,8 +273,8 @@ mod tests {
         assert_eq!(some.place(), "At frame 30 of 70");
         assert_eq!(some.belongs(), "Unsaved changes of arm.backlit");
         assert_eq!(some.work(), "2 poses set by hand");
-        let both = Left { by_hand: 1, tracked: 31, ..some.clone() };
+        let both = UnsavedCopy { by_hand: 1, tracked: 31, ..some.clone() };
         assert_eq!(both.work(), "1 pose set by hand, 31 tracked");
-        assert_eq!(Left { saved: None, ..some }.when(&clock), "some time ago");
+        assert_eq!(UnsavedCopy { saved: None, ..some }.when(&clock), "some time ago");
     }
 }

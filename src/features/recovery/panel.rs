@@ -10,7 +10,7 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::{Left, Recovery};
+use super::{Recovery, UnsavedCopy};
 use crate::context::clock::Clock;
 use crate::context::{Context, Decision, FeatureRequest, Requests};
 
@@ -65,7 +65,7 @@ impl Recovery {
     }
 }
 
-fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock, room: f32) -> Option<Decision> {
+fn cards(ui: &mut Ui, offered: &[UnsavedCopy], clock: &Clock, room: f32) -> Option<Decision> {
     let palette = theme::palette(ui);
     let mut decision = None;
     ui.label(RichText::new("Unsaved work is kept").text_style(title()).color(palette.text));
@@ -82,7 +82,7 @@ fn cards(ui: &mut Ui, offered: &[Left], clock: &Clock, room: f32) -> Option<Deci
     all(ui, offered.len()).or(decision)
 }
 
-fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {
+fn card(ui: &mut Ui, offered: &[UnsavedCopy], index: usize, clock: &Clock) -> Option<Decision> {
     let mut decision = None;
     let palette = theme::palette(ui);
     let left = &offered[index];
@@ -108,7 +108,7 @@ fn card(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<De
     decision
 }
 
-fn picture(ui: &mut Ui, left: &Left) {
+fn picture(ui: &mut Ui, left: &UnsavedCopy) {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
     let label = if left.picture.is_some() { "Silhouette and body" } else { "No picture" };
@@ -132,7 +132,7 @@ fn picture(ui: &mut Ui, left: &Left) {
     response.on_hover_text(hover);
 }
 
-fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
+fn words(ui: &mut Ui, rect: Rect, left: &UnsavedCopy, clock: &Clock) {
     let palette = theme::palette(ui);
     within(ui, rect, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 3.0;
@@ -152,7 +152,7 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
     });
 }
 
-fn buttons(ui: &mut Ui, offered: &[Left], index: usize, clock: &Clock) -> Option<Decision> {
+fn buttons(ui: &mut Ui, offered: &[UnsavedCopy], index: usize, clock: &Clock) -> Option<Decision> {
     let left = &offered[index];
     let hover = "Go on with it; it stays unsaved until you save it";
     let restore = if index == 0 { primary_button(ui, "Restore") } else { text_button(ui, "Restore") };

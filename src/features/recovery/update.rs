@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use backlit_jobs::once;
 
-use super::{CopyNote, Left, Recovery, Thumbnail};
+use super::{CopyNote, Recovery, Thumbnail, UnsavedCopy};
 use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::feature::Feature;
@@ -114,7 +114,7 @@ impl Feature for Recovery {
 
 impl Recovery {
     /// Looks for what earlier windows have left.
-    pub(crate) fn look(&mut self, requests: &mut Requests) {
+    pub(crate) fn check(&mut self, requests: &mut Requests) {
         let Some(copies) = &self.copies else { return };
         let (left, wrong) = copies.left();
         (self.offered, self.is_put_off) = (left, false);
@@ -259,7 +259,7 @@ impl Recovery {
     }
 
     /// Puts copies aside, so that they are offered no more.
-    fn discard(&mut self, all: Vec<Left>, requests: &mut Requests) {
+    fn discard(&mut self, all: Vec<UnsavedCopy>, requests: &mut Requests) {
         let Some(copies) = &self.copies else { return };
         self.discarded.clear();
         for left in all {
@@ -286,7 +286,7 @@ impl Recovery {
                 requests.complain(format!("{}: it cannot be brought back: {error}.", path.display()));
             }
         }
-        self.look(requests);
+        self.check(requests);
         if context.session.take.is_some() {
             requests.inform("Brought back.", Some(Command::Recovery(RecoveryCommand::Show)));
         }
@@ -316,8 +316,8 @@ impl Recovery {
     /// What was left and was not mentioned before: by an earlier window, or by this one when it opened something
     /// else.
     pub(crate) fn notice(&mut self, clock: &Clock) -> Option<String> {
-        let is_new = |left: &&Left| !self.told.contains(&left.path);
-        let new: Vec<&Left> = self.offered.iter().filter(is_new).collect();
+        let is_new = |left: &&UnsavedCopy| !self.told.contains(&left.path);
+        let new: Vec<&UnsavedCopy> = self.offered.iter().filter(is_new).collect();
         let text = match new[..] {
             [] => return None,
             [one] => format!("Unsaved work is kept: {}, {}.", one.take, one.when(clock)),

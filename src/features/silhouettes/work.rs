@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_document::edit::Edit;
-use backlit_jobs::{News, Outbox, one_step};
+use backlit_jobs::{Outbox, TaskEvent, one_step};
 use backlit_runs::silhouettes::{
     PosedBody, SilhouetteQuality, TuneError, TunedSettings, changes, tune, worst,
 };
@@ -30,10 +30,10 @@ pub(super) enum WorkMessage {
 
 impl SilhouetteSteering {
     pub(super) fn take_in_work(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        for news in self.work.poll() {
-            match news {
-                News::Output(WorkMessage::At(doing, done)) => self.progress = Some((doing, done)),
-                News::Output(WorkMessage::Worst(mut found)) => {
+        for event in self.work.poll() {
+            match event {
+                TaskEvent::Output(WorkMessage::At(doing, done)) => self.progress = Some((doing, done)),
+                TaskEvent::Output(WorkMessage::Worst(mut found)) => {
                     found.truncate(LISTED);
                     if !context.shows(Pane::Silhouettes) {
                         let text = match found.len() {
@@ -47,11 +47,11 @@ impl SilhouetteSteering {
                     }
                     self.worst = Some(found);
                 }
-                News::Output(WorkMessage::Tuned { before, found }) => {
+                TaskEvent::Output(WorkMessage::Tuned { before, found }) => {
                     self.use_tuned(&before, found, requests);
                 }
-                News::Ended => self.progress = None,
-                News::Failed(failure) => requests.failed("Looking through the silhouettes", &failure),
+                TaskEvent::Ended => self.progress = None,
+                TaskEvent::Failed(failure) => requests.failed("Looking through the silhouettes", &failure),
             }
         }
     }

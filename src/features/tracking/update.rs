@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use backlit_document::Document;
 use backlit_document::edit::{Edit, Tracked};
 use backlit_document::tracking_choices::{AtKeys, TrackedBody};
-use backlit_jobs::{Job, News, Outbox, one_step};
+use backlit_jobs::{Job, Outbox, TaskEvent, one_step};
 use backlit_runs::person::PersonSearch;
 use backlit_runs::track::Leg;
 use backlit_tracking::body::Pose;
@@ -205,11 +205,11 @@ impl Tracking {
             return;
         }
         let mut has_ended = false;
-        for news in self.task.poll() {
-            match news {
-                News::Output(apply) => apply(self, context, requests),
-                News::Ended => has_ended = true,
-                News::Failed(failure) => {
+        for event in self.task.poll() {
+            match event {
+                TaskEvent::Output(apply) => apply(self, context, requests),
+                TaskEvent::Ended => has_ended = true,
+                TaskEvent::Failed(failure) => {
                     requests.failed("The tracker", &failure);
                     has_ended = true;
                 }

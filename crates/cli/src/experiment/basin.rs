@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use backlit_formats::memory;
 use backlit_formats::starts_file::{self, Start};
 use backlit_lab::experiment::starts::Draw;
-use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line};
 use backlit_runs::basin::{FitChoice, SUCCESS_MM, Subject, SuccessRate};
 use backlit_tracking::fit::{FitView, Preset};
 use backlit_tracking::render::RendererKind;
@@ -182,7 +182,7 @@ impl Experiment for Basins {
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let line = |(style, basin): (usize, &CameraBasin)| {
             let name = if basin.cameras == 1 { "one camera" } else { &format!("{} cameras", basin.cameras) };
             let points = basin.success.iter().map(|(&degrees, &found)| [f64::from(degrees), 100.0 * found]);
@@ -195,7 +195,7 @@ impl Experiment for Basins {
             y: Axis::linear("found, %"),
             lines: report.basins.iter().enumerate().map(line).collect(),
         };
-        vec![("basin".to_owned(), Drawn::Figure(figure))]
+        vec![("basin".to_owned(), FigureOrSheet::Figure(figure))]
     }
 
     /// One object a number of cameras: by itself if there is one, else a list.

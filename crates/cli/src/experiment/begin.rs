@@ -11,7 +11,7 @@ use std::time::Instant;
 use anyhow::Result;
 use backlit_formats::starts_file::Start;
 use backlit_lab::experiment::starts::Draw;
-use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line};
 use backlit_tracking::body::Pose;
 use backlit_tracking::initialisation::{InitialisationInputs, InitialisationMethod, InitialisationOptions};
 use backlit_tracking::metrics::leaf_error_mm;
@@ -198,7 +198,7 @@ impl Experiment for Beginnings {
     }
 
     /// What each way costs and what it finds: one line a way, one point a row.
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let share =
             |row: &MethodRow| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];
         let line = |(style, method): (usize, InitialisationMethod)| {
@@ -214,7 +214,7 @@ impl Experiment for Beginnings {
             y: Axis::linear("found, %"),
             lines: ways.enumerate().map(line).collect(),
         };
-        vec![("begin".to_owned(), Drawn::Figure(figure))]
+        vec![("begin".to_owned(), FigureOrSheet::Figure(figure))]
     }
 }
 

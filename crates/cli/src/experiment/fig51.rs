@@ -13,7 +13,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::single_limb::{OFFSET_M, camera, start, truth};
-use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line};
 use backlit_tracking::body::builtin;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
@@ -132,7 +132,7 @@ impl Experiment for SingleLimb {
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let figure = |Distance { distance_m, data, curves }: &Distance| {
             let line = |(style, curve): (_, &FitCurve)| {
                 Line::of_values(&curve.name, style, &curve.percent_of_start())
@@ -145,7 +145,7 @@ impl Experiment for SingleLimb {
                 lines: curves.iter().enumerate().map(line).collect(),
             };
             let own = if *data == Source::OwnRenderer { "-own" } else { "" };
-            (format!("fig5.1-{distance_m}m{own}"), Drawn::Figure(figure))
+            (format!("fig5.1-{distance_m}m{own}"), FigureOrSheet::Figure(figure))
         };
         report.parts.iter().map(figure).collect()
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use backlit_lab::experiment::{Simulation, scene};
 use backlit_lab::synthetic::upper_body::{self, LM_DAMPING};
-use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line};
 use backlit_tracking::body::{Parameters, builtin};
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
@@ -156,12 +156,12 @@ impl<const CAMERAS: usize> Experiment for UpperBody<CAMERAS> {
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let cameras =
             if self.cameras == 1 { "one camera".to_owned() } else { format!("{} cameras", self.cameras) };
         let figure = |what: &str, label: &str, values: &dyn Fn(&FromAllStarts) -> Vec<f64>| {
             let fits = report.ways.iter().enumerate();
-            Drawn::Figure(Figure {
+            FigureOrSheet::Figure(Figure {
                 title: format!("Upper body: {what} per iteration"),
                 subtitle: format!("{cameras}, {}, medians; data are Λ of the truth", self.starts.text()),
                 x: Axis::linear("iteration"),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use backlit_lab::experiment::Simulation;
-use backlit_plot::Drawn;
+use backlit_plot::FigureOrSheet;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::Fit;
 use clap::Args;
@@ -113,7 +113,7 @@ impl Experiment for OneFrame {
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let sheet = |(method, found): (&SequenceMethod, &Fig54Method)| {
             let column = |shown: &ShownIteration| {
                 let error = shown.joint_error_mm.map_or_else(String::new, |mm| format!(", {mm:.0} mm"));
@@ -122,7 +122,7 @@ impl Experiment for OneFrame {
             let title = format!("One frame, iteration by iteration: {}", found.name);
             let columns = found.shown.iter().map(column).collect();
             let sheet = self.sequence.conditions.sheet(title, columns);
-            (format!("fig5.4-{}", method.short_name()), Drawn::Sheet(sheet))
+            (format!("fig5.4-{}", method.short_name()), FigureOrSheet::Sheet(sheet))
         };
         self.methods.iter().zip(&report.ways).map(sheet).collect()
     }

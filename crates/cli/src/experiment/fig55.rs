@@ -9,7 +9,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use backlit_lab::experiment::sequence::Sequence;
 use backlit_lab::experiment::{Simulation, scene};
-use backlit_plot::{Axis, Drawn, Figure, Line, Sheet};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line, Sheet};
 use backlit_runs::track_summary::Distances;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitView;
@@ -120,12 +120,12 @@ impl<const WIDTH: u64, const HEIGHT: u64> Experiment for Followed<WIDTH, HEIGHT>
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let Some(sequence) = &self.sequence else { return Vec::new() };
         let words = format!("{}; medians of {}", self.arguments.conditions.text(), self.starts.text());
         let figure = |what: &str, y: Axis, values: fn(&ByMethod) -> &[f64]| {
             let methods = report.ways.iter().enumerate();
-            Drawn::Figure(Figure {
+            FigureOrSheet::Figure(Figure {
                 title: format!("A sequence followed: {what} per frame"),
                 subtitle: words.clone(),
                 x: Axis::linear("frame"),
@@ -144,7 +144,7 @@ impl<const WIDTH: u64, const HEIGHT: u64> Experiment for Followed<WIDTH, HEIGHT>
         let presets = self.methods.iter().filter(|method| method.simulation == Simulation::Mask).take(2);
         for method in presets {
             if let Some(found) = report.ways.iter().find(|found| found.name == method.name) {
-                let sheet = Drawn::Sheet(self.sheet(sequence, method, found));
+                let sheet = FigureOrSheet::Sheet(self.sheet(sequence, method, found));
                 drawn.push((format!("{}-{}", Self::NAME, method.short_name()), sheet));
             }
         }

@@ -12,7 +12,7 @@ use backlit_formats::prior_file;
 use backlit_lab::experiment::credibility::Credibility;
 use backlit_lab::synthetic::masks::{noisy, widened};
 use backlit_lab::synthetic::{capsules, exercise, squats, upper_body};
-use backlit_plot::{Axis, Drawn, Figure, Line};
+use backlit_plot::{Axis, Figure, FigureOrSheet, Line};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{FitOptions, FitView, Preset};
@@ -201,7 +201,7 @@ impl Experiment for Speeds {
         )
     }
 
-    fn pictures(&self, report: &Report) -> Vec<(String, Drawn)> {
+    fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let line = |(style, method): (_, &TrackedMethod)| {
             let points = method.speeds.iter().map(|found| [found.speed as f64, found.errors.max_mm]);
             Line::of_points(&method.name, style, points.collect())
@@ -222,7 +222,7 @@ impl Experiment for Speeds {
             y: Axis::log("largest joint error of a frame, mm"),
             lines: report.ways.iter().enumerate().map(line).collect(),
         };
-        vec![("track".to_owned(), Drawn::Figure(figure))]
+        vec![("track".to_owned(), FigureOrSheet::Figure(figure))]
     }
 }
 

@@ -70,7 +70,7 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
             return Ok(Some(Vec::new()));
         }
         let mut footage = Footage { changes: Arc::default(), ..self.footage.clone() };
-        let Some(seen) = self.look(&footage, cancel, &mut tell)? else { return Ok(None) };
+        let Some(seen) = self.survey_cameras(&footage, cancel, &mut tell)? else { return Ok(None) };
         let mut changes = Vec::new();
         for CameraSurvey { camera, light, .. } in &seen {
             let background = footage.prepared.background(*camera)?;
@@ -84,7 +84,7 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
             seen
         } else {
             footage.changes = Arc::new(changes.clone());
-            let Some(again) = self.look(&footage, cancel, &mut tell)? else { return Ok(None) };
+            let Some(again) = self.survey_cameras(&footage, cancel, &mut tell)? else { return Ok(None) };
             again
         };
         for CameraSurvey { camera, still, .. } in seen {
@@ -107,7 +107,7 @@ impl<P: Fn(usize, usize) -> Result<RgbImage, FootageError> + Sync> ChangeSurvey<
     }
 
     /// Looks at all samples; `None` where it is cancelled.
-    fn look(
+    fn survey_cameras(
         &self,
         footage: &Footage,
         cancel: &CancelToken,

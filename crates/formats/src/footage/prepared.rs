@@ -12,7 +12,7 @@ use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
 use super::FootageError;
-use crate::take::Known;
+use crate::take::PlateKnowledge;
 use crate::{Take, keypoints, masks};
 
 /// Guaranteed: pictures and masks are of their camera's size, and `cameras` have no distortion.
@@ -74,13 +74,17 @@ impl PreparedTake {
             match self.take.plate_knowledge(camera)? {
                 None => background,
                 Some(known) => {
-                    let known = self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
-                    let those = |wanted: Known| {
+                    let known = self.rectifications[camera]
+                        .nearest(&known, PlateKnowledge::Scene)
+                        .unwrap_or_default();
+                    let those = |wanted: PlateKnowledge| {
                         let pixels = known.iter().enumerate().filter(move |(_, known)| **known == wanted);
                         pixels.map(|(index, _)| index).collect()
                     };
-                    (always_subject, unknown) = (those(Known::AlwaysSubject), those(Known::Nothing));
-                    let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
+                    (always_subject, unknown) =
+                        (those(PlateKnowledge::AlwaysSubject), those(PlateKnowledge::Nothing));
+                    let is_known: Vec<bool> =
+                        known.iter().map(|known| *known == PlateKnowledge::Scene).collect();
                     background.with_known(&is_known).map_err(failed)?
                 }
             }

@@ -108,10 +108,10 @@ struct Buffer {
     uri: Option<String>,
 }
 
-type Beside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>>;
+type ReadSibling<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>>;
 
 /// All triangles of a document or a GLB.
-pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup> {
+pub(super) fn parse(path: &Path, bytes: &[u8], beside: ReadSibling<'_>) -> Result<Soup> {
     read(path, bytes, beside, |reader| {
         reader.scene()?;
         Ok(std::mem::take(&mut reader.soup))
@@ -119,14 +119,14 @@ pub(super) fn parse(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Sou
 }
 
 /// The first skinned mesh of a document or a GLB.
-pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Skin> {
+pub(super) fn parse_skin(path: &Path, bytes: &[u8], beside: ReadSibling<'_>) -> Result<Skin> {
     read(path, bytes, beside, |reader| reader.skin())
 }
 
 fn read<T>(
     path: &Path,
     bytes: &[u8],
-    beside: Beside<'_>,
+    beside: ReadSibling<'_>,
     what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
 ) -> Result<T> {
     if !bytes.starts_with(MAGIC) {
@@ -165,7 +165,7 @@ fn read_document<T>(
     path: &Path,
     json: &[u8],
     binary: &[u8],
-    beside: Beside<'_>,
+    beside: ReadSibling<'_>,
     what: impl FnOnce(&mut GltfReader<'_>) -> Result<T, MeshProblem>,
 ) -> Result<T> {
     let document: Gltf = parse_bytes(path, json)?;

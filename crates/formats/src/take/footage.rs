@@ -272,7 +272,7 @@ pub(super) type Cache = Arc<crate::video::FrameCache>;
 
 /// What a plate knows of a pixel, by its alpha channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Known {
+pub enum PlateKnowledge {
     /// Nothing: alpha below 32.
     Nothing,
     /// The subject covers it in every frame: alpha from 32 to 127.
@@ -281,7 +281,7 @@ pub enum Known {
     Scene,
 }
 
-impl Known {
+impl PlateKnowledge {
     /// From this alpha on the scene is known.
     pub(super) const OPAQUE: u8 = 128;
     /// From this alpha on the subject covers the pixel.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use backlit_tracking::camera::Camera;
 use image::{RgbImage, imageops};
 
-use super::{BackgroundSource, CameraFootage, Known, Take, TakeError};
+use super::{BackgroundSource, CameraFootage, PlateKnowledge, Take, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::masks::{self, MaskSequence, MaskValues};
 use crate::video::Video;
@@ -171,26 +171,27 @@ impl Take {
     }
 
     /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.
-    pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<Known>>, TakeError> {
+    pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<PlateKnowledge>>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };
         let alpha = self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::alpha(path, &bytes));
         let alpha = alpha.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
-        let Some(alpha) = alpha.filter(|alpha| alpha.iter().any(|&alpha| alpha < Known::OPAQUE)) else {
+        let Some(alpha) = alpha.filter(|alpha| alpha.iter().any(|&alpha| alpha < PlateKnowledge::OPAQUE))
+        else {
             return Ok(None);
         };
         let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
         if alpha.len() == small.width() * small.height() {
-            return Ok(Some(alpha.into_iter().map(Known::of_alpha).collect()));
+            return Ok(Some(alpha.into_iter().map(PlateKnowledge::of_alpha).collect()));
         }
         // Of the pixels that are averaged to one, the least known counts.
         let (side, width) = (self.reduction as usize, small.width());
-        let mut out = vec![Known::Scene; width * small.height()];
+        let mut out = vec![PlateKnowledge::Scene; width * small.height()];
         for (index, &alpha) in alpha.iter().enumerate() {
             let (x, y) = (index % full.width() / side, index / full.width() / side);
             if x < width && y < small.height() {
                 let worst = &mut out[y * width + x];
-                *worst = (*worst).min(Known::of_alpha(alpha));
+                *worst = (*worst).min(PlateKnowledge::of_alpha(alpha));
             }
         }
         Ok(Some(out))

@@ -113,7 +113,7 @@ pub(super) struct Chain {
 
 /// What rays side by side meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Met {
+pub(super) enum BundleHit {
     /// None of them meets the figure.
     None,
     /// All of them meet it.
@@ -263,13 +263,13 @@ impl Figure {
     }
 
     /// What all rays meet from `from` on whose unit directions are within `spread` of this one.
-    pub(super) fn intersect_all(&self, origin: DVec3, direction: DVec3, spread: f64, from: f64) -> Met {
+    pub(super) fn intersect_all(&self, origin: DVec3, direction: DVec3, spread: f64, from: f64) -> BundleHit {
         // Rays that come as near as this are looked at one by one.
         const CLEARANCE: f64 = 2e-3;
         // Most steps within the figure, and the least of each, metres.
         const INNER_STEPS: usize = 12;
         const INNER_STEP: f64 = 4e-3;
-        let Some((start, end)) = self.within_ball(origin, direction, spread) else { return Met::None };
+        let Some((start, end)) = self.within_ball(origin, direction, spread) else { return BundleHit::None };
         let mut t = start.max(from);
         for _ in 0..STEPS {
             // The ball around this point that is surely empty, without what the rays are apart here.
@@ -279,7 +279,7 @@ impl Figure {
             }
             t += clear / (1.0 + spread);
             if t > end {
-                return Met::None;
+                return BundleHit::None;
             }
         }
         // Where the figure is thicker than the rays are apart, all of them meet it.
@@ -288,14 +288,14 @@ impl Figure {
             let distance = self.distance(origin + direction * inner);
             let width = spread * inner + CLEARANCE;
             if -distance * STEP > width {
-                return Met::All;
+                return BundleHit::All;
             }
             if distance > width {
                 break;
             }
             inner += (distance.abs() * STEP).max(INNER_STEP);
         }
-        Met::Some(t)
+        BundleHit::Some(t)
     }
 
     /// From where to where rays within `spread` of this one may be in the ball that holds the figure.

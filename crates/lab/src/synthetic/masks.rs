@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use super::figure::{Figure, Met};
+use super::figure::{BundleHit, Figure};
 
 /// Whether the ray through each pixel's centre meets the figure: no noise, no edge smoothing, no unknown.
 ///
@@ -73,9 +73,9 @@ impl Rays<'_> {
             return;
         }
         let clear = match self.meet([x, y], side, from) {
-            Met::None => return,
-            Met::All => return band.fill([x, y], side),
-            Met::Some(clear) => clear,
+            BundleHit::None => return,
+            BundleHit::All => return band.fill([x, y], side),
+            BundleHit::Some(clear) => clear,
         };
         let half = side / 2;
         for (right, down) in [(0, 0), (half, 0), (0, half), (half, half)] {
@@ -84,15 +84,17 @@ impl Rays<'_> {
     }
 
     /// What the rays of a block meet.
-    fn meet(&self, [x, y]: [usize; 2], side: usize, from: f64) -> Met {
+    fn meet(&self, [x, y]: [usize; 2], side: usize, from: f64) -> BundleHit {
         // A lens bends the block's sides by less than this share of it.
         const BENT: f64 = 1.1;
         let [left, top, reach] = [x, y, side - 1].map(|pixels| pixels as f64);
         let corners = [(0.0, 0.0), (reach, 0.0), (0.0, reach), (reach, reach)];
-        let Some(middle) = self.ray(left + reach / 2.0, top + reach / 2.0) else { return Met::Some(from) };
+        let Some(middle) = self.ray(left + reach / 2.0, top + reach / 2.0) else {
+            return BundleHit::Some(from);
+        };
         let mut spread: f64 = 0.0;
         for (right, down) in corners {
-            let Some(corner) = self.ray(left + right, top + down) else { return Met::Some(from) };
+            let Some(corner) = self.ray(left + right, top + down) else { return BundleHit::Some(from) };
             spread = spread.max(corner.distance(middle));
         }
         self.figure.intersect_all(self.camera.centre(), middle, BENT * spread, from)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::plate::{PlateError, plate_without_body};
-use backlit_formats::take::Known;
+use backlit_formats::take::PlateKnowledge;
 use backlit_formats::{Footage, MemoryFiles, Take, calibration};
 use backlit_lab::synthetic::{motion, studio};
 use backlit_tracking::body::{Kinematics, Pose, builtin};
@@ -69,14 +69,14 @@ fn a_plate_is_learnt_without_the_body_that_is_tracked() {
         let plate = plate_without_body(&take, camera, &body, &poses, &CancelToken::new()).unwrap();
         assert!(plate.known_share() > 0.85, "camera {camera}: {}", plate.known_share());
         for ((x, y, pixel), known) in plate.picture.enumerate_pixels().zip(&plate.known) {
-            assert!(*known != Known::Scene || *pixel == wall(x, y), "camera {camera}: {x}, {y}");
+            assert!(*known != PlateKnowledge::Scene || *pixel == wall(x, y), "camera {camera}: {x}, {y}");
         }
     }
     // A body that is somewhere else leaves the subject in the plate, or finds it in no level that is the wall's.
     let elsewhere: BTreeMap<usize, Pose> = (0..3).map(|frame| (frame, pose(FRAMES - 1))).collect();
     let plate = plate_without_body(&take, 0, &body, &elsewhere, &CancelToken::new()).unwrap();
-    let wrong = |((x, y, pixel), known): ((u32, u32, &Rgb<u8>), &Known)| {
-        *known == Known::Scene && *pixel != wall(x, y)
+    let wrong = |((x, y, pixel), known): ((u32, u32, &Rgb<u8>), &PlateKnowledge)| {
+        *known == PlateKnowledge::Scene && *pixel != wall(x, y)
     };
     assert!(plate.picture.enumerate_pixels().zip(&plate.known).any(wrong));
     let error = plate_without_body(&take, 7, &body, &poses, &CancelToken::new()).unwrap_err().to_string();

@@ -16,7 +16,7 @@ const NEARLY_AS_DOUBTFUL: f64 = 0.75;
 const DECODED_PER_PICTURE: usize = 8;
 
 /// The chosen frames.
-pub(super) struct Chosen {
+pub(super) struct PageFrames {
     /// Those with pictures.
     pub(super) pictured: BTreeSet<usize>,
     /// Those with steps, which have pictures too.
@@ -30,7 +30,7 @@ pub(super) fn frames(
     options: &ReportOptions,
     count: usize,
     sooner: impl Fn(usize) -> usize,
-) -> Chosen {
+) -> PageFrames {
     let all: Vec<usize> = source.track.frames.keys().copied().filter(|&frame| frame < count).collect();
     let doubts: BTreeMap<usize, f64> = all.iter().map(|&frame| (frame, doubt(source, frame))).collect();
     let mut worst: Vec<(usize, f64)> = doubts.iter().map(|(frame, doubt)| (*frame, *doubt)).collect();
@@ -59,7 +59,7 @@ pub(super) fn frames(
             if is_between { sooner } else { even }
         }));
     }
-    Chosen { pictured, stepped }
+    PageFrames { pictured, stepped }
 }
 
 /// The frames of a page of `pictures` that stand for its most doubtful ones, from the doubts of all frames, by frame and worst first.

@@ -174,8 +174,9 @@ impl Bundle<'_> {
                 equations.of_cameras[at] -= weight * change;
             }
         }
-        let beside: Vec<[Option<[Camera; 2]>; COLUMNS]> =
-            (0..state.cameras.len()).map(|camera| self.beside(camera, &state.changes[camera])).collect();
+        let beside: Vec<[Option<[Camera; 2]>; COLUMNS]> = (0..state.cameras.len())
+            .map(|camera| self.nudged_cameras(camera, &state.changes[camera]))
+            .collect();
         for sighting in self.sightings {
             let camera = &state.cameras[sighting.camera];
             let point = state.points[sighting.point];
@@ -201,7 +202,7 @@ impl Bundle<'_> {
     }
 
     /// A camera with each of its numbers a little larger and a little smaller.
-    fn beside(&self, camera: usize, changes: &[f64; COLUMNS]) -> [Option<[Camera; 2]>; COLUMNS] {
+    fn nudged_cameras(&self, camera: usize, changes: &[f64; COLUMNS]) -> [Option<[Camera; 2]>; COLUMNS] {
         std::array::from_fn(|column| {
             let side = |by: f64| {
                 let mut changes = *changes;

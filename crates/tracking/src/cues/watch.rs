@@ -56,7 +56,7 @@ impl CueWatch {
 
     /// What pulls in a frame whose fit begins at `start`. `cues` are in the order of the cameras; pictures that are not of
     /// their camera's size are not looked at.
-    pub fn look(&mut self, cameras: Vec<WatchedCamera>, cues: FrameCues, start: &Pose) -> &Arc<CueSet> {
+    pub fn update(&mut self, cameras: Vec<WatchedCamera>, cues: FrameCues, start: &Pose) -> &Arc<CueSet> {
         (self.cameras, self.cues) = (cameras, cues);
         let frame =
             CueFrame::new(&self.model, &self.options, self.renderer, &self.cameras, &self.cues, start);
@@ -76,7 +76,7 @@ impl CueWatch {
         &self.set
     }
 
-    /// What pulls in the frame that was [looked](Self::look) at last.
+    /// What pulls in the frame of the last [update](Self::update).
     #[must_use]
     pub fn set(&self) -> &Arc<CueSet> {
         &self.set

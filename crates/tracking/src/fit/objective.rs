@@ -139,7 +139,7 @@ impl Objective {
     /// Silhouettes and cues of the pixels that are sampled, in tangent columns.
     fn measured(&mut self, pose: &Pose) -> NormalEquations {
         let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
-        self.look(pose);
+        self.render_cameras(pose);
         self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
         equations.cost = self.silhouette_cost;
         self.add_cues(Parameters::Tangent, &mut equations);
@@ -231,7 +231,7 @@ impl Objective {
         }
     }
 
-    fn hold(&self, equations: &mut NormalEquations) {
+    fn hold_rotations(&self, equations: &mut NormalEquations) {
         let Some(free) = &self.constraints.free else { return };
         let parameters = self.options.parameters;
         let held = (0..free.len()).filter(|&rotation| !free[rotation]).flat_map(|rotation| {
@@ -247,7 +247,7 @@ impl Objective {
     }
 
     /// Renders the pose in every camera: costs and world blocks.
-    fn look(&mut self, pose: &Pose) {
+    fn render_cameras(&mut self, pose: &Pose) {
         let (model, options, ramp) = (&self.model, &self.options, self.stage.ramp);
         self.kinematics.update(model, pose);
         let kinematics = &self.kinematics;
@@ -279,7 +279,7 @@ impl LeastSquares for Objective {
     type Point = Pose;
 
     fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
-        self.look(pose);
+        self.render_cameras(pose);
         equations.cost += self.silhouette_cost;
         let (parameters, unit) = (self.options.parameters, self.prior_unit());
         self.world.add_to(&self.kinematics, parameters, &mut self.map, equations);
@@ -301,7 +301,7 @@ impl LeastSquares for Objective {
         }
         let at = ResidualPoint { model, pose, kinematics, parameters, unit };
         self.constraints.residuals.iter().for_each(|residual| residual.add(&at, equations));
-        self.hold(equations);
+        self.hold_rotations(equations);
     }
 
     fn columns(&self) -> usize {

@@ -102,7 +102,7 @@ impl FrameInformation {
                 let view = view.as_ref()?;
                 let weight = if view.weight > 0.0 { view.weight } else { 1.0 };
                 let view = FitView { weight, ..view.clone() };
-                view.has_data().then(|| look(model, &kinematics, &view, options))
+                view.has_data().then(|| camera_information(model, &kinematics, &view, options))
             })
             .collect();
         let lever_m = mean_lever(model);
@@ -122,7 +122,7 @@ impl FrameInformation {
         let kinematics = Kinematics::new(model, &pose);
         let look = |camera: &Arc<Camera>| {
             let drawn = View::new(model, &kinematics, camera, renderer, ramp);
-            Some(look_through(model, &kinematics, camera, &drawn, |_, _| [0.0, 1.0]))
+            Some(drawn_information(model, &kinematics, camera, &drawn, |_, _| [0.0, 1.0]))
         };
         let cameras = cameras.par_iter().map(look).collect();
         Self { model: Arc::clone(model), lever_m: mean_lever(model), cameras, kinematics, pose }
@@ -180,7 +180,12 @@ fn mean_lever(model: &Model) -> f64 {
     if lever > 0.0 { lever } else { 1.0 }
 }
 
-fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOptions) -> CameraInformation {
+fn camera_information(
+    model: &Model,
+    kinematics: &Kinematics,
+    view: &FitView,
+    options: &FitOptions,
+) -> CameraInformation {
     let stages = &options.stages;
     let stage = Stage { stride: 1, ..stages[stages.len() - 1] };
     // A fit of one stage believes every pixel.
@@ -191,12 +196,15 @@ fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOpt
         let residual = f64::from(data.values()[at]) - BACKGROUND * level;
         [residual, f64::from(data.weights()[at]) * loss.weight(residual * residual)]
     };
-    CameraInformation { weight: view.weight, ..look_through(model, kinematics, &view.camera, &drawn, seen) }
+    CameraInformation {
+        weight: view.weight,
+        ..drawn_information(model, kinematics, &view.camera, &drawn, seen)
+    }
 }
 
 /// What a camera of weight one tells. `seen` says of a pixel, by its index and predicted level from 0 to 1, the residual and how
 /// much it counts.
-fn look_through(
+fn drawn_information(
     model: &Model,
     kinematics: &Kinematics,
     camera: &Arc<Camera>,

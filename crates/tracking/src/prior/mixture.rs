@@ -103,16 +103,16 @@ impl StudentMixture {
 
     /// E and its pull at x, D numbers.
     pub fn pull(&self, x: &DVector<f64>) -> Pull {
-        let (looks, log_density) = self.look(x);
+        let (terms, log_density) = self.components_at(x);
         let mut force = DVector::zeros(self.size());
         let mut curvature = DMatrix::zeros(self.size(), self.size());
-        for (look, one) in looks.iter().zip(&self.ready) {
-            let responsible = (look.log_part - log_density).exp();
+        for (term, one) in terms.iter().zip(&self.ready) {
+            let responsible = (term.log_part - log_density).exp();
             if responsible < LEAST_RESPONSIBLE {
                 continue;
             }
-            let weight = responsible * self.believed(look.squared);
-            force.axpy(weight, &look.pushed, 1.0);
+            let weight = responsible * self.believed(term.squared);
+            force.axpy(weight, &term.pushed, 1.0);
             curvature.zip_apply(&one.precision, |sum, number| *sum += weight * number);
         }
         Pull { energy: (-2.0 * log_density).max(0.0), force, curvature }
@@ -120,8 +120,8 @@ impl StudentMixture {
 
     /// rₖ and uₖ of every component.
     pub(super) fn weights(&self, x: &DVector<f64>) -> Vec<[f64; 2]> {
-        let (looks, log_density) = self.look(x);
-        looks.iter().map(|look| [(look.log_part - log_density).exp(), self.believed(look.squared)]).collect()
+        let (terms, log_density) = self.components_at(x);
+        terms.iter().map(|term| [(term.log_part - log_density).exp(), self.believed(term.squared)]).collect()
     }
 
     /// u = (ν + D)/(ν + m).
@@ -130,18 +130,18 @@ impl StudentMixture {
     }
 
     /// Every component at x, and ln(p(x)/Σ πₖ cₖ).
-    fn look(&self, x: &DVector<f64>) -> (Vec<ComponentTerm>, f64) {
+    fn components_at(&self, x: &DVector<f64>) -> (Vec<ComponentTerm>, f64) {
         let by_distance = 0.5 * (self.degrees + self.size() as f64);
-        let look = |one: &Ready| {
+        let term = |one: &Ready| {
             let off = &one.mean - x;
             let pushed = &one.precision * &off;
             let squared = pushed.dot(&off);
             let log_part = one.log_height - by_distance * (squared / self.degrees).ln_1p();
             ComponentTerm { pushed, squared, log_part }
         };
-        let looks: Vec<ComponentTerm> = self.ready.iter().map(look).collect();
-        let log_density = log_sum_exp(looks.iter().map(|look| look.log_part));
-        (looks, log_density)
+        let terms: Vec<ComponentTerm> = self.ready.iter().map(term).collect();
+        let log_density = log_sum_exp(terms.iter().map(|term| term.log_part));
+        (terms, log_density)
     }
 
     /// ln p(x), normalised: what trainings are compared by.

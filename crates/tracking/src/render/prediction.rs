@@ -81,7 +81,7 @@ fn visit_covered(view: &View, mut visit: impl FnMut(usize)) {
         let mut near = view.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y));
         near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
     };
-    Lanes::default().look(view, |y, from, levels| {
+    Lanes::default().visit(view, |y, from, levels| {
         for (x, &level) in (from..).zip(levels) {
             let is_doubtful = (level - 0.5).abs() < DOUBT;
             if (is_doubtful && is_dark(x, y)) || (!is_doubtful && level < 0.5) {

@@ -86,8 +86,8 @@ impl WithSimd for Add<'_> {
         map.prepare(kinematics, branches, parameters);
         map.carry(simd, kinematics, branches, equations);
         match parameters {
-            Parameters::Raw => map.meet::<S, 4>(simd, kinematics, branches, equations),
-            Parameters::Tangent => map.meet::<S, 3>(simd, kinematics, branches, equations),
+            Parameters::Raw => map.add_couplings::<S, 4>(simd, kinematics, branches, equations),
+            Parameters::Tangent => map.add_couplings::<S, 3>(simd, kinematics, branches, equations),
         }
     }
 }
@@ -158,7 +158,7 @@ impl StateMap {
 
     /// Adds the blocks of every rotation with the root, with itself and with all that carry it.
     #[inline(always)]
-    fn meet<S: Simd, const COLUMNS: usize>(
+    fn add_couplings<S: Simd, const COLUMNS: usize>(
         &self,
         simd: S,
         kinematics: &Kinematics,

@@ -59,7 +59,7 @@ pub fn synchronise(
         .collect();
     let network = Network { count, step, pairs };
     let coarse = network.climb();
-    Ok(network.answer(&coarse, &refused, options))
+    Ok(network.synchronisation(&coarse, &refused, options))
 }
 
 fn check(recordings: &[Recording], options: &SynchroniseOptions) -> Result<(), SynchroniseError> {
@@ -111,7 +111,7 @@ impl Comparison {
     }
 
     /// The camera beside this one.
-    fn beside(&self, camera: usize) -> Option<usize> {
+    fn other_camera(&self, camera: usize) -> Option<usize> {
         let [a, b] = self.cameras;
         if camera == a { Some(b) } else { (camera == b).then_some(a) }
     }
@@ -129,7 +129,7 @@ impl Network {
     fn evidence(&self, camera: usize, offset: f64, known: &[Option<f64>]) -> Option<f64> {
         let mut sum = None;
         for pair in self.pairs.iter().filter(|pair| pair.speaks()) {
-            let Some(other) = pair.beside(camera).and_then(|other| known[other]) else { continue };
+            let Some(other) = pair.other_camera(camera).and_then(|other| known[other]) else { continue };
             *sum.get_or_insert(0.0) += pair.evidence_of(camera, offset, other);
         }
         sum
@@ -139,7 +139,7 @@ impl Network {
     fn candidates(&self, camera: usize, known: &[Option<f64>]) -> Vec<f64> {
         let mut range: Option<[f64; 2]> = None;
         for pair in self.pairs.iter().filter(|pair| pair.speaks()) {
-            let Some(other) = pair.beside(camera).and_then(|other| known[other]) else { continue };
+            let Some(other) = pair.other_camera(camera).and_then(|other| known[other]) else { continue };
             let curve = &pair.curve;
             let ends = [curve.first, curve.offset(curve.values.len() - 1)];
             let [low, high] = if camera == pair.cameras[1] {
@@ -191,7 +191,7 @@ impl Network {
         known
     }
 
-    fn answer(
+    fn synchronisation(
         &self,
         coarse: &[Option<f64>],
         refused: &[Option<Undecided>],

@@ -14,7 +14,7 @@ use super::motion::{
     Predicted,
 };
 use super::patience::{LAST_RESORT, Patience};
-use super::trust::Beside;
+use super::trust::FrameContext;
 use crate::belief::{self, Conflicts};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
@@ -218,7 +218,7 @@ impl Tracker {
         let start = self.start_of(frame);
         if let Some(watch) = &mut self.cues {
             let (cameras, cues) = watched(&views, cues);
-            watch.look(cameras, cues, &start);
+            watch.update(cameras, cues, &start);
         }
         let begins = self.last.as_ref().is_none_or(|last| last.lost);
         let attempt = if self.start.is_none() {
@@ -354,7 +354,7 @@ impl Tracker {
         let signs = if self.judges {
             let conflicts = conflicts.unwrap_or_else(|| self.conflicts(&summary.pose, views));
             let holds = holds.as_deref().unwrap_or_default();
-            let beside = Beside { holds, modes: &modes, lost, rms: rms(&summary) };
+            let beside = FrameContext { holds, modes: &modes, lost, rms: rms(&summary) };
             self.signs(frame, &mut fit, &conflicts, beside, views)
         } else {
             Vec::new()

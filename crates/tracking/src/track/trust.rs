@@ -14,7 +14,7 @@ const UNKNOWN_ERROR_M: [f64; 2] = [0.5, 2.0];
 
 /// What else is known of a frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Beside<'a> {
+pub(super) struct FrameContext<'a> {
     pub(super) holds: &'a [LimbHold],
     pub(super) modes: &'a [Mode],
     pub(super) lost: Option<Lost>,
@@ -35,7 +35,7 @@ impl Tracker {
         frame: usize,
         fit: &mut Fit,
         conflicts: &Conflicts,
-        beside: Beside<'_>,
+        beside: FrameContext<'_>,
         views: &[FitView],
     ) -> Vec<Signs> {
         let (model, renderer) = (&*self.model, self.options.renderer);

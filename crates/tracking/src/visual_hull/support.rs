@@ -143,9 +143,9 @@ impl Ball {
     }
 }
 
-/// What a block says of a place in it.
+/// How a block votes on a place in it.
 #[derive(Clone, Copy)]
-enum Says {
+enum Vote {
     /// Subject is no farther away than the tolerance.
     For,
     Nothing,
@@ -161,7 +161,7 @@ struct BlockView<'a> {
     /// Subject pixels of each block.
     subject: Vec<usize>,
     /// What blocks say of places in them.
-    says: Vec<Says>,
+    votes: Vec<Vote>,
     /// Whether the subject may reach beyond the picture's border.
     is_cut: bool,
 }
@@ -189,13 +189,13 @@ impl<'a> BlockView<'a> {
             x < reach || y < reach || x + reach >= columns || y + reach >= rows
         };
         let is_cut = (0..subject.len()).any(|block| subject[block] > 0 && at_border(block));
-        let says = |(is_near, unknown): (bool, usize)| match (is_near, 2 * unknown >= side_px * side_px) {
-            (true, _) => Says::For,
-            (false, true) => Says::Nothing,
-            (false, false) => Says::Against,
+        let vote = |(is_near, unknown): (bool, usize)| match (is_near, 2 * unknown >= side_px * side_px) {
+            (true, _) => Vote::For,
+            (false, true) => Vote::Nothing,
+            (false, false) => Vote::Against,
         };
-        let says = is_near.into_iter().zip(unknown).map(says).collect();
-        Self { extent, side_px, columns, rows, subject, says, is_cut }
+        let votes = is_near.into_iter().zip(unknown).map(vote).collect();
+        Self { extent, side_px, columns, rows, subject, votes, is_cut }
     }
 
     fn subject_pixels(&self) -> usize {
@@ -238,7 +238,7 @@ impl<'a> BlockView<'a> {
             while let Some(block) = waiting.pop() {
                 if blocks[block] && !std::mem::replace(&mut is_visited[block], true) {
                     part.push(block);
-                    waiting.extend(self.beside(block));
+                    waiting.extend(self.with_neighbours(block));
                 }
             }
             let pixels: usize = part.iter().map(|&block| self.subject[block]).sum();
@@ -250,7 +250,7 @@ impl<'a> BlockView<'a> {
     }
 
     /// A block and its neighbours, those at its corners too.
-    fn beside(&self, block: usize) -> impl Iterator<Item = usize> {
+    fn with_neighbours(&self, block: usize) -> impl Iterator<Item = usize> {
         let (x, y, columns) = (block % self.columns, block / self.columns, self.columns);
         let rows = y.saturating_sub(1)..(y + 2).min(self.rows);
         rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| y * columns + x))
@@ -315,7 +315,7 @@ impl SupportSearch<'_, '_> {
                 });
                 all && supports(&votes)
             };
-            let found = self.look(view, &wanted(self, view), holds);
+            let found = self.places_on_rays(view, &wanted(self, view), holds);
             for (place, found) in self.places[view].iter_mut().zip(found) {
                 *place = place.or(found);
             }
@@ -333,7 +333,7 @@ impl SupportSearch<'_, '_> {
         self.views[view].large_parts(self.unsupported(view))
     }
 
-    /// What a camera says of the place at a distance along a ray.
+    /// How a camera votes on the place at a distance along a ray.
     fn vote(&self, ray: &SeenRay, distance: f64, unsupported: &[Vec<bool>], votes: &mut Votes) {
         let other = &self.views[ray.view];
         let Some(block) = other.block(ray.origin + distance * ray.direction) else {
@@ -342,18 +342,18 @@ impl SupportSearch<'_, '_> {
             return;
         };
         votes.seen += 1;
-        match other.says[block] {
-            Says::For => {
+        match other.votes[block] {
+            Vote::For => {
                 votes.supporting += 1;
                 votes.unexplained += usize::from(unsupported[ray.view][block]);
             }
-            Says::Nothing => {}
-            Says::Against => votes.against += 1,
+            Vote::Nothing => {}
+            Vote::Against => votes.against += 1,
         }
     }
 
     /// A place on the ray of each of the wanted blocks of a view.
-    fn look(
+    fn places_on_rays(
         &self,
         view: usize,
         wanted: &[bool],

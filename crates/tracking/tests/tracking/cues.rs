@@ -132,7 +132,7 @@ fn offsets_of_keypoints_are_learnt() {
         let watched: Vec<WatchedCamera> = views(&model, &pose, &cameras).into_iter().map(mask).collect();
         let cues = keypoints(&model, &pose, &cameras, off);
         for _ in 0..20 {
-            watch.look(watched.clone(), cues.clone(), &pose);
+            watch.update(watched.clone(), cues.clone(), &pose);
             watch.learn(&pose, true);
         }
         let mut offsets = KeypointOffsets::new(model.limbs().len(), options.offset_m);
@@ -254,5 +254,5 @@ fn keypoints_that_make_no_sense_do_not_pull() {
     let mut watch = CueWatch::new(Arc::clone(&model), CueOptions::default(), RendererKind::Capsule).unwrap();
     let watched =
         cameras.iter().map(|camera| WatchedCamera { camera: Arc::clone(camera), mask: None }).collect();
-    assert_eq!(watch.look(watched, cues, &pose).pulls, []);
+    assert_eq!(watch.update(watched, cues, &pose).pulls, []);
 }

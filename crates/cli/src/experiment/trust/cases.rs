@@ -104,7 +104,7 @@ fn movement(person: &'static Person, pose: fn(&Model, f64) -> Pose) -> Movement 
 
 /// What a simulated mask is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Drawn {
+enum MaskSource {
     /// The body's own capsules.
     Capsules,
     /// The same, too wide.
@@ -113,7 +113,7 @@ enum Drawn {
     Clothed,
 }
 
-impl Drawn {
+impl MaskSource {
     fn name(self) -> &'static str {
         match self {
             Self::Capsules => "exact",
@@ -132,7 +132,7 @@ struct Simulated {
     rate: f64,
     seconds: f64,
     every: usize,
-    drawn: Drawn,
+    drawn: MaskSource,
     /// How the start is turned: about which axis of the world, radians.
     turned: Option<(DVec3, f64)>,
     is_held_out: bool,
@@ -145,8 +145,8 @@ impl Simulated {
             run.check()?;
             let truth = (self.pose)(&model, frame as f64 / self.rate);
             let figure = match self.drawn {
-                Drawn::Clothed => Figure::new(&model, &truth, Build::default()),
-                Drawn::Capsules | Drawn::Wide => None,
+                MaskSource::Clothed => Figure::new(&model, &truth, Build::default()),
+                MaskSource::Capsules | MaskSource::Wide => None,
             };
             let view = |camera: &Arc<Camera>| {
                 let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(truth.root);
@@ -155,8 +155,8 @@ impl Simulated {
                     None => capsules::hard_mask(&model, &truth, camera)?,
                 };
                 let mask = match self.drawn {
-                    Drawn::Wide => widened(mask, TOO_WIDE * BREADTH * px_per_m)?,
-                    Drawn::Capsules | Drawn::Clothed => mask,
+                    MaskSource::Wide => widened(mask, TOO_WIDE * BREADTH * px_per_m)?,
+                    MaskSource::Capsules | MaskSource::Clothed => mask,
                 };
                 Ok(FitView::of_mask(camera.clone(), mask))
             };
@@ -169,7 +169,7 @@ impl Simulated {
         let frames = (0..count).step_by(self.every).map(frame).collect::<Result<_>>()?;
         let mut start = start::perturb(&model, &(self.pose)(&model, 0.0), 3_f64.to_radians(), 0.02, 1);
         let mut name = format!("{}, {} a second", self.name, self.rate / self.every as f64);
-        if self.drawn != Drawn::Wide {
+        if self.drawn != MaskSource::Wide {
             name += &format!(", {}", self.drawn.name());
         }
         if let Some((axis, angle)) = self.turned {
@@ -198,7 +198,7 @@ pub(super) fn simulated(seconds: f64, run: &Run) -> Result<Vec<Case>> {
     let mut all = Vec::new();
     for (build, person) in BUILDS.map(|index| &PEOPLE[index]).into_iter().enumerate() {
         let model = Arc::new(person.of(&builtin::full_body())?);
-        let ways = [(0, Drawn::Wide, 1), (1, Drawn::Wide, 4), (0, Drawn::Clothed, 4)];
+        let ways = [(0, MaskSource::Wide, 1), (1, MaskSource::Wide, 4), (0, MaskSource::Clothed, 4)];
         for (third, drawn, every) in ways {
             let held_out = |other: usize| (build + third + other) % 2 == 1;
             for (at, which) in Occlusion::ALL.into_iter().enumerate() {
@@ -216,7 +216,7 @@ pub(super) fn simulated(seconds: f64, run: &Run) -> Result<Vec<Case>> {
                 });
             }
             for count in 2..=exercise::MOST_CAMERAS {
-                let is_turned = every > 1 && drawn == Drawn::Wide && build < 2;
+                let is_turned = every > 1 && drawn == MaskSource::Wide && build < 2;
                 let turns = TURNS.into_iter().map(Some).filter(|_| is_turned);
                 for (turn, turned) in std::iter::once(None).chain(turns).enumerate() {
                     all.push(Simulated {
@@ -243,7 +243,7 @@ pub(super) fn simulated(seconds: f64, run: &Run) -> Result<Vec<Case>> {
 /// A person amid four cameras and before three, in pictures of two sizes.
 fn clear(build: usize, person: &'static Person, model: &Arc<Model>, seconds: f64) -> Result<Vec<Simulated>> {
     let mut all = Vec::new();
-    for (at, drawn) in [Drawn::Capsules, Drawn::Wide, Drawn::Clothed].into_iter().enumerate() {
+    for (at, drawn) in [MaskSource::Capsules, MaskSource::Wide, MaskSource::Clothed].into_iter().enumerate() {
         for (third, size_px) in AROUND_PX.into_iter().enumerate() {
             let is_held_out = (build + at + third) % 2 == 1;
             let [width, height] = size_px;
@@ -293,7 +293,7 @@ fn upper_bodies(seconds: f64) -> Result<Vec<Simulated>> {
                 rate: upper_body::FRAME_RATE,
                 seconds: seconds.min(2.0),
                 every: 1,
-                drawn: if count == 3 { Drawn::Wide } else { Drawn::Capsules },
+                drawn: if count == 3 { MaskSource::Wide } else { MaskSource::Capsules },
                 turned: None,
                 is_held_out: (at + third) % 2 == 1,
             });

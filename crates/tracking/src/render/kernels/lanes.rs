@@ -112,7 +112,7 @@ impl Lanes {
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
     /// and of λ/255 from there on, before clipping. [`View::suits_lanes`] must hold.
-    pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
+    pub(crate) fn visit(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
         let grid = PixelGrid::without_data(view.size);
         self.prepare(view, &grid);
         Scratch::with(&grid, |scratch| {

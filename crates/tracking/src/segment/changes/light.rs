@@ -130,7 +130,7 @@ impl LightField {
     }
 
     /// How far it is from another, as the mean difference of log gains across the picture.
-    fn apart(&self, other: &Self) -> f64 {
+    fn distance(&self, other: &Self) -> f64 {
         let ends = [0, 2, 4];
         let places = ends.into_iter().flat_map(|x| ends.map(|y| basis([x, y], [5, 5])));
         let off = |at: &[f64; 6]| {
@@ -184,13 +184,13 @@ pub fn light_change<E>(
     for pair in samples.windows(2) {
         let [(mut low, before), (mut high, after)] = [pair[0], pair[1]];
         light.push(before.key(low));
-        if before.apart(&after) < 0.5 * LEAST_SPREAD {
+        if before.distance(&after) < 0.5 * LEAST_SPREAD {
             continue;
         }
         while high - low > 1 {
             let middle = low.midpoint(high);
             let Some(found) = field(middle)? else { break };
-            if found.apart(&before) < found.apart(&after) { low = middle } else { high = middle }
+            if found.distance(&before) < found.distance(&after) { low = middle } else { high = middle }
         }
         if low > pair[0].0 {
             light.push(before.key(low));
