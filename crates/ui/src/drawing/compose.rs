@@ -11,7 +11,7 @@ use super::tinted::{self, mix};
 use super::{PictureInput, ViewMode};
 use crate::style::format;
 use crate::style::theme::data_colours::{
-    NO_GRADIENT, PICTURE_GROUND, REPORT_GROUND, SHADOW, UNKNOWN, limb_colour, mark, report_grey,
+    NO_GRADIENT, PICTURE_GROUND, REPORT_GROUND, SHADOW, UNKNOWN, byte, limb_colour, mark, report_grey,
 };
 use crate::style::theme::{gradient_colour, residual_colour};
 
@@ -51,20 +51,28 @@ impl ViewedPicture {
             ViewMode::Footage => {
                 input.paint(part, picture, |x, y, _| input.footage(x, y).unwrap_or(PICTURE_GROUND));
             }
-            ViewMode::Data => input.paint(part, picture, |x, y, index| {
-                hatched(input, [x, y, index], PICTURE_GROUND, |level| Color32::from_gray(level.round() as u8))
-            }),
-            ViewMode::Prediction => input
-                .paint(part, picture, |_, _, index| Color32::from_gray(input.lambda(index).round() as u8)),
-            ViewMode::ReportOverlay => input.paint(part, picture, |x, y, index| {
-                let grey = |level| Color32::from_gray(report_grey(level, input.lambda(index)));
-                hatched(input, [x, y, index], Color32::from_gray(REPORT_GROUND), grey)
-            }),
+            ViewMode::Data => {
+                paint_data(input, part, picture, PICTURE_GROUND, |level, _| Color32::from_gray(byte(level)));
+            }
+            ViewMode::Prediction => {
+                for (_, row) in input.rows(part) {
+                    paint_levels(&mut picture.pixels[row.clone()], &[], input.lambdas(row), |_, lambda| {
+                        Color32::from_gray(byte(lambda))
+                    });
+                }
+            }
+            ViewMode::ReportOverlay => {
+                let ground = Color32::from_gray(REPORT_GROUND);
+                paint_data(input, part, picture, ground, |level, lambda| {
+                    Color32::from_gray(report_grey(level, lambda))
+                });
+            }
             ViewMode::Tinted => tinted::compose(input, part, picture),
-            ViewMode::Residual => input.paint(part, picture, |x, y, index| {
-                let colour = |level| residual_colour(level - input.lambda(index));
-                hatched(input, [x, y, index], PICTURE_GROUND, colour)
-            }),
+            ViewMode::Residual => {
+                paint_data(input, part, picture, PICTURE_GROUND, |level, lambda| {
+                    residual_colour(level - lambda)
+                });
+            }
             ViewMode::OwnerLimb => input.paint(part, picture, |_, _, index| {
                 let owner = input.prediction.map_or(NO_OWNER, |p| p.owner[index]);
                 let colour = input.limb_colours.get(usize::from(owner));
@@ -82,19 +90,59 @@ impl ViewedPicture {
     }
 }
 
-/// A pixel's colour where the data is shown: hatched where it is shadow or says nothing. Under the hatch lies `shown` of its
-/// grey level, or `ground` where it weighs nothing.
-fn hatched(
+/// Paints the data: `shown` of D and Λ where it says something, else hatched over `ground`. What every frame of a drag does for every
+/// view is to be quick: slices side by side, and hatches only on rows that need them.
+fn paint_data(
     input: &PictureInput<'_>,
-    [x, y, index]: [usize; 3],
+    part: &Footprint,
+    picture: &mut ColorImage,
     ground: Color32,
-    shown: impl FnOnce(f32) -> Color32,
-) -> Color32 {
-    let level = input.level(index).filter(|_| input.label(index) != Label::Unknown);
-    match (level, input.is_shadow(index)) {
-        (_, true) if is_shadow_line(y) => SHADOW,
-        (None, false) if is_unknown_line(x, y) => UNKNOWN,
-        (level, _) => level.map_or(ground, shown),
+    shown: impl Fn(f32, f32) -> Color32,
+) {
+    let (has_shadow, mut of_mask) = (input.has_shadow(), Vec::new());
+    for (y, row) in input.rows(part) {
+        let pixels = &mut picture.pixels[row.clone()];
+        let levels = input.levels(row.clone(), &mut of_mask);
+        paint_levels(pixels, levels, input.lambdas(row.clone()), &shown);
+        if has_shadow || input.has_unknown_in(row.clone()) {
+            let first = row.start - y * input.size[0];
+            for ((x, index), pixel) in (first..).zip(row).zip(pixels) {
+                *pixel = hatch(input, [x, y, index], ground).unwrap_or(*pixel);
+            }
+        }
+    }
+}
+
+/// Paints pixels by D and Λ: an empty slice stands for the background. Λ that is no number counts as background.
+fn paint_levels(
+    pixels: &mut [Color32],
+    levels: &[f32],
+    lambdas: &[f32],
+    shown: impl Fn(f32, f32) -> Color32,
+) {
+    let finite = |lambda: f32| if lambda.is_finite() { lambda } else { 255.0 };
+    match (levels.is_empty(), lambdas.is_empty()) {
+        (false, false) => {
+            for ((pixel, &level), &lambda) in pixels.iter_mut().zip(levels).zip(lambdas) {
+                *pixel = shown(level, finite(lambda));
+            }
+        }
+        (false, true) => {
+            pixels.iter_mut().zip(levels).for_each(|(pixel, &level)| *pixel = shown(level, 255.0));
+        }
+        (true, _) => {
+            pixels.iter_mut().zip(lambdas).for_each(|(pixel, &lambda)| *pixel = shown(255.0, finite(lambda)));
+        }
+    }
+}
+
+/// What is painted over a pixel where the data says nothing, or shadow falls; `None` where the data is shown.
+fn hatch(input: &PictureInput<'_>, [x, y, index]: [usize; 3], ground: Color32) -> Option<Color32> {
+    match (input.label(index), input.is_shadow(index)) {
+        (_, true) if is_shadow_line(y) => Some(SHADOW),
+        (Label::Unknown, false) if is_unknown_line(x, y) => Some(UNKNOWN),
+        (Label::Unknown, _) => Some(ground),
+        (Label::Subject | Label::Background, _) => None,
     }
 }
 
@@ -234,6 +282,28 @@ mod tests {
         let data = Measurement::new(3, 1, vec![99.6, 40.0, 12.0], vec![1.0, 1.0, 0.0]).unwrap();
         let picture = compose(ViewMode::Data, &PictureInput { data: Some(&data), mask: None, ..input });
         assert_eq!(picture.pixels, [Color32::from_gray(100), Color32::from_gray(40), PICTURE_GROUND]);
+    }
+
+    #[test]
+    fn weightless_pixels_are_hatched_and_numbers_that_are_none_are_background() {
+        let mask = Mask::from_ascii("##..").unwrap();
+        let data = Measurement::new(4, 1, vec![40.0; 4], vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        let prediction = prediction(&[0.0, 0.0, f32::NAN, 40.0], &[0; 4]);
+        let input = PictureInput {
+            mask: Some(&mask),
+            data: Some(&data),
+            prediction: Some(&prediction),
+            ..PictureInput::empty([4, 1])
+        };
+        let picture = compose(ViewMode::Residual, &input).pixels;
+        assert_eq!(picture, [UNKNOWN, PICTURE_GROUND, residual_colour(40.0 - 255.0), residual_colour(0.0)]);
+        let grey = Color32::from_gray;
+        assert_eq!(compose(ViewMode::Prediction, &input).pixels, [0, 0, 255, 40].map(grey));
+        let overlay = compose(ViewMode::ReportOverlay, &input).pixels;
+        assert_eq!(
+            overlay[1..],
+            [grey(REPORT_GROUND), grey(report_grey(40.0, 255.0)), grey(report_grey(40.0, 40.0))]
+        );
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What there is to look at in one camera.
 
+use std::ops::Range;
+
 use backlit_tracking::render::prediction::NO_OWNER;
 use backlit_tracking::render::{Footprint, Prediction, View};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
@@ -143,6 +145,42 @@ impl<'a> PictureInput<'a> {
         }
     }
 
+    /// The rows of a part of the picture, each with the range of its pixels.
+    pub(super) fn rows(&self, part: &Footprint) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let width = self.size[0];
+        part.rows().map(move |y| {
+            let columns = part.columns(y);
+            (y, y * width + columns.start..y * width + columns.end)
+        })
+    }
+
+    /// D of some pixels of a fitting input, which `of_mask` holds where there is but a mask; empty where there is neither.
+    pub(super) fn levels<'b>(&'b self, row: Range<usize>, of_mask: &'b mut Vec<f32>) -> &'b [f32] {
+        match (self.data, self.mask) {
+            (Some(data), _) => &data.values()[row],
+            (None, Some(mask)) => {
+                of_mask.clear();
+                of_mask.extend(mask.labels()[row].iter().map(|label| level_of(*label)));
+                of_mask
+            }
+            (None, None) => &[],
+        }
+    }
+
+    /// Λ of some pixels of a fitting input as it is drawn; empty without a prediction.
+    pub(super) fn lambdas(&self, row: Range<usize>) -> &[f32] {
+        self.prediction.map_or(&[], |prediction| &prediction.lambda[row])
+    }
+
+    /// Whether one of these pixels of a fitting input has the label [`Label::Unknown`].
+    pub(super) fn has_unknown_in(&self, row: Range<usize>) -> bool {
+        // No loop ends early: so they run in lanes.
+        let weights = self.data.map_or(&[][..], |data| &data.weights()[row.clone()]);
+        let labels = self.mask.map_or(&[][..], |mask| &mask.labels()[row]);
+        weights.iter().fold(false, |any, weight| any | (*weight <= 0.0))
+            | labels.iter().fold(false, |any, label| any | (*label == Label::Unknown))
+    }
+
     /// Paints some pixels of a picture of this size; `colour` is given x, y and the index of the pixel.
     pub(super) fn paint(
         &self,
@@ -169,11 +207,7 @@ impl<'a> PictureInput<'a> {
     pub fn level(&self, index: usize) -> Option<f32> {
         match (self.data, self.mask) {
             (Some(data), _) => Some(data.values()[index]),
-            (None, Some(mask)) => Some(match mask.labels()[index] {
-                Label::Subject => 0.0,
-                Label::Background => 255.0,
-                Label::Unknown => HALF,
-            }),
+            (None, Some(mask)) => Some(level_of(mask.labels()[index])),
             (None, None) => None,
         }
     }
@@ -199,6 +233,15 @@ impl<'a> PictureInput<'a> {
     pub fn lambda(&self, index: usize) -> f32 {
         let lambda = self.prediction.map_or(255.0, |p| p.lambda[index]);
         if lambda.is_finite() { lambda } else { 255.0 }
+    }
+}
+
+/// D of a mask that is compared as it is.
+const fn level_of(label: Label) -> f32 {
+    match label {
+        Label::Subject => 0.0,
+        Label::Background => 255.0,
+        Label::Unknown => HALF,
     }
 }
 

@@ -228,7 +228,13 @@ pub fn gradient_colour(fraction: f32) -> Color32 {
 }
 
 fn entry(fraction: f32) -> usize {
-    (fraction * (MAP_LEN - 1) as f32).round() as usize
+    usize::from(byte(fraction * (MAP_LEN - 1) as f32))
+}
+
+/// The nearest of 0 to 255; 0 for NaN. `f32::round` would be a call for each pixel.
+#[inline]
+pub fn byte(level: f32) -> u8 {
+    (level + 0.5) as u8
 }
 
 fn map(stops: [u32; 9]) -> [Color32; MAP_LEN] {
@@ -246,7 +252,7 @@ pub fn report_grey(data: f32, prediction: f32) -> u8 {
     let grey = f32::from(REPORT_GROUND) * (1.0 - coverage.max(model))
         + f32::from(REPORT_MODEL) * (model - coverage).max(0.0)
         + f32::from(REPORT_BOTH) * coverage.min(model);
-    grey.round() as u8
+    byte(grey)
 }
 
 #[cfg(test)]
