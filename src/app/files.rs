@@ -50,6 +50,8 @@ pub(crate) struct Files {
     pub(super) dropped: Task<(), anyhow::Result<(Edit, String)>, { priority::TAKE_IN }>,
     /// Tables, plots, numbers. They are written one after the other.
     writes: Vec<Task<PathBuf, anyhow::Result<()>, { priority::WRITE }>>,
+    /// Names of files that were written while others still were.
+    written: Vec<String>,
     dialogs: FileDialogs<FilePurpose>,
 }
 
@@ -194,15 +196,17 @@ impl Files {
         for task in &mut self.writes {
             for written in state.notices.outputs("Writing a file", task) {
                 match written {
-                    Ok(()) => {
-                        let name = task.inputs().map_or_else(String::new, |path| format::file_name(path));
-                        state.notices.info(format!("Wrote {name}."), None);
-                    }
+                    Ok(()) => self.written.extend(task.inputs().map(|path| format::file_name(path))),
                     Err(said) => state.notices.error(said.to_string()),
                 }
             }
         }
         self.writes.retain(Task::is_busy);
+        if self.writes.is_empty() && !self.written.is_empty() {
+            self.written.sort();
+            state.notices.info(format!("Wrote {}.", self.written.join(", ")), None);
+            self.written.clear();
+        }
     }
 }
 

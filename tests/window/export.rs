@@ -173,6 +173,7 @@ fn a_motion_is_written_in_several_formats_at_once() {
         std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["arm.bvh", "arm.c3d", "arm.csv"]);
+    window.get_by_label("Wrote arm.bvh, arm.c3d, arm.csv.");
     let table = std::fs::read_to_string(folder.path().join("arm.csv")).unwrap();
     assert!(table.contains(",right wrist,") && !table.contains("forearm"), "{}", &table[..200]);
 }
