@@ -154,7 +154,8 @@ pub(super) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::silhouette::Mask;
+    use backlit_tracking::render::Prediction;
+    use backlit_tracking::silhouette::{Mask, Measurement};
     use image::{Rgb, RgbImage};
 
     use super::*;
@@ -202,5 +203,37 @@ mod tests {
         let flat = compose_mode(ViewMode::Tinted, &PictureInput { frame: None, ..input }).pixels;
         assert_eq!(flat, [AGREEMENT, MISSING, SPURIOUS, PICTURE_GROUND, PICTURE_GROUND]);
         assert_ne!(flat[4], UNKNOWN, "the hatch passes every fifth pixel");
+    }
+
+    #[test]
+    fn each_pixel_of_a_row_of_all_kinds_has_its_own_tint() {
+        let mask = Mask::from_ascii("##??????-~~~..##\n##??????-~~~..##\n................").unwrap();
+        let [width, height] = [mask.width(), mask.height()];
+        let values = vec![100.0; width * height];
+        let weights = (0..width * height).map(|index| if index % 7 == 0 { 0.0 } else { 1.0 }).collect();
+        let data = Measurement::new(width, height, values, weights).unwrap();
+        let lambda: Vec<f32> =
+            (0..width * height).map(|index| if index % 3 == 0 { 0.0 } else { 255.0 }).collect();
+        let prediction = Prediction { width, height, ..prediction(&lambda, &vec![0; lambda.len()]) };
+        let frame =
+            RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb([9 * x as u8, 80 * y as u8, 7]));
+        let input = PictureInput {
+            mask: Some(&mask),
+            data: Some(&data),
+            prediction: Some(&prediction),
+            ..PictureInput::empty([width, height])
+        };
+        let tints = Tints::new();
+        for frame in [None, Some(&frame)] {
+            let input = PictureInput { frame, ..input };
+            let picture = compose_mode(ViewMode::Tinted, &input);
+            for (index, pixel) in picture.pixels.iter().enumerate() {
+                let (x, y) = (index % width, index / width);
+                let label = (input.label(index), input.is_shadow(index));
+                let tint = tints.of(label, input.lambda(index) < HALF, x, y);
+                let expected = input.footage(x, y).map_or(tint.flat, |c| tint.over([c.r(), c.g(), c.b()]));
+                assert_eq!(*pixel, expected, "at {x}, {y}");
+            }
+        }
     }
 }
