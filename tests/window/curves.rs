@@ -162,7 +162,7 @@ fn curves_are_written_as_they_are_shown() {
     write_curves(harness.state_mut(), CurvesFile::Table, &csv);
     write_curves(harness.state_mut(), CurvesFile::Plot, &png);
     settle(&mut harness);
-    harness.get_by_label("Wrote curves.csv.");
+    harness.get_by_label("Wrote curves.csv, plot.png.");
     let text = std::fs::read_to_string(&csv).unwrap();
     let steps: usize = harness.runs().iter().map(|run| run.steps.len()).sum();
     assert_eq!(text.lines().count(), steps + 1);
