@@ -99,12 +99,12 @@ fn paint_data(
     ground: Color32,
     shown: impl Fn(f32, f32) -> Color32,
 ) {
-    let (has_shadow, mut of_mask) = (input.has_shadow(), Vec::new());
+    let mut of_mask = Vec::new();
     for (y, row) in input.rows(part) {
         let pixels = &mut picture.pixels[row.clone()];
         let levels = input.levels(row.clone(), &mut of_mask);
         paint_levels(pixels, levels, input.lambdas(row.clone()), &shown);
-        if has_shadow || input.has_unknown_in(row.clone()) {
+        if input.is_hatched_in(row.clone()) {
             let first = row.start - y * input.size[0];
             for ((x, index), pixel) in (first..).zip(row).zip(pixels) {
                 *pixel = hatch(input, [x, y, index], ground).unwrap_or(*pixel);

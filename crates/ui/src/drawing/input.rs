@@ -172,13 +172,14 @@ impl<'a> PictureInput<'a> {
         self.prediction.map_or(&[], |prediction| &prediction.lambda[row])
     }
 
-    /// Whether one of these pixels of a fitting input has the label [`Label::Unknown`].
-    pub(super) fn has_unknown_in(&self, row: Range<usize>) -> bool {
-        // No loop ends early: so they run in lanes.
+    /// Whether one of these pixels of a fitting input is shadow or has the label [`Label::Unknown`].
+    pub(super) fn is_hatched_in(&self, row: Range<usize>) -> bool {
+        // These two loops never end early: so they run in lanes.
         let weights = self.data.map_or(&[][..], |data| &data.weights()[row.clone()]);
-        let labels = self.mask.map_or(&[][..], |mask| &mask.labels()[row]);
+        let labels = self.mask.map_or(&[][..], |mask| &mask.labels()[row.clone()]);
         weights.iter().fold(false, |any, weight| any | (*weight <= 0.0))
-            | labels.iter().fold(false, |any, label| any | (*label == Label::Unknown))
+            || labels.iter().fold(false, |any, label| any | (*label == Label::Unknown))
+            || (row.start..row.end).any(|index| self.is_shadow(index))
     }
 
     /// Paints some pixels of a picture of this size; `colour` is given x, y and the index of the pixel.

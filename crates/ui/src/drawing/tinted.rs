@@ -28,7 +28,6 @@ pub(super) fn compose(input: &PictureInput<'_>, part: &Footprint, picture: &mut 
     // Slices side by side: what every frame of the window does for every view is to be quick.
     let footage = input.frame.map(|frame| frame.as_raw().as_chunks::<3>().0);
     let weights = input.data.map(|data| data.weights());
-    let has_shadow = mask.has_shadow();
     for y in part.rows() {
         let columns = part.columns(y);
         let (from, start) = (columns.start, y * input.size[0] + columns.start);
@@ -38,7 +37,7 @@ pub(super) fn compose(input: &PictureInput<'_>, part: &Footprint, picture: &mut 
         let tint = |x: usize| {
             let is_known = weights.is_none_or(|weights| weights[x] > 0.0);
             let label = if is_known { labels[x] } else { Label::Unknown };
-            tints.of((label, has_shadow && mask.is_shadow(start + x)), lambda[x] < HALF, from + x, y)
+            tints.of((label, mask.is_shadow(start + x)), lambda[x] < HALF, from + x, y)
         };
         let pixels = picture.pixels[row.clone()].iter_mut().enumerate();
         match footage {
