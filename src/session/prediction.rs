@@ -23,7 +23,7 @@ use crate::session::FrameData;
 
 mod mismatch;
 
-use mismatch::Mismatch;
+use mismatch::CameraMismatch;
 pub(crate) use mismatch::{ComparedData, Measured};
 
 /// All that a prediction depends on, but the pose.
@@ -192,18 +192,18 @@ impl Predicted {
             let camera = CameraPrediction::new(scene, &kinematics, index, (data, drawing));
             let used = scene.uses.get(index).filter(|used| used.used);
             let mismatch = used.zip(camera.data.as_deref()).map(|(used, data)| {
-                Mismatch::between(&camera.prediction, data, used.weight, scene.model.limbs().len())
+                data.mismatch(&camera.prediction, used.weight, scene.model.limbs().len())
             });
             (camera, mismatch)
         };
         drawings.resize_with(scene.cameras.len(), Drawing::default);
         // Cameras side by side, sums in their order.
-        let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
+        let looks: Vec<(CameraPrediction, Option<CameraMismatch>)> =
             drawings.into_par_iter().enumerate().map(look).collect();
         let measured = Measured::of(looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()));
         let mut mismatch_by_limb = vec![0.0; scene.model.limbs().len()];
         for mismatch in looks.iter().filter_map(|(_, mismatch)| mismatch.as_ref()) {
-            let limbs = mismatch_by_limb.iter_mut().zip(&mismatch.by_limb);
+            let limbs = mismatch_by_limb.iter_mut().zip(mismatch.by_limb());
             limbs.for_each(|(total, part)| *total += part);
         }
         Self {
@@ -348,9 +348,10 @@ impl FitInputs {
             let (camera, data) = (&self.cameras[index], self.data(index)?);
             let view = View::new(&self.model, &kinematics, camera, self.fit.renderer, self.fit.final_ramp());
             let prediction = draw(&view, DrawOptions { gradient: false, motion: None }).prediction;
-            Some(Mismatch::between(&prediction, &data, used.weight, self.model.limbs().len()))
+            Some(data.mismatch(&prediction, used.weight, self.model.limbs().len()))
         };
-        let cameras: Vec<Option<Mismatch>> = (0..self.cameras.len()).into_par_iter().map(look).collect();
+        let cameras: Vec<Option<CameraMismatch>> =
+            (0..self.cameras.len()).into_par_iter().map(look).collect();
         Measured::of(cameras.iter().flatten())
     }
 

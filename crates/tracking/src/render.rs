@@ -12,6 +12,7 @@
 //! | [`draw`], [`Drawing`] | Λ and derivatives as pictures for the screen, fast |
 //! | [`dense_jacobian`], [`jacobian_along`] | ∂Λ/∂X: all of it, along a direction |
 //! | [`prediction`] | λ alone: in f64, as a picture, as a coverage |
+//! | [`Mismatch`] | Σ w (D − Λ)² of what was drawn, in all and for each limb |
 //! | [`wrench`] | a pixel's gradient as force and moment on its limb |
 //!
 //! Two kernels find which solid wins each pixel of a row. The reference is plain f64, one pixel and one solid at a
@@ -22,6 +23,7 @@ mod drawing;
 mod footprint;
 mod jacobian;
 mod kernels;
+mod mismatch;
 pub mod prediction;
 mod primitive;
 mod ramp;
@@ -37,6 +39,7 @@ pub(crate) use wrench::JointBlock;
 pub use drawing::{DrawOptions, Drawing, MOST_ERROR, draw, draw_over, draw_plainly, predict};
 pub use footprint::Footprint;
 pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along};
+pub use mismatch::{BodilessMismatch, Mismatch};
 pub use prediction::Prediction;
 pub use primitive::sphere_fractions;
 pub use ramp::{BACKGROUND, Ramp};
