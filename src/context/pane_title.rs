@@ -30,11 +30,16 @@ pub(crate) fn row(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// What stands in the middle of a pane that has nothing to show.
-pub(crate) fn in_the_middle(ui: &mut Ui, size: egui::Vec2, text: &str, below: impl FnOnce(&mut Ui)) {
-    let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), size);
-    within(ui, middle, Layout::top_down(Align::Center), |ui| {
-        ui.label(RichText::new(text).color(theme::palette(ui).text3));
+/// What stands in the middle of a pane that has nothing to show: a text of this width, or of the pane's if that is less,
+/// and a row below.
+pub(crate) fn in_the_middle(ui: &mut Ui, width: f32, text: &str, below: impl FnOnce(&mut Ui)) {
+    let area = ui.available_rect_before_wrap();
+    let width = width.min(area.width() - 2.0 * space::WIDGET);
+    let text = WidgetText::from(RichText::new(text).color(theme::palette(ui).text3));
+    let text = text.into_galley(ui, Some(TextWrapMode::Wrap), width, TextStyle::Body);
+    let size = vec2(width, text.size().y + space::WIDGET + ui.spacing().interact_size.y);
+    within(ui, Rect::from_center_size(area.center(), size), Layout::top_down(Align::Center), |ui| {
+        ui.label(text);
         ui.add_space(space::WIDGET);
         below(ui);
     });

@@ -179,7 +179,7 @@ fn empty(ui: &mut Ui, basin: &Basin, context: &Context<'_>, requests: &mut Reque
              target it ends. Click a cell to take its start and step it."
         }
     };
-    pane_title::in_the_middle(ui, vec2(420.0, 110.0), text, |ui| {
+    pane_title::in_the_middle(ui, 420.0, text, |ui| {
         run_or_cancel(ui, basin, context, requests, basin.preferences.view);
     });
 }

@@ -132,8 +132,7 @@ impl Motions {
             Some(missing) => words::missing(missing),
             None => "Naming the tracked motion…".to_owned(),
         };
-        let size = vec2(area.width().min(380.0), 150.0_f32.min(area.height()));
-        pane_title::in_the_middle(ui, size, &text, |ui| {
+        pane_title::in_the_middle(ui, 380.0, &text, |ui| {
             let is_idle = context.session.take.is_some() && !context.busy.tracking;
             match &self.missing {
                 Some(Missing::Track | Missing::Short { .. }) if is_idle => {
