@@ -137,7 +137,7 @@ fn frame_range(text: &str) -> Result<[usize; 2], &'static str> {
 
 /// Pixels across and down.
 fn window_size(text: &str) -> Result<Vec2, String> {
-    let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side)).map(f32::from);
+    let side = |text: &str| text.parse::<u16>().ok().filter(|side| SIDES.contains(side)).map(f32::from);
     let sides = text.split_once('x').and_then(|(width, height)| Some(vec2(side(width)?, side(height)?)));
     sides.ok_or_else(|| format!("expected WIDTHxHEIGHT, {} to {} pixels each", SIDES.start(), SIDES.end()))
 }

@@ -56,6 +56,13 @@ fn a_track_becomes_a_page_with_pictures_of_the_take_that_it_names() {
     scene.fails("report results --take moved --out page.html --steps-of 99", 1, &["--steps-of", "frame 99"]);
     scene.fails("report nowhere --out page.html", 1, &["nowhere"]);
     scene.fails("report results --out nowhere/page.html", 1, &["nowhere/page.html", "no folder"]);
+    scene.fails("report results", 2, &["--out"]);
+    if cfg!(feature = "rrd") {
+        scene.ok("report results --take moved --rrd track.rrd --pictures 1");
+        assert!(fs::read(scene.path("track.rrd")).unwrap().starts_with(b"RRF2"));
+    } else {
+        scene.fails("report results --rrd track.rrd", 1, &["--rrd", "--features rrd"]);
+    }
     scene.fails("report results --out a.html --pictures 2000", 2, &["--pictures", "1000"]);
     assert_eq!(fs::read_to_string(scene.path("page.html")).unwrap(), page, "the page stays as it was");
 }

@@ -1,4 +1,4 @@
-//! `backlit report`: a track as one HTML page to send.
+//! `backlit report`: a track as one HTML page to send, or as a recording of the Rerun viewer.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,8 +37,11 @@ pub struct ReportArguments {
     #[arg(value_name = "TRACK|PROJECT")]
     track: PathBuf,
     /// The page, an HTML file
+    #[arg(long, value_name = "FILE", required_unless_present = "rrd")]
+    out: Option<PathBuf>,
+    /// The same as a recording of the Rerun viewer, an RRD file; for programs that were built with `--features rrd`
     #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    rrd: Option<PathBuf>,
     /// Take of the track: its folder or its take.toml [default: as the track or the project says]
     #[arg(long, value_name = "TAKE")]
     take: Option<PathBuf>,
@@ -59,7 +62,14 @@ pub struct ReportArguments {
 
 pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
-    output::check_folder_of(&arguments.out)?;
+    ensure!(
+        arguments.rrd.is_none() || cfg!(feature = "rrd"),
+        "--rrd: this program was built without Rerun; expected one of `cargo build --release --features rrd`"
+    );
+    [&arguments.out, &arguments.rrd]
+        .into_iter()
+        .flatten()
+        .try_for_each(|file| output::check_folder_of(file))?;
     let track = track_files::path_in(&arguments.track);
     let mut source = if is_project(&track) {
         ensure!(arguments.model.is_none(), "--model is for tracks; a project has its body");
@@ -78,7 +88,13 @@ pub(crate) fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     };
     let page = source.page(&options, &cancel)?;
     page.notes.iter().for_each(|note| output::complain(&format!("note: {note}")));
-    atomic::write(&arguments.out, backlit_report::to_html(&page).as_bytes())?;
+    if let Some(file) = &arguments.out {
+        atomic::write(file, backlit_report::to_html(&page).as_bytes())?;
+    }
+    #[cfg(feature = "rrd")]
+    if let Some(file) = &arguments.rrd {
+        atomic::write(file, &backlit_report::to_rrd(&page)?)?;
+    }
     Ok(())
 }
 

@@ -11,6 +11,7 @@
 //! | `packing` | joints quantised, base64 |
 //! | `escape` | names that users chose, made harmless |
 //! | `outline` | silhouettes as paths |
+//! | `rrd` | a recording of the Rerun viewer instead, in programs with the feature of that name |
 //! | `../assets` | the page's form, style and script |
 //!
 //! Nothing in the page is loaded from anywhere: a policy in its head forbids it.
@@ -20,6 +21,8 @@ mod html;
 pub mod outline;
 mod packing;
 mod page;
+#[cfg(feature = "rrd")]
+mod rrd;
 mod wire;
 
 pub use html::to_html;
@@ -27,6 +30,8 @@ pub use page::{
     Bookmark, Cell, CommandLine, Curve, DoubtedLimb, FitStep, FitSteps, Frame, Page, PageCamera, PageLimb,
     Picture, Table,
 };
+#[cfg(feature = "rrd")]
+pub use rrd::{RrdError, to_rrd};
 
 #[cfg(test)]
 mod tests;

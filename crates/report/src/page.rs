@@ -104,6 +104,8 @@ pub struct Picture {
     pub frame: usize,
     /// The kind of picture, as `image/jpeg`.
     pub media_type: &'static str,
+    /// Width and height of the encoded picture, pixels: it may be smaller than the camera's, which it fills.
+    pub size: [u32; 2],
     /// The encoded picture; empty where there is a silhouette only.
     pub bytes: Vec<u8>,
     /// The silhouette's outline, as a path in the camera's pixels ([`outline::path`](crate::outline::path)).

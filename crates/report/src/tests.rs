@@ -6,10 +6,10 @@ use glam::{DMat3, DVec3};
 use super::*;
 
 /// What a user may call things to do harm.
-const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&{{data}}\u{2028}<!--";
+pub(crate) const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&{{data}}\u{2028}<!--";
 
 /// A body that walks, seen by four cameras.
-fn walk(frames: usize) -> Page {
+pub(crate) fn walk(frames: usize) -> Page {
     let model = builtin::full_body();
     let pose = |frame: usize| {
         let mut pose = Pose::rest(&model);

@@ -71,15 +71,15 @@ struct FramePictures {
 
 /// What a camera saw in a frame; `None` where that is nothing.
 fn picture(camera: usize, frame: usize, seen: &CameraFrame) -> Option<Picture> {
-    let bytes = seen.image.as_deref().map(encoded).unwrap_or_default();
+    let (size, bytes) = seen.image.as_deref().map(encoded).unwrap_or_default();
     let path = |label| seen.mask.as_deref().map_or(String::new(), |mask| outline::path(mask, label));
     let (subject, unknown) = (path(Label::Subject), path(Label::Unknown));
     let is_there = !(bytes.is_empty() && subject.is_empty());
-    is_there.then_some(Picture { camera, frame, media_type: "image/jpeg", bytes, subject, unknown })
+    is_there.then_some(Picture { camera, frame, media_type: "image/jpeg", size, bytes, subject, unknown })
 }
 
-/// A picture made small enough, as JPEG; empty where it has no pixels.
-fn encoded(picture: &RgbImage) -> Vec<u8> {
+/// A picture made small enough, its width and height, and as JPEG; empty where it has no pixels.
+fn encoded(picture: &RgbImage) -> ([u32; 2], Vec<u8>) {
     let (width, height) = picture.dimensions();
     let scale = (f64::from(WIDEST) / f64::from(width)).min(f64::from(HIGHEST) / f64::from(height));
     let reduced;
@@ -92,7 +92,7 @@ fn encoded(picture: &RgbImage) -> Vec<u8> {
     };
     let mut bytes = Vec::new();
     match JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(picture) {
-        Ok(()) => bytes,
-        Err(_) => Vec::new(),
+        Ok(()) => (picture.dimensions().into(), bytes),
+        Err(_) => Default::default(),
     }
 }
