@@ -147,14 +147,14 @@ impl RrdWriter<'_> {
         for PicturePart { name, shown, hidden } in picture_parts(picture, camera) {
             let path = camera_path(camera).join(&EntityPath::from(name));
             self.at_frame(picture.frame);
-            shown.iter().try_for_each(|part| self.log(path.clone(), &**part))?;
+            self.log(path.clone(), &shown)?;
             if is_last {
                 self.at_frame(picture.frame + 1);
                 self.log(path.clone(), &*hidden)?;
             }
             for fit in &of_fits {
                 self.at_step(fit.frame, 0);
-                shown.iter().try_for_each(|part| self.log(path.clone(), &**part))?;
+                self.log(path.clone(), &shown)?;
             }
         }
         Ok(())
