@@ -44,6 +44,9 @@ const JOINT_RADIUS_M: f32 = 0.012;
 /// Half the width of a limb's axis, points of the screen.
 const AXIS_RADIUS: f32 = 1.5;
 
+/// A picture so much smaller is not seen.
+const HIDDEN_SCALE: f32 = 1e-4;
+
 /// How far from a camera its picture stands in the scene, metres.
 const PICTURE_DISTANCE_M: f32 = 0.4;
 
@@ -147,14 +150,14 @@ impl RrdWriter<'_> {
         for PicturePart { name, shown, hidden } in picture_parts(picture, camera) {
             let path = camera_path(camera).join(&EntityPath::from(name));
             self.at_frame(picture.frame);
-            self.log(path.clone(), &shown)?;
-            if is_last {
+            self.log(path.clone(), &*shown)?;
+            if let Some(hidden) = hidden.filter(|_| is_last) {
                 self.at_frame(picture.frame + 1);
                 self.log(path.clone(), &*hidden)?;
             }
             for fit in &of_fits {
                 self.at_step(fit.frame, 0);
-                self.log(path.clone(), &shown)?;
+                self.log(path.clone(), &*shown)?;
             }
         }
         Ok(())
@@ -242,32 +245,32 @@ impl RrdWriter<'_> {
     }
 }
 
-/// A picture or an outline, by its name below its camera.
+/// What is logged of a picture or an outline below its camera, and what hides it.
 struct PicturePart {
     name: &'static str,
-    shown: Vec<Box<dyn AsComponents>>,
-    hidden: Box<dyn AsComponents>,
+    shown: Box<dyn AsComponents>,
+    hidden: Option<Box<dyn AsComponents>>,
 }
 
 fn picture_parts(picture: &Picture, camera: &PageCamera) -> Vec<PicturePart> {
     let mut parts = Vec::new();
     if !picture.bytes.is_empty() {
-        let image = EncodedImage::new(picture.bytes.clone()).with_media_type(picture.media_type);
         let [across, down] = [0, 1].map(|axis| camera.size[axis] as f32 / picture.size[axis].max(1) as f32);
+        // The viewer of version 0.36 goes on showing an encoded picture that was cleared, and dies where rows with and
+        // without one are of the same entity. So the scale above it hides it.
         parts.push(PicturePart {
             name: "picture",
-            shown: vec![
-                Box::new(image.with_opacity(1.0)),
-                Box::new(Transform3D::from_scale([across, down, 1.0])),
-            ],
-            // The viewer goes on showing an encoded picture that was cleared.
-            hidden: Box::new(EncodedImage::update_fields().with_opacity(0.0)),
+            shown: Box::new(Transform3D::from_scale([across, down, 1.0])),
+            hidden: Some(Box::new(Transform3D::from_scale([HIDDEN_SCALE; 3]))),
         });
+        let image = EncodedImage::new(picture.bytes.clone()).with_media_type(picture.media_type);
+        parts.push(PicturePart { name: "picture/encoded", shown: Box::new(image), hidden: None });
     }
     for (name, path, rgb) in [("subject", &picture.subject, SUBJECT), ("unknown", &picture.unknown, UNKNOWN)]
     {
         let lines = LineStrips2D::new(silhouette::outlines(path)).with_colors([colour(rgb)]);
-        parts.push(PicturePart { name, shown: vec![Box::new(lines)], hidden: Box::new(Clear::flat()) });
+        let hidden: Box<dyn AsComponents> = Box::new(Clear::flat());
+        parts.push(PicturePart { name, shown: Box::new(lines), hidden: Some(hidden) });
     }
     parts
 }

@@ -87,7 +87,8 @@ fn a_recording_has_every_part_of_its_page_at_its_time() {
     for name in ["picture", "subject"] {
         assert_eq!(at(&format!("/world/cameras/cam1/{name}"), "frame"), Some(vec![3, 4, 5]), "{name}");
     }
-    assert_eq!(at("/world/cameras/cam1/picture", "steps of frame 4"), Some(vec![0]));
+    assert_eq!(at("/world/cameras/cam1/picture/encoded", "frame"), Some(vec![3, 4]));
+    assert_eq!(at("/world/cameras/cam1/picture/encoded", "steps of frame 4"), Some(vec![0]));
     assert_eq!(at("/world/fits/4/limbs", "steps of frame 4"), Some(vec![0, 1, 2]));
     assert_eq!(at("/costs/4", "steps of frame 4"), Some(vec![0, 1, 2]));
     assert_eq!(at("/bookmarks", "frame"), Some(vec![7]));
