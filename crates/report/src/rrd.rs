@@ -41,8 +41,10 @@ const UNKNOWN: [u8; 3] = [149, 157, 167];
 /// Radius of a joint's point, metres.
 const JOINT_RADIUS_M: f32 = 0.012;
 
-/// Half the width of a limb's axis, points of the screen.
+/// Half the widths of lines, points of the screen: a limb's axis, the outlines of subject and unknown.
 const AXIS_RADIUS: f32 = 1.5;
+const SUBJECT_RADIUS: f32 = 1.0;
+const UNKNOWN_RADIUS: f32 = 0.4;
 
 /// A picture so much smaller is not seen.
 const HIDDEN_SCALE: f32 = 1e-4;
@@ -266,9 +268,13 @@ fn picture_parts(picture: &Picture, camera: &PageCamera) -> Vec<PicturePart> {
         let image = EncodedImage::new(picture.bytes.clone()).with_media_type(picture.media_type);
         parts.push(PicturePart { name: "picture/encoded", shown: Box::new(image), hidden: None });
     }
-    for (name, path, rgb) in [("subject", &picture.subject, SUBJECT), ("unknown", &picture.unknown, UNKNOWN)]
-    {
-        let lines = LineStrips2D::new(silhouette::outlines(path)).with_colors([colour(rgb)]);
+    let outlines = [
+        ("subject", &picture.subject, SUBJECT, SUBJECT_RADIUS),
+        ("unknown", &picture.unknown, UNKNOWN, UNKNOWN_RADIUS),
+    ];
+    for (name, path, rgb, radius) in outlines {
+        let lines = LineStrips2D::new(silhouette::outlines(path));
+        let lines = lines.with_colors([colour(rgb)]).with_radii([Radius::new_ui_points(radius)]);
         let hidden: Box<dyn AsComponents> = Box::new(Clear::flat());
         parts.push(PicturePart { name, shown: Box::new(lines), hidden: Some(hidden) });
     }
