@@ -17,6 +17,8 @@ mod about;
 mod layout;
 mod silhouette;
 
+use std::collections::BTreeSet;
+
 use glam::{DMat3, DVec3};
 use re_sdk::external::re_log_encoding::EncodeError;
 use re_sdk::{
@@ -74,12 +76,15 @@ pub fn to_rrd(page: &Page) -> Result<Vec<u8>, RrdError> {
     let (stream, memory) = builder.with_default_blueprint(layout::of(page)).memory()?;
     stream.set_log_time_enabled(false);
     stream.set_log_tick_enabled(false);
-    RrdWriter { page, stream }.write()?;
+    let pictured = page.pictures.iter().map(|picture| (picture.camera, picture.frame)).collect();
+    RrdWriter { page, pictured, stream }.write()?;
     Ok(memory.drain_as_bytes()?)
 }
 
 struct RrdWriter<'a> {
     page: &'a Page,
+    /// Cameras and frames of its pictures.
+    pictured: BTreeSet<(usize, usize)>,
     stream: RecordingStream,
 }
 
@@ -142,11 +147,7 @@ impl RrdWriter<'_> {
     /// A picture and its outlines are shown in their own frame only: other frames have none.
     fn picture(&self, picture: &Picture) -> Written {
         let Some(camera) = self.page.cameras.get(picture.camera) else { return Ok(()) };
-        let is_of = |frame: usize| {
-            let mut others = self.page.pictures.iter();
-            others.any(|other| other.camera == picture.camera && other.frame == frame)
-        };
-        let is_last = !is_of(picture.frame + 1);
+        let is_last = !self.pictured.contains(&(picture.camera, picture.frame + 1));
         let of_fits: Vec<&FitSteps> =
             self.page.fits.iter().filter(|fit| fit.frame == picture.frame).collect();
         for PicturePart { name, shown, hidden } in picture_parts(picture, camera) {
