@@ -12,7 +12,7 @@ use backlit_tracking::optimize::Iteration;
 use backlit_tracking::render::{
     BodyMotion, DrawOptions, Drawing, Footprint, Prediction, Ramp, View, draw, draw_over, prediction,
 };
-use backlit_tracking::silhouette::{Mask, Overlap};
+use backlit_tracking::silhouette::{Label, Mask, Overlap};
 use backlit_ui::drawing::{Derivative, PictureInput, ViewedPicture, body_outline, limb_colours};
 use egui::{Color32, ColorImage};
 use glam::DVec2;
@@ -311,14 +311,21 @@ impl CameraPrediction {
         });
         let gradient = scene.derivatives.gradient;
         let drawing = draw_over(memory, &view, DrawOptions { gradient, motion: motion.as_ref() });
-        let prediction = drawing.prediction;
         let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
         let overlap = |mask: Arc<Mask>| {
+            let subject = data.as_ref().and_then(|data| data.subject_pixels);
+            let subject = subject.unwrap_or_else(|| mask.count(Label::Subject));
+            let drawn = &drawing.prediction;
+            if let Some(overlap) = prediction::overlap_of_drawing(&view, drawn, &mask, subject).ok()? {
+                return Some(overlap);
+            }
             let hard = View::new(&scene.model, kinematics, camera, scene.fit.renderer, Ramp::Half);
             prediction::overlap(&hard, &mask).ok()
         };
+        let overlap = mask.and_then(overlap);
+        let prediction = drawing.prediction;
         Self {
-            overlap: mask.and_then(overlap),
+            overlap,
             outlines: body_outline(&prediction),
             gradient: gradient.then(|| Derivative::new(drawing.gradient)),
             jacobian: motion.map(|_| Derivative::new(drawing.change)),

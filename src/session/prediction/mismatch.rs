@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::render::{BodilessMismatch, Mismatch, Prediction};
-use backlit_tracking::silhouette::{Mask, Measurement};
+use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use backlit_ui::drawing::PictureInput;
 
 /// Σ w (D − Λ)² and its mean.
@@ -32,6 +32,8 @@ impl Measured {
 pub(crate) struct ComparedData {
     measurement: Arc<Measurement>,
     bodiless: BodilessMismatch,
+    /// The mask's subject pixels.
+    pub(super) subject_pixels: Option<usize>,
     /// Whether some pixel is unknown, and whether some pixel is shadow.
     pub(crate) has_unknown_and_shadow: [bool; 2],
 }
@@ -41,7 +43,9 @@ impl ComparedData {
         let size = [measurement.width(), measurement.height()];
         let input = PictureInput { mask, data: Some(&measurement), ..PictureInput::empty(size) };
         let has_unknown_and_shadow = [input.has_unknown(), input.has_shadow()];
-        Self { bodiless: BodilessMismatch::new(&measurement), measurement, has_unknown_and_shadow }
+        let subject_pixels = mask.map(|mask| mask.count(Label::Subject));
+        let bodiless = BodilessMismatch::new(&measurement);
+        Self { measurement, bodiless, subject_pixels, has_unknown_and_shadow }
     }
 
     /// D.

@@ -1,11 +1,15 @@
 //! Λ as a picture.
 
+use pulp::{Simd, WithSimd};
+
 use super::View;
+use super::drawing;
 use super::footprint::Footprint;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
-use super::primitive::SolidShape;
+use super::primitive::{Primitive, SolidShape};
 use super::ramp::BACKGROUND;
+use crate::processor;
 use crate::silhouette::{Label, Mask, Overlap, OverlapError};
 
 /// The owner of a pixel that no limb is near.
@@ -35,6 +39,9 @@ pub fn lambda(view: &View) -> Vec<f32> {
 /// λ/255 of the lanes this near to a half is looked at again in f64. Their error is a hundredth of it.
 const DOUBT: f32 = 2e-3;
 
+/// The same for a drawing.
+const DRAWN_DOUBT: f32 = 2.0 * drawing::MOST_ERROR;
+
 /// Which pixels the model covers: where λ of the view is below a half.
 pub fn covered(view: &View) -> Vec<bool> {
     let mut covered = vec![false; view.size[0] * view.size[1]];
@@ -60,6 +67,69 @@ pub fn overlap(view: &View, mask: &Mask) -> Result<Overlap, OverlapError> {
     Ok(Overlap { missing: mask.count(Label::Subject) - counts.agreement, ..counts })
 }
 
+/// The same, counted in a drawing of the view instead of rendering it again; `None` where the drawing cannot tell: where
+/// a solid's ramp is not half grey at its surface, or a cylinder has flat caps. `subject` is the number of the mask's
+/// subject pixels, which is the same for all poses.
+///
+/// # Errors
+/// If the mask or the drawing has another size than the view.
+pub fn overlap_of_drawing(
+    view: &View,
+    drawn: &Prediction,
+    mask: &Mask,
+    subject: usize,
+) -> Result<Option<Overlap>, OverlapError> {
+    let (labels, pixels) = (mask.labels(), view.size[0] * view.size[1]);
+    if let Some(&expected) = [labels.len(), drawn.lambda.len()].iter().find(|&&other| other != pixels) {
+        return Err(OverlapError { expected, found: pixels });
+    }
+    let can_tell =
+        |solid: &Primitive| solid.solid.shape != SolidShape::Cylinder && solid.is_half_grey_at_surface();
+    Ok(view.primitives.iter().all(can_tell).then(|| {
+        let counts = processor::run(CountInDrawing { view, drawn, labels });
+        Overlap { missing: subject.saturating_sub(counts.agreement), ..counts }
+    }))
+}
+
+/// Counts the pixels of a drawing's footprint.
+struct CountInDrawing<'a> {
+    view: &'a View,
+    drawn: &'a Prediction,
+    labels: &'a [Label],
+}
+
+impl WithSimd for CountInDrawing<'_> {
+    type Output = Overlap;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Overlap {
+        let (half, doubt) = (BACKGROUND as f32 / 2.0, DRAWN_DOUBT * BACKGROUND as f32);
+        let is_doubtful = |level: f32| (level - half).abs() < doubt;
+        let (mut counts, mut levels) = (Overlap::default(), Vec::new());
+        for y in self.drawn.footprint.rows() {
+            let columns = self.drawn.footprint.columns(y);
+            let start = y * self.view.size[0];
+            let row = start + columns.start..start + columns.end;
+            levels.clear();
+            levels.extend_from_slice(&self.drawn.lambda[row.clone()]);
+            if levels.iter().fold(false, |any, &level| any | is_doubtful(level)) {
+                for (x, level) in columns.zip(&mut levels).filter(|(_, level)| is_doubtful(**level)) {
+                    *level = if is_dark(self.view, x, y) { 0.0 } else { BACKGROUND as f32 };
+                }
+            }
+            counts = counts.merge(Overlap::of_levels(&self.labels[row], &levels));
+        }
+        counts
+    }
+}
+
+/// Whether some solid makes a pixel darker than half, in f64.
+fn is_dark(view: &View, x: usize, y: usize) -> bool {
+    let ray = view.ray(x, y);
+    let mut near = view.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y));
+    near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
+}
+
 /// Calls `visit` with every pixel that the model covers, row by row.
 ///
 /// The pixels of [`lambda`], but found by the fast kernel where that can: pixels about which f32 might be wrong are
@@ -76,15 +146,10 @@ fn visit_covered(view: &View, mut visit: impl FnMut(usize)) {
         }
         return;
     }
-    let is_dark = |x: usize, y: usize| {
-        let ray = view.ray(x, y);
-        let mut near = view.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y));
-        near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
-    };
     Lanes::default().visit(view, |y, from, levels| {
         for (x, &level) in (from..).zip(levels) {
             let is_doubtful = (level - 0.5).abs() < DOUBT;
-            if (is_doubtful && is_dark(x, y)) || (!is_doubtful && level < 0.5) {
+            if (is_doubtful && is_dark(view, x, y)) || (!is_doubtful && level < 0.5) {
                 visit(y * width + x);
             }
         }
@@ -113,7 +178,7 @@ mod tests {
     use crate::body::{Kinematics, Parameters, builtin};
     use crate::camera::Distortion;
     use crate::fixtures;
-    use crate::render::{Ramp, RendererKind};
+    use crate::render::{DrawOptions, Ramp, RendererKind, draw};
 
     /// All renderers, from far and from within the body, with and without a lens.
     #[test]
@@ -139,10 +204,22 @@ mod tests {
                     let labels = [Label::Background, Label::Subject, Label::Unknown];
                     let label = |pixel: usize| labels[(seed + pixel / 7) % 3];
                     let mask = Mask::new(64, 80, (0..64 * 80).map(label).collect()).unwrap();
-                    assert_eq!(overlap(&view, &mask), Overlap::between(&mask, &lambda(&view)));
+                    let expected = Overlap::between(&mask, &lambda(&view));
+                    assert_eq!(overlap(&view, &mask), expected);
+                    for ramp in SOFT {
+                        let soft = View::new(&model, &kinematics, &camera, kind, ramp);
+                        let drawn = draw(&soft, DrawOptions::default()).prediction;
+                        let counted = overlap_of_drawing(&soft, &drawn, &mask, mask.count(Label::Subject));
+                        let can_tell = kind != RendererKind::Cylinder && ramp != Ramp::Thesis;
+                        let expected = expected.clone().map(|overlap| can_tell.then_some(overlap));
+                        assert_eq!(counted, expected, "{kind} from {distance} m, {lens:?}, {ramp}");
+                    }
                 }
             }
         }
         assert!(seen > 10_000, "{seen}");
     }
+
+    const SOFT: [Ramp; 4] =
+        [Ramp::Half, Ramp::Width { px: 2.0 }, Ramp::Distance { inner_px: 0.5, outer_px: 0.5 }, Ramp::Thesis];
 }

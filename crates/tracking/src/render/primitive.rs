@@ -97,6 +97,11 @@ pub(crate) struct PixelSample {
 }
 
 impl Primitive {
+    /// Whether its ramp is half grey at its surface.
+    pub(crate) fn is_half_grey_at_surface(&self) -> bool {
+        (self.ramp.unclipped(self.radius * self.radius) - 0.5).abs() < 1e-9
+    }
+
     /// d² of the nearest candidate along the unit ray u; infinite for none.
     #[inline]
     pub(crate) fn squared(&self, u: DVec3) -> f64 {

@@ -38,10 +38,16 @@ impl Overlap {
         if prediction.len() != expected {
             return Err(OverlapError { expected, found: prediction.len() });
         }
+        Ok(Self::of_levels(mask.labels(), prediction))
+    }
+
+    /// The counts of labels and grey levels side by side.
+    #[inline(always)]
+    pub(crate) fn of_levels(labels: &[Label], prediction: &[f32]) -> Self {
         let mut counts = Self::default();
         // Runs that a byte can count: many of them are counted at once.
         const RUN: usize = u8::MAX as usize;
-        for (labels, predicted) in mask.labels().chunks(RUN).zip(prediction.chunks(RUN)) {
+        for (labels, predicted) in labels.chunks(RUN).zip(prediction.chunks(RUN)) {
             let [mut agreement, mut missing, mut spurious, mut unknown] = [0_u8; 4];
             for (&label, predicted) in labels.iter().zip(predicted) {
                 let predicted = *predicted < SUBJECT_BELOW;
@@ -55,7 +61,7 @@ impl Overlap {
             counts.spurious += usize::from(spurious);
             counts.unknown += usize::from(unknown);
         }
-        Ok(counts)
+        counts
     }
 
     /// Intersection over union, in [0, 1]; none if neither side shows the subject anywhere.

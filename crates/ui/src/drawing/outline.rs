@@ -41,9 +41,8 @@ impl<'a> Grid<'a> {
         for y in prediction.footprint.rows() {
             let Range { start: from, end: to } = prediction.footprint.columns(y);
             let row = &lambda[y * picture_width + from..y * picture_width + to];
-            let Some(first) = row.iter().position(|level| *level < HALF) else { continue };
-            let last = row.iter().rposition(|level| *level < HALF).unwrap_or(first);
-            let [first, last] = [first, last].map(|column| from + column);
+            let Some(Range { start: first, end: past }) = subject_of(row) else { continue };
+            let [first, last] = [from + first, from + past - 1];
             let [left, top, right, _] = bounds.unwrap_or([first, y, last, y]);
             bounds = Some([left.min(first), top, right.max(last), y]);
         }
@@ -141,6 +140,20 @@ impl<'a> Grid<'a> {
         }
         outlines
     }
+}
+
+/// From the first subject pixel of a row to past the last; many pixels are looked at at once.
+fn subject_of(row: &[f32]) -> Option<Range<usize>> {
+    const AT_ONCE: usize = 64;
+    let is_subject = |level: &f32| *level < HALF;
+    let has_subject = |levels: &[f32]| levels.iter().fold(false, |any, level| any | is_subject(level));
+    let before =
+        row.chunks(AT_ONCE).take_while(|levels| !has_subject(levels)).map(<[f32]>::len).sum::<usize>();
+    let behind =
+        row.rchunks(AT_ONCE).take_while(|levels| !has_subject(levels)).map(<[f32]>::len).sum::<usize>();
+    let first = before + row[before..].iter().position(is_subject)?;
+    let last = row[..row.len() - behind].iter().rposition(is_subject)?;
+    Some(first..last + 1)
 }
 
 /// The cells between two rows of points whose corners are not all alike, many looked at at once.
@@ -246,6 +259,18 @@ mod tests {
     fn area(outline: &[DVec2]) -> f64 {
         let next = outline.iter().cycle().skip(1);
         outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>() / 2.0
+    }
+
+    #[test]
+    fn the_first_and_last_subject_pixel_of_a_row_are_those_of_a_plain_search() {
+        let is_subject = |level: &f32| *level < HALF;
+        for seed in 0..300_usize {
+            let length = seed % 200;
+            let level = |x: usize| if (x * x + 31 * seed) % 97 < seed % 4 { 10.0 } else { 255.0 };
+            let row: Vec<f32> = (0..length).map(level).collect();
+            let ends = row.iter().position(is_subject).zip(row.iter().rposition(is_subject));
+            assert_eq!(subject_of(&row), ends.map(|(first, last)| first..last + 1), "{seed}");
+        }
     }
 
     #[test]
