@@ -116,6 +116,8 @@ pub enum FileProblem {
     NotText,
     #[error("is not valid {format}: {}{message}", InField(.field.as_deref()))]
     Syntax { format: TextFormat, field: Option<String>, message: String },
+    #[error("{}{message}", InField(.field.as_deref()))]
+    Schema { field: Option<String>, message: String },
     #[error("`format` is {}; expected \"{expected}\"", cut(.found))]
     Format { found: String, expected: &'static str },
     #[error("`{}` is {}; expected {expected}", in_short(.field), cut(.found))]

@@ -230,7 +230,7 @@ mod tests {
             {"name": "a", "turns": {"x": [1, null]}} ⇒ `turns.x[1]` is null; expected a number
             {"name": "a",\n "turns": {"x,\"{": ["b", 2]}} ⇒ `turns.x,\"{[0]` is "b"; expected a number
             {"name": 3} ⇒ `name` is 3; expected a text
-            {\n"nmae": 3} ⇒ line 2: is not valid JSON: unknown field `nmae`
+            {\n"nmae": 3} ⇒ line 2: unknown field `nmae`
             {"turns": {"x": [1, 2], "x": [1, 2]}} ⇒ in `turns`: "x" is given twice
             {"name": "a", "turns": {"x": [1, 2 ⇒ in `turns.x[1]`: the text ends too early
             \n ⇒ the text ends too early

@@ -151,7 +151,7 @@ radius = 0.1
             length = 0.5 ⇒ length = inf ⇒ limb "a": `length`
             length = 0.5 ⇒ length = 1e200 ⇒ limb "a": `length`
             radius = 0.1\n ⇒ radius = 1\nlimits = { axis = [0, 1, 0], flexion = [0, 1], sideways = [0, 1], twist = [0, 1] } ⇒ line 8: limb "a": `limits.axis`
-            radius = 0.1\n ⇒ radius = 1\ncolour = 3 ⇒ line 8: is not valid TOML: in `limb[0]`: unknown field `colour`
+            radius = 0.1\n ⇒ radius = 1\ncolour = 3 ⇒ line 8: in `limb[0]`: unknown field `colour`
             name = "c" ⇒ name = "a" ⇒ line 10: limb "a": `name` is used twice
             name = "b" ⇒ `format` is missing; expected "backlit-body 1"
             \nformat = "backlit-body 2"\nshape = 3 ⇒ line 2: `format` is "backlit-body 2"; expected

@@ -47,7 +47,15 @@ pub(crate) fn problem(format: TextFormat, field: Option<String>, message: &str) 
         let whole = field.map_or_else(|| name.to_owned(), |field| format!("{field}.{name}"));
         return FileProblem::field(whole, "missing", "a value");
     }
-    FileProblem::Syntax { format, field, message: plain(&message) }
+    // Names that the format does not know stand in a text that is well formed.
+    let is_well_formed =
+        ["unknown field", "unknown variant", "duplicate field"].iter().any(|says| message.starts_with(says));
+    let message = plain(&message);
+    if is_well_formed {
+        FileProblem::Schema { field, message }
+    } else {
+        FileProblem::Syntax { format, field, message }
+    }
 }
 
 /// A parser's message in plain words, without line ends.

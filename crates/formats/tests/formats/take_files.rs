@@ -208,8 +208,8 @@ fn errors_in_the_take_file_name_the_line() {
         TAKE,
         |text| open(BTreeMap::from_iter(good().into_iter().chain([("t/take.toml".into(), text.into())]))),
         r#"
-        frame_rate = 25 ⇒ frame_rate = 25\nframes = 3 ⇒ t/take.toml, line 4: is not valid TOML: unknown field `frames`
-        first = 5 ⇒ start = 5 ⇒ line 14: is not valid TOML: in `camera[0]`: unknown field `start`
+        frame_rate = 25 ⇒ frame_rate = 25\nframes = 3 ⇒ t/take.toml, line 4: unknown field `frames`
+        first = 5 ⇒ start = 5 ⇒ line 14: in `camera[0]`: unknown field `start`
         opening_px = 2 ⇒ opening = 2 ⇒ line 32: `measurement.opening`: unknown field
         region = { x = 1 ⇒ region = { z = 1 ⇒ line 23: `measurement.region`: unknown field `z`
         frame_rate = 25 ⇒ frame_rate = 0 ⇒ line 3: `frame_rate` is 0.0; expected frames per second
