@@ -114,7 +114,7 @@ fn what_cannot_be_named_is_answered_in_words() {
     scene.fails(
         "recognise --model model.json motions/walk1.bvh",
         1,
-        &["model.json", "backlit-motions 3", "learnt again"],
+        &["model.json", "backlit-motions 4", "learnt again"],
     );
     scene.write("motions/labels.csv", "file,class,subject\nwalk1.bvh,walk,a\n");
     scene.fails("recognise --train motions --out model.json", 1, &["motions", "1 classes", "two at least"]);

@@ -16,6 +16,7 @@ use crate::nearest::Exemplars;
 use crate::novelty::Novelty;
 use crate::observed::Observed;
 use crate::principal::PrincipalComponents;
+use crate::radial::RadialBasis;
 use crate::recognizer::{PlaneCloud, Recognizer};
 use crate::svm::SupportVectors;
 
@@ -45,7 +46,7 @@ pub struct LearnOptions {
     pub axes: AxesOptions,
     /// The classes' models.
     pub hmm: HmmOptions,
-    /// What a sample costs the support vector machine of the axes.
+    /// What a sample costs the support vector machine of the radial basis.
     pub cost: f64,
     /// What a sample costs the support vector machine of the measures, of which there are many more.
     pub wide_cost: f64,
@@ -63,7 +64,7 @@ impl Default for LearnOptions {
             variation: PersonVariation::default(),
             axes: AxesOptions::default(),
             hmm: HmmOptions::default(),
-            cost: 0.01,
+            cost: 0.03,
             wide_cost: 0.0003,
             switch_penalty: 6.0,
             seed: 1,
@@ -189,9 +190,12 @@ impl Recognizer {
             let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
             SupportVectors::learn(rows, &numbers, &costs, classes.len())
         };
+        let basis = RadialBasis::learn(&windows, &places);
+        let near: Vec<Vec<f64>> = places.iter().map(|place| basis.values(place)).collect();
         let (plane, clouds) = plane(motions, &classes);
         Ok(Self {
-            machine: machine(&places, options.cost),
+            machine: machine(&near, options.cost),
+            basis,
             wide_machine: machine(&white, options.wide_cost).before(&whitening),
             novelty,
             models: models(motions, &shorts, &short, classes.len(), &options.hmm),

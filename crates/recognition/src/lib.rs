@@ -16,6 +16,7 @@ pub mod nearest;
 pub mod novelty;
 pub mod observed;
 pub mod principal;
+pub mod radial;
 pub mod recognition;
 pub mod recognizer;
 pub mod svm;

@@ -1,4 +1,4 @@
-//! A recognizer as a file: `backlit-motions 3`, JSON. Numbers have six digits, which changes no name.
+//! A recognizer as a file: `backlit-motions 4`, JSON. Numbers have six digits, which changes no name.
 
 use std::ops::RangeInclusive;
 
@@ -11,7 +11,7 @@ use crate::features::{FRAME_FEATURES, MEASURE_COUNT};
 use crate::recognizer::Recognizer;
 
 /// Name and version of the format.
-pub const FORMAT: &str = "backlit-motions 3";
+pub const FORMAT: &str = "backlit-motions 4";
 
 /// Most classes, axes, states and known windows of a file.
 const MOST: [usize; 4] = [100, 100, 100, 1_000_000];
@@ -102,8 +102,9 @@ impl Recognizer {
             range(&at("transitions"), all, 0.0..=1.0)?;
             range(&at("variances"), model.variances.iter().flatten(), 1e-9..=1e9)?;
         }
+        table("basis.centres", &self.basis.centres, 1..=MOST[3], long)?;
         for (field, rows, rows_count, width) in [
-            ("machine.planes", &self.machine.planes, count, long + 1),
+            ("machine.planes", &self.machine.planes, count, self.basis.centres.len() + 1),
             ("wide_machine.planes", &self.wide_machine.planes, count, MEASURE_COUNT + 1),
             ("novelty.means", &self.novelty.means, count, MEASURE_COUNT),
             ("novelty.whitening", &self.novelty.whitening, MEASURE_COUNT, MEASURE_COUNT),
@@ -223,7 +224,7 @@ mod tests {
             assert!(message.contains("line"), "{message}");
         }
         for (from, to, expected) in [
-            ("backlit-motions 3", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
+            ("backlit-motions 4", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
             ("\"classes\": [", "\"classes\": [\"x\",", "`clouds` has 2 entries; expected 3"),
             ("\"switch_penalty\": ", "\"switch_penalty\": -", "`switch_penalty` has the number -"),
             ("\"origin\":[", "\"origin\":[1,", "origin` has 2 entries; expected 1"),

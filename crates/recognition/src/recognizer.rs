@@ -8,6 +8,7 @@ use crate::nearest::Exemplars;
 use crate::novelty::Novelty;
 use crate::observed::{Observed, SHORT, STEP, WINDOW};
 use crate::principal::PrincipalComponents;
+use crate::radial::RadialBasis;
 use crate::svm::SupportVectors;
 
 /// How a motion is named.
@@ -77,9 +78,11 @@ pub struct Recognizer {
     pub long: Discriminant,
     /// A model a class, of short windows.
     pub models: Vec<HiddenMarkov>,
-    /// Planes between the classes along the axes of windows.
+    /// Where each person who was learnt from does each class, along the axes of windows.
+    pub basis: RadialBasis,
+    /// Planes between the classes among the values of that basis.
     pub machine: SupportVectors,
-    /// The same among all their standardised measures; learnt in coordinates in which people and moments scatter alike in all directions.
+    /// The same among all standardised measures of windows; learnt in coordinates in which people and moments scatter alike in all directions.
     pub wide_machine: SupportVectors,
     /// What known windows look like.
     pub novelty: Novelty,
@@ -149,7 +152,7 @@ impl Recognizer {
     }
 
     fn machine_logs(&self, measures: &[f64]) -> Vec<f64> {
-        let narrow = self.machine.margins(&self.long.project(measures));
+        let narrow = self.machine.margins(&self.basis.values(&self.long.project(measures)));
         let wide = self.wide_machine.margins(&self.long.standardised(measures));
         narrow.iter().zip(wide).map(|(narrow, wide)| MARGIN_NATS * 0.5 * (narrow + wide)).collect()
     }
