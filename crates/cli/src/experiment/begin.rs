@@ -185,7 +185,7 @@ impl Experiment for Beginnings {
         Table::of(
             &report.rows,
             &[
-                ("cameras, start off by: way", &|row| {
+                ("cameras, start off by: initialisation", &|row| {
                     format!("{}, {}: {}", row.cameras, start(row), row.method)
                 }),
                 ("found", &|row| format!("{} of {}", row.found, row.tried)),
@@ -197,7 +197,7 @@ impl Experiment for Beginnings {
         )
     }
 
-    /// What each way costs and what it finds: one line a way, one point a row.
+    /// What each initialisation costs and what it finds: one line for each, one point a row.
     fn pictures(&self, report: &Report) -> Vec<(String, FigureOrSheet)> {
         let share =
             |row: &MethodRow| [row.evaluations.max(1.0), 100.0 * row.found as f64 / row.tried.max(1) as f64];

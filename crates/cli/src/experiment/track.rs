@@ -190,7 +190,7 @@ impl Experiment for Speeds {
         Table::of(
             rows,
             &[
-                ("way", &|(method, _)| method.name.clone()),
+                ("method", &|(method, _)| method.name.clone()),
                 ("speed", &|(_, found)| format!("{}×", found.speed)),
                 ("joint error, mm: mean", &|(_, found)| number(found.errors.mean_mm, 2)),
                 ("95 %", &|(_, found)| number(found.errors.p95_mm, 2)),
