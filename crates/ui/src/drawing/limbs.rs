@@ -48,12 +48,6 @@ impl ProjectedLimb {
         px.distance(self.ends_px[0].lerp(self.ends_px[1], share)) - (start + share * (end - start))
     }
 
-    /// The most by which [`distance_px`](Self::distance_px) changes over a pixel; infinite for a limb that points at the camera.
-    fn steepness(&self) -> f64 {
-        let change = (self.radii_px[0] - self.radii_px[1]).abs();
-        1.0 + if change > 0.0 { change / self.ends_px[0].distance(self.ends_px[1]) } else { 0.0 }
-    }
-
     /// A point of the border beside the middle of the limb: to the right of its direction on the screen for 1, to the
     /// left for −1.
     pub fn side_px(&self, side: f64) -> DVec2 {
@@ -130,16 +124,16 @@ pub fn joined_outline(limbs: &[&ProjectedLimb]) -> Vec<Vec<DVec2>> {
     for (index, limb) in limbs.iter().enumerate() {
         let others = limbs.iter().enumerate().filter(|(other, _)| *other != index);
         let near: Vec<_> = others.map(|(_, other)| other).filter(|other| limb.is_near(other)).collect();
-        let mut border = subdivided(&limb.outline(), &near);
+        let mut border = subdivided(&limb.outline());
+        let is_hidden = |px: &DVec2| near.iter().any(|other| other.distance_px(*px) < -HIDDEN_PX);
         // Starting behind a hidden point, every visible run is whole.
-        if let Some(hidden) = border.iter().position(|point| point.is_hidden) {
+        if let Some(hidden) = border.iter().position(is_hidden) {
             border.rotate_left(hidden);
         } else {
             border.extend(border.first().copied());
         }
-        let runs = border.split(|point| point.is_hidden).filter(|run| run.len() > 1);
-        let runs = runs.map(|run| run.iter().map(|point| point.px).collect::<Vec<_>>());
-        lines.extend(runs.map(|run| simplified(&run, STRAIGHT_PX)));
+        let runs = border.split(is_hidden).filter(|run| run.len() > 1);
+        lines.extend(runs.map(|run| simplified(run, STRAIGHT_PX)));
     }
     lines
 }
@@ -153,40 +147,13 @@ const STRAIGHT_PX: f64 = 0.01;
 /// Longest side of a subdivided border, pixels.
 const LONGEST_SIDE_PX: f64 = 2.0;
 
-/// A point of a border.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct BorderPoint {
-    px: DVec2,
-    is_hidden: bool,
-}
-
-/// A polygon with more points on its sides where limbs begin or cease to hide it: there no side is longer than
-/// [`LONGEST_SIDE_PX`].
-fn subdivided(polygon: &[DVec2], limbs: &[&&ProjectedLimb]) -> Vec<BorderPoint> {
-    let steepness = limbs.iter().map(|limb| limb.steepness()).fold(1.0, f64::max);
-    let hidden_by = |px: DVec2| {
-        let depths = limbs.iter().map(|limb| -limb.distance_px(px));
-        depths.fold(f64::NEG_INFINITY, f64::max) - HIDDEN_PX
-    };
+fn subdivided(polygon: &[DVec2]) -> Vec<DVec2> {
     let next = polygon.iter().cycle().skip(1);
-    let (mut points, mut parts) = (Vec::new(), Vec::new());
-    for (from, to) in polygon.iter().zip(next) {
-        let length = from.distance(*to);
-        let steps = (length / LONGEST_SIDE_PX).ceil().clamp(1.0, 1000.0) as usize;
-        parts.push(0..steps);
-        while let Some(part) = parts.pop() {
-            let start = from.lerp(*to, part.start as f64 / steps as f64);
-            let (hidden_by, reach) = (hidden_by(start), length * part.len() as f64 / steps as f64);
-            // Within reach all is hidden, or nothing.
-            if part.len() == 1 || hidden_by.abs() > reach * steepness {
-                points.push(BorderPoint { px: start, is_hidden: hidden_by > 0.0 });
-            } else {
-                let middle = part.start + part.len() / 2;
-                parts.extend([middle..part.end, part.start..middle]);
-            }
-        }
-    }
-    points
+    let sides = polygon.iter().zip(next).flat_map(|(from, to)| {
+        let steps = (from.distance(*to) / LONGEST_SIDE_PX).ceil().clamp(1.0, 1000.0) as usize;
+        (0..steps).map(move |step| from.lerp(*to, step as f64 / steps as f64))
+    });
+    sides.collect()
 }
 
 fn arc((centre, radius): (DVec2, f64), from: f64, to: f64) -> impl Iterator<Item = DVec2> {
@@ -292,43 +259,6 @@ mod tests {
         let lines = joined_outline(&[&LIMB, &next]);
         assert_eq!(lines.len(), 2);
         assert!(lines.iter().flatten().all(|px| px.distance(joint) > 3.7), "nothing crosses the joint");
-    }
-
-    /// Where every point of the border is looked at.
-    #[test]
-    fn sides_that_are_seen_or_hidden_as_a_whole_need_no_points() {
-        let finely = |limbs: &[ProjectedLimb], index: usize| {
-            let outline = limbs[index].outline();
-            let sides = outline.iter().zip(outline.iter().cycle().skip(1));
-            let points = sides.flat_map(|(from, to)| {
-                let steps = (from.distance(*to) / LONGEST_SIDE_PX).ceil().max(1.0) as usize;
-                (0..steps).map(move |step| from.lerp(*to, step as f64 / steps as f64))
-            });
-            points.collect::<Vec<_>>()
-        };
-        let (mut crossed, mut points) = (0, [0; 2]);
-        for seed in 0..200 {
-            let random = |place: usize| ((seed * 17 + place * 5) as f64 * 0.7).sin();
-            let limb = |place: usize| {
-                let at = |index| 60.0 * DVec2::new(random(place + index), random(place + index + 9));
-                let radii_px = [0, 1].map(|index| 12.0 + 10.0 * random(place + index + 20));
-                ProjectedLimb { ends_px: [at(0), at(1)], radii_px, ..LIMB }
-            };
-            let limbs = [limb(0), limb(31), limb(62)];
-            let others = [&&limbs[1], &&limbs[2]];
-            let is_hidden = |px: &DVec2| others.iter().any(|other| other.distance_px(*px) < -HIDDEN_PX);
-            let few: Vec<_> = subdivided(&limbs[0].outline(), &others).iter().map(|point| point.px).collect();
-            let many = finely(&limbs, 0);
-            // Every run of the fine border begins and ends at points of the other, and what lies between is as near.
-            let ends = |points: &[DVec2]| -> Vec<DVec2> {
-                let pairs = points.iter().zip(points.iter().cycle().skip(1));
-                pairs.filter(|(a, b)| is_hidden(a) != is_hidden(b)).flat_map(|(a, b)| [*a, *b]).collect()
-            };
-            assert_eq!(ends(&few), ends(&many), "{seed}");
-            crossed += usize::from(!ends(&few).is_empty());
-            points = [points[0] + few.len(), points[1] + many.len()];
-        }
-        assert!(crossed > 100 && points[0] < points[1], "{crossed} {points:?}");
     }
 
     #[test]
