@@ -126,6 +126,7 @@ fn to_json(take: &Take, CheckedCameras { diagnosis: found, changes }: &CheckedCa
             "evidence": finding.evidence.is_finite().then_some(finding.evidence),
             "apart_px": finding.apart_px,
             "keypoints_apart_px": finding.keypoints_apart_px,
+            "unexplained_edges": finding.unexplained,
             "rivals": finding.rivals.iter().map(|rival| json!({
                 "camera": name(rival.camera), "kind": rival.kind.name(), "evidence_less": rival.behind,
             })).collect::<Vec<_>>(),

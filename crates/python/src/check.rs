@@ -34,6 +34,8 @@ pub(crate) struct PyFinding {
     apart_px: Option<(f64, f64)>,
     /// The same by keypoints; None without any.
     keypoints_apart_px: Option<(f64, f64)>,
+    /// Share of its silhouette's edges that the hull of the others does not explain, before and after the repair; None with two cameras.
+    unexplained_edges: Option<(f64, f64)>,
     /// What the command line says of it.
     text: String,
     /// All cameras with this fault and those before it repaired; None where other cameras repair nothing.
@@ -109,6 +111,7 @@ impl PyFinding {
             sizes,
             apart_px: finding.apart_px.map(Into::into),
             keypoints_apart_px: finding.keypoints_apart_px.map(Into::into),
+            unexplained_edges: finding.unexplained.map(Into::into),
             text,
             cameras: repaired,
         })

@@ -135,7 +135,14 @@ impl FindingWords {
                 finding.keypoints_apart_px.map(both).map_or_else(String::new, |[before, after]| {
                     format!("; by keypoints {before} and {after} px")
                 });
-            format!("it and the others are {before} px apart, {after} px with that repaired{keypoints}")
+            let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+            let hull = finding
+                .unexplained
+                .map(|shares| shares.map(percent))
+                .map_or_else(String::new, |[before, after]| {
+                    format!("; the others do not explain {before} and {after} of its edges")
+                });
+            format!("it and the others are {before} px apart, {after} px with that repaired{keypoints}{hull}")
         };
         let rival = |rival: &Rival| {
             let times = rival.behind.exp();

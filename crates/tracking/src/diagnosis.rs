@@ -8,7 +8,8 @@
 //! r = (φ_a(t) − φ_b(t)) / pixel
 //! ```
 //!
-//! and so does the angle of the half-plane through a joint, where keypoints show that.
+//! and so does the angle of the half-plane through a joint, where keypoints show that. Three cameras or more tell besides whether
+//! the hull of the others explains each silhouette: the gaps g of its edges (`coherence.rs`).
 //!
 //! Every way in which a calibration is usually wrong is a hypothesis H: one camera (or all of them), a kind of fault, and its
 //! size θ. Its repair gives other cameras or clocks, and so other residuals r(θ). Small faults are fitted by Gauss and Newton with
@@ -19,14 +20,15 @@
 //! ```
 //!
 //! with s the spread of what does not fit at all, σ the noise under the best hypothesis and c the length over which residuals
-//! hang together, both of silhouettes and of keypoints, k sizes and n samples (G. Schwarz, "Estimating the dimension of a model",
-//! 1978), and θ₀ how large such faults usually are. What wins by enough is a [`Finding`]; it is repaired, and the rest is looked
-//! at again, since a take may have two faults.
+//! hang together, of silhouettes, of keypoints and of gaps (r = g), k sizes and n samples (G. Schwarz, "Estimating the dimension
+//! of a model", 1978), and θ₀ how large such faults usually are. Faults are fitted by the angles; gaps only compare them. What wins
+//! by enough is a [`Finding`]; it is repaired, and the rest is looked at again, since a take may have two faults.
 //!
 //! Silhouettes cannot tell where the whole rig stands, turns and how large it is. That all lengths are in other units shows in
 //! the size of the person alone; that two cameras are wrong out of two does not show which.
 
 mod calibration;
+mod coherence;
 mod diagnose;
 mod fault;
 mod fitting;

@@ -22,6 +22,7 @@
 //! largest sum over the pairs; their fractions of a frame are the weighted least squares over the pairs' own peaks.
 
 mod answer;
+pub(crate) mod cells;
 mod evidence;
 mod network;
 pub(crate) mod outline;

@@ -113,7 +113,7 @@ impl FilmedPerson {
                 let moved = Fault { kind: FaultKind::Moved, ..fault }.applied(own, own)?;
                 let after = match &self.simulated {
                     Some(simulation) => simulation.filmed(&moved, own, index + 100)?,
-                    None => recordings[index].with_calibration(own, &moved),
+                    None => recordings[index].with_calibration(own, &moved).outlines_only(),
                 };
                 recordings[index] =
                     recordings[index].continued_by(&after, first + BUMPED_AT * (last - first));

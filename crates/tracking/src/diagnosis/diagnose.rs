@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 use super::fault::{ClockChange, FaultKind, Size};
-use super::outlines::Outlines;
 use super::pair_angles::{Residuals, median_px};
 use super::state::State;
 use crate::camera::Camera;
@@ -76,6 +75,9 @@ pub struct Finding {
     pub apart_px: Option<[f64; 2]>,
     /// The same of keypoints; `None` without any.
     pub keypoints_apart_px: Option<[f64; 2]>,
+    /// Share of its silhouette's edges that the hull of the others does not explain: before and after the repair. `None` with two
+    /// cameras, and where all cameras have the fault.
+    pub unexplained: Option<[f64; 2]>,
     /// Other explanations that are less likely by no more than a factor of a thousand, the best first.
     pub rivals: Vec<Rival>,
     /// All cameras with this and the findings before it repaired.
@@ -127,9 +129,7 @@ pub fn diagnose(
     if lenses.len() != count {
         return Err(DiagnosisError::Lenses { lenses: lenses.len(), recordings: count });
     }
-    let outlines: Vec<Outlines> =
-        recordings.iter().zip(lenses).map(|(recording, lens)| Outlines::of(recording, lens)).collect();
-    let mut state = State::new(outlines, lenses.to_vec());
+    let mut state = State::new(recordings, lenses.to_vec());
     let before = state.full.residuals.clone();
     let mut findings = Vec::new();
     let mut noise_px = state.noise();

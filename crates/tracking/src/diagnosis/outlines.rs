@@ -102,10 +102,11 @@ impl Outlines {
                 hull: outline.corners.iter().filter_map(corner).collect(),
                 area: outline.area,
                 keypoints: outline.keypoints.iter().map(|pixel| camera.ray_in_world((*pixel)?)).collect(),
+                cells: None,
             }
         };
         let sightings = self.frames.iter().map(sighting).collect();
-        Recording { camera: camera.clone(), sightings, wrong_size: None }
+        Recording { camera: camera.clone(), sightings, pictures: None, wrong_size: None }
     }
 }
 
@@ -114,7 +115,20 @@ impl Recording {
     /// What would have been recorded if the camera of the pictures were believed to be `lens`, not `own`.
     #[must_use]
     pub fn with_calibration(&self, own: &Camera, lens: &Camera) -> Self {
-        Outlines::of(self, own).seen_by(lens)
+        let mut other = Outlines::of(self, own).seen_by(lens);
+        for (other, own) in other.sightings.iter_mut().zip(&self.sightings) {
+            other.cells.clone_from(&own.cells);
+        }
+        let pictures = || Box::new([self.camera.clone(), own.clone()]);
+        other.pictures = Some(self.pictures.clone().unwrap_or_else(pictures));
+        other
+    }
+
+    /// The same with outlines alone: for rays that were turned as if another camera had filmed them.
+    #[must_use]
+    pub fn outlines_only(&self) -> Self {
+        let sighting = |sighting: &Sighting| Sighting { cells: None, ..sighting.clone() };
+        Self { sightings: self.sightings.iter().map(sighting).collect(), ..self.clone() }
     }
 
     /// The same by another clock, given its time for each of this one's.

@@ -1,13 +1,16 @@
 //! Hypotheses in the order of their evidence.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
+use super::coherence::{FrameGaps, Silhouettes};
 use super::diagnose::{DiagnosisOptions, Finding, Rival};
 use super::fault::{ClockChange, FaultKind};
 use super::fitting::Tried;
 use super::hypothesis::{Hypothesis, Repair};
 use super::outlines::Clock;
-use super::pair_angles::{ByWitness, Residuals, correlation_lengths, median_px, noise, support};
+use super::pair_angles::{ByWitness, Residuals, correlation_lengths, median_px, noise, support, support_of};
 use super::state::State;
 use crate::cancel::CancelToken;
 
@@ -72,8 +75,61 @@ impl State {
         };
         let mut ranked: Vec<(f64, Tried)> = tried.into_iter().zip(totals).map(evidence).collect();
         ranked.retain(|(_, tried)| self.is_no_chance(tried));
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort(&mut ranked);
+        self.ask_hulls(&mut ranked, noise_px[0], correlated[0]);
+        sort(&mut ranked);
         Some(Ranking { ranked, noise_px, correlated })
+    }
+
+    /// Adds to the evidence of hypotheses what gaps say, and keeps the best form of each kind for each camera.
+    fn ask_hulls(&self, ranked: &mut Vec<(f64, Tried)>, noise_px: f64, correlated: f64) {
+        let before = self.gaps();
+        if before.is_empty() {
+            return;
+        }
+        let mut met = HashSet::new();
+        ranked.retain(|(_, tried)| met.insert((tried.hypothesis.camera, tried.hypothesis.kind)));
+        let gaps_of = |(_, tried): &(f64, Tried)| {
+            let hypothesis = &tried.hypothesis;
+            let repair = hypothesis.repair(&self.cameras, &tried.by, self.span(hypothesis), tried.split);
+            repair.map_or_else(|| before.clone(), |repair| self.gaps_with(&repair, &before))
+        };
+        let all: Vec<Vec<FrameGaps>> = ranked.par_iter().map(gaps_of).collect();
+        let noise = self.edge_noise(noise_px);
+        let spread = self.spread();
+        let support_by = |gaps: &[FrameGaps]| -> f64 {
+            let each = gaps.iter().flat_map(|frame| &frame.px);
+            each.map(|px| support_of(Some(*px), noise, spread)).sum()
+        };
+        let supports: Vec<f64> = all.iter().map(|gaps| support_by(gaps)).collect();
+        let best = (0..all.len()).max_by(|&a, &b| supports[a].total_cmp(&supports[b]));
+        // Edges hang together within a frame, and frames as the outlines' samples do.
+        let within = best.map_or(1.0, |best| correlated_edges(&all[best], noise));
+        let apart =
+            self.full.recordings[0].frame_count() as f64 / before.len() as f64 * self.cameras.len() as f64;
+        let together = within * (correlated / apart).max(1.0);
+        let none = support_by(&before);
+        for ((evidence, _), support) in ranked.iter_mut().zip(supports) {
+            *evidence += (support - none) / together;
+        }
+    }
+
+    /// No edge is known better than to a cell.
+    fn edge_noise(&self, noise_px: f64) -> f64 {
+        self.silhouettes.iter().map(Silhouettes::side).fold(noise_px, f64::max)
+    }
+
+    /// Share of a camera's edges with larger gaps than noise makes, before and after a repair.
+    fn unexplained(&self, camera: Option<usize>, repair: &Repair) -> Option<[f64; 2]> {
+        let (camera, before) = (camera?, self.gaps());
+        let after = self.gaps_with(repair, &before);
+        let noise = self.edge_noise(self.noise()[0]);
+        let share = |gaps: &[FrameGaps]| {
+            let own = || gaps.iter().filter(|frame| frame.camera == camera).flat_map(|frame| &frame.px);
+            let all = own().count();
+            (all > 0).then(|| own().filter(|px| **px > noise).count() as f64 / all as f64)
+        };
+        Some([share(&before)?, share(&after)?])
     }
 
     /// The likeliest fault, if it is likely and large enough to be told.
@@ -110,6 +166,7 @@ impl State {
             evidence: *evidence,
             apart_px: apart(0),
             keypoints_apart_px: apart(1),
+            unexplained: self.unexplained(hypothesis.camera, &repair),
             rivals: ranking.rivals(),
             cameras,
             clock: clock.map(|camera| ClockChange { camera, offset_s, rate }),
@@ -163,6 +220,22 @@ impl State {
         changes.sort_by(f64::total_cmp);
         changes.get(changes.len() * 9 / 10).copied().unwrap_or(0.0)
     }
+}
+
+/// The likeliest first.
+fn sort(ranked: &mut [(f64, Tried)]) {
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+}
+
+/// Σ (Σ g)² / Σ g², inner sums over the edges of a frame: over how many of them gaps hang together.
+fn correlated_edges(gaps: &[FrameGaps], noise: f64) -> f64 {
+    let bounded = |frame: &FrameGaps| -> Vec<f64> { frame.px.iter().map(|px| px.min(3.0 * noise)).collect() };
+    let (mut squares, mut squared_sums) = (0.0, 0.0);
+    for px in gaps.iter().map(bounded) {
+        squares += px.iter().map(|px| px * px).sum::<f64>();
+        squared_sums += px.iter().sum::<f64>().powi(2);
+    }
+    if squares > 0.0 { (squared_sums / squares).max(1.0) } else { 1.0 }
 }
 
 /// Both witnesses' numbers, each with the other's.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::coherence::{FrameGaps, Silhouettes, gaps};
 use super::hypothesis::{Hypothesis, Repair};
 use super::outlines::{Clock, Outlines};
 use super::pair_angles::{ByWitness, PairAngles, Residuals, noise};
@@ -22,6 +23,7 @@ pub(super) struct State {
     pub(super) full: Sampled,
     /// Of some, by which cameras are fitted.
     pub(super) thin: Sampled,
+    pub(super) silhouettes: Vec<Silhouettes>,
 }
 
 /// What cameras see in a set of frames, and what two are apart, by pair.
@@ -93,7 +95,10 @@ impl Sampled {
 }
 
 impl State {
-    pub(super) fn new(outlines: Vec<Outlines>, cameras: Vec<Camera>) -> Self {
+    pub(super) fn new(recordings: &[Recording], cameras: Vec<Camera>) -> Self {
+        let both = || recordings.iter().zip(&cameras);
+        let outlines: Vec<Outlines> = both().map(|(recording, lens)| Outlines::of(recording, lens)).collect();
+        let silhouettes = both().map(|(recording, lens)| Silhouettes::of(recording, lens)).collect();
         let count = cameras.len();
         let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
         let frames = outlines.iter().map(Outlines::frame_count).max().unwrap_or(0);
@@ -101,7 +106,7 @@ impl State {
         let thin = outlines.iter().map(|outlines| outlines.thinned(every)).collect();
         let full = Sampled::new(outlines, &cameras, &pairs);
         let thin = Sampled::new(thin, &cameras, &pairs);
-        Self { clocks: vec![Clock::RIGHT; count], full, thin, pairs, cameras }
+        Self { clocks: vec![Clock::RIGHT; count], full, thin, pairs, cameras, silhouettes }
     }
 
     pub(super) fn apply(&mut self, repair: &Repair) {
@@ -127,6 +132,27 @@ impl State {
 
     pub(super) fn with(&self, sampled: &Sampled, repair: &Repair) -> Vec<(usize, Residuals)> {
         sampled.with(&self.clocks, &self.pairs, repair)
+    }
+
+    /// The gaps of edges as cameras and clocks are; none with two cameras, whose outlines say as much.
+    pub(super) fn gaps(&self) -> Vec<FrameGaps> {
+        if self.cameras.len() > 2 { gaps(&self.silhouettes, &self.cameras, &self.clocks) } else { Vec::new() }
+    }
+
+    /// The same with a fault repaired; `before` are those without the repair.
+    pub(super) fn gaps_with(&self, repair: &Repair, before: &[FrameGaps]) -> Vec<FrameGaps> {
+        let (mut cameras, mut clocks) = (self.cameras.clone(), self.clocks.clone());
+        for (index, camera) in &repair.cameras {
+            cameras[*index] = camera.clone();
+            clocks[*index] = clocks[*index].then(repair.clock);
+        }
+        let mut after = gaps(&self.silhouettes, &cameras, &clocks);
+        if let Some(split) = repair.after {
+            let both = after.iter_mut().zip(before);
+            both.filter(|(_, before)| before.seconds < split)
+                .for_each(|(after, before)| *after = before.clone());
+        }
+        after
     }
 
     pub(super) fn span(&self, hypothesis: &Hypothesis) -> [f64; 2] {

@@ -73,6 +73,7 @@ impl State {
             evidence: f64::INFINITY,
             apart_px: None,
             keypoints_apart_px: None,
+            unexplained: None,
             rivals: Vec::new(),
             cameras: self.cameras.iter().map(in_metres).collect::<Option<Vec<_>>>()?,
             clock: None,

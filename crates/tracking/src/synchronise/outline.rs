@@ -1,10 +1,11 @@
-//! What is kept of a silhouette: its convex hull as rays, which of its corners may not be the subject's, its area.
+//! What is kept of a silhouette: its convex hull as rays, which of its corners may not be the subject's, its area, and its cells.
 //!
 //! A half-plane that touches a silhouette touches its convex hull, so a few dozen rays a frame are enough, however large
 //! the pictures are.
 
 use glam::{DVec2, DVec3};
 
+use super::cells::Cells;
 use crate::camera::Camera;
 use crate::silhouette::{Label, Mask};
 use crate::statistics::upper_median;
@@ -34,6 +35,8 @@ pub(crate) struct Sighting {
     pub(crate) area: f64,
     /// Unit rays to joints in world axes, in an order that all cameras share; empty without keypoints.
     pub(crate) keypoints: Vec<Option<DVec3>>,
+    /// The silhouette itself, coarsely, in the recording's [pictures](Recording::pictures).
+    pub(crate) cells: Option<Cells>,
 }
 
 /// What one camera saw over time.
@@ -41,6 +44,8 @@ pub(crate) struct Sighting {
 pub struct Recording {
     pub(crate) camera: Camera,
     pub(crate) sightings: Vec<Sighting>,
+    /// The camera of the silhouettes and that of the pictures as they were taken, where other numbers are believed of both.
+    pub(crate) pictures: Option<Box<[Camera; 2]>>,
     /// The first mask that was not of the camera's size.
     pub(crate) wrong_size: Option<usize>,
 }
@@ -49,7 +54,7 @@ impl Recording {
     /// Nothing seen yet. The camera is that of the masks: without distortion if they were rectified.
     #[must_use]
     pub fn new(camera: Camera) -> Self {
-        Self { camera, sightings: Vec::new(), wrong_size: None }
+        Self { camera, sightings: Vec::new(), pictures: None, wrong_size: None }
     }
 
     /// Adds a silhouette at a time by the camera's own clock, seconds, later than the one before. A mask without subject
@@ -65,7 +70,8 @@ impl Recording {
         };
         let hull = corners.into_iter().filter_map(corner).collect();
         let area = mask.count(Label::Subject) as f64;
-        self.sightings.push(Sighting { seconds, hull, area, keypoints: Vec::new() });
+        let cells = Some(Cells::of(mask));
+        self.sightings.push(Sighting { seconds, hull, area, keypoints: Vec::new(), cells });
     }
 
     /// Gives a frame that was [pushed](Self::push) its keypoints: the same joints in the same order for all cameras and frames, in
