@@ -18,6 +18,9 @@ pub const NOTHING_WRONG: &str = "nothing is wrong with the cameras, as far as th
 /// From this factor on, how much less likely a rival is stands as a number.
 const TELLS_FACTOR_FROM: f64 = 1.5;
 
+/// From this share of edges on, those that the hull of the others does not explain are told.
+const LEAST_UNEXPLAINED: f64 = 0.01;
+
 /// What a check is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CheckStage {
@@ -135,13 +138,11 @@ impl FindingWords {
                 finding.keypoints_apart_px.map(both).map_or_else(String::new, |[before, after]| {
                     format!("; by keypoints {before} and {after} px")
                 });
-            let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-            let hull = finding
-                .unexplained
-                .map(|shares| shares.map(percent))
-                .map_or_else(String::new, |[before, after]| {
-                    format!("; the others do not explain {before} and {after} of its edges")
-                });
+            let unexplained = finding.unexplained.filter(|shares| shares[0] >= LEAST_UNEXPLAINED);
+            let hull = unexplained.map_or_else(String::new, |shares| {
+                let [before, after] = shares.map(|share| number(100.0 * share, 0));
+                format!("; {before} % and {after} % of its edges lie outside the hull of the others")
+            });
             format!("it and the others are {before} px apart, {after} px with that repaired{keypoints}{hull}")
         };
         let rival = |rival: &Rival| {
