@@ -23,7 +23,7 @@ use crate::camera::Camera;
 use crate::geometry::NearestToLines;
 use crate::silhouette::{Label, SignedDistance};
 use crate::synchronise::Recording;
-use crate::synchronise::cells::Cells;
+use crate::synchronise::cells::MaskCells;
 use crate::synchronise::outline::Sighting;
 
 /// Edges of a silhouette that are asked.
@@ -43,23 +43,23 @@ const LEAST_AHEAD: f64 = 0.05;
 
 /// One camera's silhouettes in coarse cells.
 #[derive(Debug)]
-pub(super) struct Silhouettes {
+pub(super) struct SilhouetteRecord {
     /// The camera of the pictures as they were taken, and that of the silhouettes, which may be without the lens.
     lens: Camera,
     ideal: Camera,
-    frames: Vec<Frame>,
+    frames: Vec<RecordedFrame>,
 }
 
 #[derive(Debug)]
-struct Frame {
+struct RecordedFrame {
     seconds: f64,
-    cells: Cells,
-    shape: OnceLock<Shape>,
+    cells: MaskCells,
+    shape: OnceLock<SilhouetteShape>,
 }
 
 /// What is asked of a silhouette. Places are in pixels of the pictures as they were taken.
 #[derive(Debug)]
-struct Shape {
+struct SilhouetteShape {
     /// Signed distance of each cell with all that is unknown subject, in parts of a cell.
     distances: Vec<i8>,
     edges: Vec<DVec2>,
@@ -78,7 +78,7 @@ pub(super) struct FrameGaps {
     pub(super) px: Vec<f64>,
 }
 
-impl Silhouettes {
+impl SilhouetteRecord {
     /// `lens` is the camera of the pictures as they were taken.
     pub(super) fn of(recording: &Recording, lens: &Camera) -> Self {
         let [ideal, lens] = match recording.pictures.as_deref() {
@@ -87,7 +87,7 @@ impl Silhouettes {
         };
         let frame = |sighting: &Sighting| {
             let cells = sighting.cells.clone()?;
-            Some(Frame { seconds: sighting.seconds, cells, shape: OnceLock::new() })
+            Some(RecordedFrame { seconds: sighting.seconds, cells, shape: OnceLock::new() })
         };
         Self { lens, ideal, frames: recording.sightings.iter().filter_map(frame).collect() }
     }
@@ -97,11 +97,11 @@ impl Silhouettes {
         self.frames.first().map_or(1.0, |frame| frame.cells.side as f64)
     }
 
-    fn shape<'a>(&self, frame: &'a Frame) -> &'a Shape {
+    fn shape<'a>(&self, frame: &'a RecordedFrame) -> &'a SilhouetteShape {
         frame.shape.get_or_init(|| self.shape_of(&frame.cells))
     }
 
-    fn shape_of(&self, cells: &Cells) -> Shape {
+    fn shape_of(&self, cells: &MaskCells) -> SilhouetteShape {
         let mask = cells.mask();
         let [columns, rows] = cells.size;
         let taken = |cell: DVec2| {
@@ -129,7 +129,7 @@ impl Silhouettes {
             let [top, low] = [bounds.y_min as f64 - 0.5, bounds.y_max as f64 + 0.5];
             [(left, top), (right, top), (left, low), (right, low)].map(DVec2::from)
         });
-        Shape {
+        SilhouetteShape {
             distances: (0..mask.labels().len()).map(kept).collect(),
             edges: spread.filter_map(taken).collect(),
             corners: corners.filter_map(taken).collect(),
@@ -139,7 +139,7 @@ impl Silhouettes {
 
     /// The frames before and after a time, and how far it is from one to the other; the same one twice at a frame. `None` beyond
     /// the recording.
-    fn at(&self, seconds: f64) -> Option<([&Shape; 2], f64)> {
+    fn at(&self, seconds: f64) -> Option<([&SilhouetteShape; 2], f64)> {
         let after = self.frames.partition_point(|frame| frame.seconds < seconds);
         let at = |index: usize| self.frames.get(index);
         let (before, after) = (after.checked_sub(1).and_then(at), at(after));
@@ -147,7 +147,7 @@ impl Silhouettes {
             [first, second, ..] => second.seconds - first.seconds,
             _ => 0.0,
         };
-        let is_near = |frame: &&Frame| (frame.seconds - seconds).abs() <= NEAR_FRAME * period;
+        let is_near = |frame: &&RecordedFrame| (frame.seconds - seconds).abs() <= NEAR_FRAME * period;
         if let Some(frame) = before.filter(is_near).or(after.filter(is_near)) {
             return Some(([self.shape(frame); 2], 0.0));
         }
@@ -159,18 +159,18 @@ impl Silhouettes {
 
 /// A camera as it is believed to be, and its silhouette at one moment.
 struct View<'a> {
-    silhouettes: &'a Silhouettes,
+    silhouettes: &'a SilhouetteRecord,
     camera: &'a Camera,
     /// The camera that projects into the silhouettes' pictures; `None` where the believed lens is not that of the pictures.
     direct: Option<Camera>,
-    shapes: [&'a Shape; 2],
+    shapes: [&'a SilhouetteShape; 2],
     share: f64,
     /// The box in which distances are known, on the plane at depth 1; `None` where it has no end.
     bounds: Option<[DVec2; 2]>,
 }
 
 impl<'a> View<'a> {
-    fn new(silhouettes: &'a Silhouettes, camera: &'a Camera, seconds: f64) -> Option<Self> {
+    fn new(silhouettes: &'a SilhouetteRecord, camera: &'a Camera, seconds: f64) -> Option<Self> {
         let (shapes, share) = silhouettes.at(seconds)?;
         let corners = || shapes.iter().flat_map(|shape| &shape.corners);
         let plane = |corner: &DVec2| {
@@ -217,7 +217,7 @@ impl<'a> View<'a> {
         let (x, y) = (inside.x as usize, inside.y as usize);
         let (right, down) = ((x + 1).min(columns - 1), (y + 1).min(rows - 1));
         let part = inside - DVec2::new(x as f64, y as f64);
-        let of = |shape: &Shape| {
+        let of = |shape: &SilhouetteShape| {
             if beyond > 0.5 && !shape.is_whole {
                 return None;
             }
@@ -235,7 +235,7 @@ impl<'a> View<'a> {
 }
 
 /// The gaps of all cameras at some frames each, with cameras and clocks as they are believed to be.
-pub(super) fn gaps(all: &[Silhouettes], cameras: &[Camera], clocks: &[Clock]) -> Vec<FrameGaps> {
+pub(super) fn gaps(all: &[SilhouetteRecord], cameras: &[Camera], clocks: &[Clock]) -> Vec<FrameGaps> {
     let mut found = Vec::new();
     for (index, (own, camera)) in all.iter().zip(cameras).enumerate() {
         let every = own.frames.len().div_ceil(FRAMES).max(1);
@@ -359,7 +359,7 @@ mod tests {
     }
 
     fn asked(recordings: &[Recording], cameras: &[Camera], clocks: &[Clock]) -> Vec<FrameGaps> {
-        let all = recordings.iter().map(|recording| Silhouettes::of(recording, &recording.camera));
+        let all = recordings.iter().map(|recording| SilhouetteRecord::of(recording, &recording.camera));
         gaps(&all.collect::<Vec<_>>(), cameras, clocks)
     }
 
@@ -417,7 +417,7 @@ mod tests {
                 for (label, own) in mask.labels_mut().iter_mut().zip(own.labels()) {
                     *label = if *own == Label::Subject { *own } else { *label };
                 }
-                blind.cells = Some(Cells::of(&mask));
+                blind.cells = Some(MaskCells::of(&mask));
             }
             recordings[camera] = blind;
         }

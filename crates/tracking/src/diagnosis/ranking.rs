@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::coherence::{FrameGaps, Silhouettes};
+use super::coherence::{FrameGaps, SilhouetteRecord};
 use super::diagnose::{DiagnosisOptions, Finding, Rival};
 use super::fault::{ClockChange, FaultKind};
 use super::fitting::Tried;
@@ -116,7 +116,7 @@ impl State {
 
     /// No edge is known better than to a cell.
     fn edge_noise(&self, noise_px: f64) -> f64 {
-        self.silhouettes.iter().map(Silhouettes::side).fold(noise_px, f64::max)
+        self.silhouettes.iter().map(SilhouetteRecord::side).fold(noise_px, f64::max)
     }
 
     /// Share of a camera's edges with larger gaps than noise makes, before and after a repair.

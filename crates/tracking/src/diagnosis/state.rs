@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::coherence::{FrameGaps, Silhouettes, gaps};
+use super::coherence::{FrameGaps, SilhouetteRecord, gaps};
 use super::hypothesis::{Hypothesis, Repair};
 use super::outlines::{Clock, Outlines};
 use super::pair_angles::{ByWitness, PairAngles, Residuals, noise};
@@ -23,7 +23,7 @@ pub(super) struct State {
     pub(super) full: Sampled,
     /// Of some, by which cameras are fitted.
     pub(super) thin: Sampled,
-    pub(super) silhouettes: Vec<Silhouettes>,
+    pub(super) silhouettes: Vec<SilhouetteRecord>,
 }
 
 /// What cameras see in a set of frames, and what two are apart, by pair.
@@ -98,7 +98,7 @@ impl State {
     pub(super) fn new(recordings: &[Recording], cameras: Vec<Camera>) -> Self {
         let both = || recordings.iter().zip(&cameras);
         let outlines: Vec<Outlines> = both().map(|(recording, lens)| Outlines::of(recording, lens)).collect();
-        let silhouettes = both().map(|(recording, lens)| Silhouettes::of(recording, lens)).collect();
+        let silhouettes = both().map(|(recording, lens)| SilhouetteRecord::of(recording, lens)).collect();
         let count = cameras.len();
         let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
         let frames = outlines.iter().map(Outlines::frame_count).max().unwrap_or(0);

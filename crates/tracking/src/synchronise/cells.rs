@@ -7,7 +7,7 @@ const LONGER_SIDE: usize = 320;
 
 /// A mask in cells: a few kilobytes a frame, so that those of a whole recording can be kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Cells {
+pub(crate) struct MaskCells {
     /// Pixels along a cell's side; cells that the picture cuts are left out.
     pub(crate) side: usize,
     /// Columns and rows.
@@ -16,7 +16,7 @@ pub(crate) struct Cells {
     runs: Vec<(Label, u32)>,
 }
 
-impl Cells {
+impl MaskCells {
     /// A cell is subject if more than half of its pixels are, and unknown if more than half are either.
     pub(crate) fn of(mask: &Mask) -> Self {
         let side = mask.width().max(mask.height()).div_ceil(LONGER_SIDE).max(1);
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn small_masks_are_kept_as_they_are() {
         let mask = Mask::from_ascii("..##?\n.###?\n.....").unwrap();
-        let cells = Cells::of(&mask);
+        let cells = MaskCells::of(&mask);
         assert_eq!((cells.side, cells.size), (1, [5, 3]));
         assert_eq!(cells.mask(), mask);
     }
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn large_masks_are_halved_by_majority() {
         let mut mask = Mask::filled(641, 4, Label::Background).unwrap();
-        let side = Cells::of(&mask).side;
+        let side = MaskCells::of(&mask).side;
         assert_eq!(side, 3);
         // Five of nine pixels of the first cell, four of nine of the second, three unknown beside two of the third.
         for (x, y, label) in [
@@ -92,7 +92,7 @@ mod tests {
         ] {
             mask.labels_mut()[y * 641 + x] = label;
         }
-        let cells = Cells::of(&mask);
+        let cells = MaskCells::of(&mask);
         assert_eq!(cells.size, [213, 1]);
         let first: Vec<Label> = cells.mask().labels()[..4].to_vec();
         assert_eq!(first, [Label::Subject, Label::Background, Label::Unknown, Label::Background]);

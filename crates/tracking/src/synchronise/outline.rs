@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::cells::Cells;
+use super::cells::MaskCells;
 use crate::camera::Camera;
 use crate::silhouette::{Label, Mask};
 use crate::statistics::upper_median;
@@ -36,7 +36,7 @@ pub(crate) struct Sighting {
     /// Unit rays to joints in world axes, in an order that all cameras share; empty without keypoints.
     pub(crate) keypoints: Vec<Option<DVec3>>,
     /// The silhouette itself, coarsely, in the recording's [pictures](Recording::pictures).
-    pub(crate) cells: Option<Cells>,
+    pub(crate) cells: Option<MaskCells>,
 }
 
 /// What one camera saw over time.
@@ -70,7 +70,7 @@ impl Recording {
         };
         let hull = corners.into_iter().filter_map(corner).collect();
         let area = mask.count(Label::Subject) as f64;
-        let cells = Some(Cells::of(mask));
+        let cells = Some(MaskCells::of(mask));
         self.sightings.push(Sighting { seconds, hull, area, keypoints: Vec::new(), cells });
     }
 
