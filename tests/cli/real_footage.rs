@@ -31,8 +31,9 @@ fn json(command: &str, options: &str) -> Option<Value> {
 /// Four cameras, with the person's own sizes.
 #[test]
 fn the_real_person_is_found_without_a_start() {
-    let Some(found) = json("experiment no-start", "--sets-of 4 --frames 0") else { return };
-    assert_eq!(found["report"]["groups"][0]["found"], 1, "{found}");
+    let options = "--no-start --methods search --cameras 4";
+    let Some(found) = json("experiment begin --take", options) else { return };
+    assert_eq!(found["report"]["rows"][0]["found"], 1, "{found}");
 }
 
 /// Every other camera's clock is shifted by whole frames; all four cameras together are the last case.

@@ -15,8 +15,8 @@ mod fig54;
 mod fig55;
 mod footage;
 mod frame_basin;
+mod keypoint_frame;
 mod measures;
-mod no_start;
 mod planned_cameras;
 mod refinement;
 mod sequence;
@@ -196,7 +196,6 @@ enum ExperimentCommand {
     CalibrationFaults(WithOutput<faults::CalibrationFaults>),
     Begin(Box<begin::Arguments>),
     Footage(Box<footage::Arguments>),
-    NoStart(WithOutput<no_start::NoStart>),
     #[command(name = planned_cameras::PlannedCameras::NAME)]
     CameraPlan(WithOutput<planned_cameras::PlannedCameras>),
     #[command(name = refinement::RefinedRigs::NAME)]
@@ -236,7 +235,6 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         ExperimentCommand::CalibrationFaults(chosen) => chosen.run(),
         ExperimentCommand::Begin(chosen) => chosen.run(),
         ExperimentCommand::Footage(chosen) => chosen.run(),
-        ExperimentCommand::NoStart(chosen) => chosen.run(),
         ExperimentCommand::CameraPlan(chosen) => chosen.run(),
         ExperimentCommand::RefineCameras(chosen) => chosen.run(),
         ExperimentCommand::Sync(chosen) => chosen.run(),

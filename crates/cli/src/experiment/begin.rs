@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use super::arguments::{OutputArguments, picture_size};
 use super::basin::{levels_of, starts_of, views_of};
-use super::no_start::{KeypointFrame, error_mm, sets};
+use super::keypoint_frame::{KeypointFrame, error_mm, sets};
 use super::{Experiment, Run};
 use crate::numbers::within;
 use crate::output::number;
@@ -69,6 +69,9 @@ pub(crate) struct Arguments {
     /// Take with reference keypoints whose frames are used instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE")]
     take: Option<PathBuf>,
+    /// Another body than the take's, as from fit-body: a file, or a built-in one by name
+    #[arg(long, value_name = "MODEL", requires = "take")]
+    model: Option<String>,
     /// Frames of the take, counted from 0 [0 to 999999]
     #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
     frames: Vec<usize>,
@@ -102,6 +105,8 @@ struct Beginnings {
 struct Frames {
     #[serde(skip)]
     take: PathBuf,
+    #[serde(skip)]
+    model: Option<String>,
     frames: Vec<usize>,
     /// Each is tried once a frame and set of cameras.
     levels: Vec<Level>,
@@ -122,7 +127,7 @@ impl Arguments {
         let (mut starts, mut draw, mut frames, mut given) = (None, None, None, Vec::new());
         if let Some(take) = self.take {
             let (levels, within_mm, seed) = (levels_of(&self.angles)?, self.within_mm, self.seed);
-            frames = Some(Frames { take, frames: self.frames, levels, within_mm, seed });
+            frames = Some(Frames { take, model: self.model, frames: self.frames, levels, within_mm, seed });
         } else {
             (given, draw) = starts_of(&self.starts, &self.angles, (&cameras, self.size, self.seed))?;
             starts = Some(self.starts);
@@ -244,7 +249,7 @@ impl Beginnings {
 
     /// Tries all methods on all frames by all sets of cameras, from starts of all levels, or without.
     fn on_frames(&self, frames: &Frames, run: &Run) -> Result<Report> {
-        let footage = take_options::open(&frames.take)?;
+        let footage = take_options::open_with_model(&frames.take, frames.model.as_deref())?;
         let all = footage.cameras.len();
         let mut levels: Vec<Option<Level>> = frames.levels.iter().copied().map(Some).collect();
         if self.no_start {

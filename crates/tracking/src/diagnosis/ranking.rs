@@ -24,12 +24,20 @@ const BATCH: usize = 16;
 
 /// All hypotheses at their best, the likeliest first.
 pub(super) struct Ranking {
-    /// With their evidence against no fault, nats.
-    ranked: Vec<(f64, Tried)>,
+    ranked: Vec<Ranked>,
     /// Deviation of an edge and of a keypoint under the best, pixels.
     pub(super) noise_px: ByWitness,
     /// Over how many samples residuals hang together.
     correlated: ByWitness,
+}
+
+/// A hypothesis at its best.
+struct Ranked {
+    tried: Tried,
+    /// Against no fault, nats.
+    evidence: f64,
+    /// Share of its camera's edges with larger gaps than noise makes, before and after its repair.
+    unexplained: Option<[f64; 2]>,
 }
 
 impl State {
@@ -69,12 +77,12 @@ impl State {
         let none = independent(supports(&mut self.full.residuals.iter()));
         let samples = self.full.residuals.iter().map(samples).fold([0.0; 2], sum);
         let ln_samples = independent(samples).max(2.0).ln();
-        let evidence = |(tried, total): (Tried, ByWitness)| {
+        let weighed = |(tried, total): (Tried, ByWitness)| {
             let evidence = independent(total) - tried.hypothesis.cost(&tried.by, ln_samples) - none;
-            (evidence, tried)
+            Ranked { tried, evidence, unexplained: None }
         };
-        let mut ranked: Vec<(f64, Tried)> = tried.into_iter().zip(totals).map(evidence).collect();
-        ranked.retain(|(_, tried)| self.is_no_chance(tried));
+        let mut ranked: Vec<Ranked> = tried.into_iter().zip(totals).map(weighed).collect();
+        ranked.retain(|ranked| self.is_no_chance(&ranked.tried));
         sort(&mut ranked);
         self.ask_hulls(&mut ranked, noise_px[0], correlated[0]);
         sort(&mut ranked);
@@ -82,14 +90,14 @@ impl State {
     }
 
     /// Adds to the evidence of hypotheses what gaps say, and keeps the best form of each kind for each camera.
-    fn ask_hulls(&self, ranked: &mut Vec<(f64, Tried)>, noise_px: f64, correlated: f64) {
+    fn ask_hulls(&self, ranked: &mut Vec<Ranked>, noise_px: f64, correlated: f64) {
         let before = self.gaps();
         if before.is_empty() {
             return;
         }
         let mut met = HashSet::new();
-        ranked.retain(|(_, tried)| met.insert((tried.hypothesis.camera, tried.hypothesis.kind)));
-        let gaps_of = |(_, tried): &(f64, Tried)| {
+        ranked.retain(|Ranked { tried, .. }| met.insert((tried.hypothesis.camera, tried.hypothesis.kind)));
+        let gaps_of = |Ranked { tried, .. }: &Ranked| {
             let hypothesis = &tried.hypothesis;
             let repair = hypothesis.repair(&self.cameras, &tried.by, self.span(hypothesis), tried.split);
             repair.map_or_else(|| before.clone(), |repair| self.gaps_with(&repair, &before))
@@ -109,8 +117,12 @@ impl State {
             self.full.recordings[0].frame_count() as f64 / before.len() as f64 * self.cameras.len() as f64;
         let together = within * (correlated / apart).max(1.0);
         let none = support_by(&before);
-        for ((evidence, _), support) in ranked.iter_mut().zip(supports) {
-            *evidence += (support - none) / together;
+        let usual = self.edge_noise(self.noise()[0]);
+        for ((ranked, after), support) in ranked.iter_mut().zip(&all).zip(supports) {
+            ranked.evidence += (support - none) / together;
+            let camera = ranked.tried.hypothesis.camera;
+            let share = |gaps: &[FrameGaps]| share_beyond(usual, gaps, camera?);
+            ranked.unexplained = share(&before).zip(share(after)).map(<[f64; 2]>::from);
         }
     }
 
@@ -119,22 +131,9 @@ impl State {
         self.silhouettes.iter().map(SilhouetteRecord::side).fold(noise_px, f64::max)
     }
 
-    /// Share of a camera's edges with larger gaps than noise makes, before and after a repair.
-    fn unexplained(&self, camera: Option<usize>, repair: &Repair) -> Option<[f64; 2]> {
-        let (camera, before) = (camera?, self.gaps());
-        let after = self.gaps_with(repair, &before);
-        let noise = self.edge_noise(self.noise()[0]);
-        let share = |gaps: &[FrameGaps]| {
-            let own = || gaps.iter().filter(|frame| frame.camera == camera).flat_map(|frame| &frame.px);
-            let all = own().count();
-            (all > 0).then(|| own().filter(|px| **px > noise).count() as f64 / all as f64)
-        };
-        Some([share(&before)?, share(&after)?])
-    }
-
     /// The likeliest fault, if it is likely and large enough to be told.
     pub(super) fn finding(&self, ranking: &Ranking, options: &DiagnosisOptions) -> Option<(Finding, Repair)> {
-        let (evidence, best) = ranking.ranked.first()?;
+        let Ranked { tried: best, evidence, unexplained } = ranking.ranked.first()?;
         let hypothesis = &best.hypothesis;
         let camera = &self.cameras[hypothesis.camera.unwrap_or(0)];
         let is_large = self.effect(best) >= options.least_effect * camera.height() as f64;
@@ -166,7 +165,7 @@ impl State {
             evidence: *evidence,
             apart_px: apart(0),
             keypoints_apart_px: apart(1),
-            unexplained: self.unexplained(hypothesis.camera, &repair),
+            unexplained: *unexplained,
             rivals: ranking.rivals(),
             cameras,
             clock: clock.map(|camera| ClockChange { camera, offset_s, rate }),
@@ -223,8 +222,15 @@ impl State {
 }
 
 /// The likeliest first.
-fn sort(ranked: &mut [(f64, Tried)]) {
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+fn sort(ranked: &mut [Ranked]) {
+    ranked.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+}
+
+/// Share of a camera's gaps that are larger than this; `None` without any.
+fn share_beyond(px: f64, gaps: &[FrameGaps], camera: usize) -> Option<f64> {
+    let own = || gaps.iter().filter(|frame| frame.camera == camera).flat_map(|frame| &frame.px);
+    let all = own().count();
+    (all > 0).then(|| own().filter(|gap| **gap > px).count() as f64 / all as f64)
 }
 
 /// Σ (Σ g)² / Σ g², inner sums over the edges of a frame: over how many of them gaps hang together.
@@ -252,14 +258,15 @@ fn samples(residuals: &Residuals) -> ByWitness {
 impl Ranking {
     /// Other cameras and kinds that are hardly less likely than the first.
     fn rivals(&self) -> Vec<Rival> {
-        let Some((evidence, best)) = self.ranked.first() else { return Vec::new() };
-        let mut told = vec![(best.hypothesis.camera, best.hypothesis.kind)];
+        let Some(best) = self.ranked.first() else { return Vec::new() };
+        let mut told = vec![(best.tried.hypothesis.camera, best.tried.hypothesis.kind)];
         let mut rivals = Vec::new();
-        for (other, tried) in &self.ranked[1..] {
-            let (camera, kind) = (tried.hypothesis.camera, tried.hypothesis.kind);
-            if evidence - other < RIVAL_NATS && !told.contains(&(camera, kind)) {
+        for other in &self.ranked[1..] {
+            let (camera, kind) = (other.tried.hypothesis.camera, other.tried.hypothesis.kind);
+            let behind = best.evidence - other.evidence;
+            if behind < RIVAL_NATS && !told.contains(&(camera, kind)) {
                 told.push((camera, kind));
-                rivals.push(Rival { camera, kind, behind: evidence - other });
+                rivals.push(Rival { camera, kind, behind });
             }
         }
         rivals
