@@ -71,7 +71,7 @@ struct OpenArguments {
     /// What to open: a take's folder, its take.toml, a .backlit file, or a motion (BVH, TRC, C3D, CSV, NumPy) [default: the built-in take]
     take: Option<PathBuf>,
     /// Frame, counted from 0
-    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", default_value_t = 0)]
     frame: usize,
     /// Camera: its name, or its number from 1 as on its badge
     #[arg(long, value_name = "CAMERA")]

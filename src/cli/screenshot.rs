@@ -48,19 +48,19 @@ pub(crate) struct ScreenshotArguments {
     #[arg(long, value_parser = one_of(&LAYOUTS))]
     layout: Option<Layout>,
     /// Frame, counted from 0
-    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", default_value_t = 0)]
     frame: usize,
     /// Joint that is held, as "left elbow", or the limb that ends there
     #[arg(long, value_name = "JOINT")]
     joint: Option<String>,
     /// Iterations of the fit to do on this frame, or the word end [default: 0; of a sequence of iterations: end]
-    #[arg(long, value_name = "I", value_parser = iterations, allow_negative_numbers = true)]
+    #[arg(long, value_name = "I", value_parser = iterations)]
     iteration: Option<Iterations>,
     /// Track the whole take first, so that the timeline shows it
     #[arg(long)]
     track: bool,
     /// Pixels per point of the window [0.5 to 4] [default: 1], or per pixel of the footage with --camera [0.25 to 8] [default: 2]
-    #[arg(long, value_name = "SCALE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SCALE")]
     scale: Option<f32>,
     /// Only the view of this camera, counted from 1 as on its badge, with its marks and legend
     #[arg(long, value_name = "N")]

@@ -46,18 +46,18 @@ pub(crate) struct PlanArguments {
     #[arg(long)]
     pub(crate) plan: bool,
     /// This many cameras evenly on a ring that does not exist yet, in place of a take's [1 to 32]
-    #[arg(long, value_name = "N", requires = "plan", conflicts_with_all = ["take", "cameras"], allow_negative_numbers = true, value_parser = within(1..=32_usize))]
+    #[arg(long, value_name = "N", requires = "plan", conflicts_with_all = ["take", "cameras"], value_parser = within(1..=32_usize))]
     ring: Option<usize>,
     /// Radius of the ring of --ring and of those for one more camera, metres [0.5 to 100] [default: 4, or as far away as
     /// the cameras are]
-    #[arg(long, value_name = "METRES", requires = "plan", allow_negative_numbers = true, value_parser = within(0.5..=100.0_f64))]
+    #[arg(long, value_name = "METRES", requires = "plan", value_parser = within(0.5..=100.0_f64))]
     radius: Option<f64>,
     /// Heights above the floor of the rings for one more camera, metres; the first is that of --ring, 1.5 if nothing is said
     /// [0 to 100] [default: 1.2,2.4]
-    #[arg(long, value_name = "METRES,…", value_delimiter = ',', requires = "plan", allow_negative_numbers = true, value_parser = within(0.0..=100.0_f64))]
+    #[arg(long, value_name = "METRES,…", value_delimiter = ',', requires = "plan", value_parser = within(0.0..=100.0_f64))]
     heights: Option<Vec<f64>>,
     /// Field of view across the pictures of --ring, degrees [1 to 170]
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, allow_negative_numbers = true, value_parser = within(1.0..=170.0_f64))]
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = within(1.0..=170.0_f64))]
     field_of_view: f64,
     /// Width and height of the pictures of --ring
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
@@ -69,16 +69,16 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "X,Y", requires = "plan", allow_hyphen_values = true, value_parser = place)]
     middle: Option<[f64; 2]>,
     /// Places along the longer side of that part [1 to 41]
-    #[arg(long, value_name = "N", default_value_t = CELLS, allow_negative_numbers = true, value_parser = within(1..=41_usize))]
+    #[arg(long, value_name = "N", default_value_t = CELLS, value_parser = within(1..=41_usize))]
     places: usize,
     /// Height of the floor along the world's up, metres [-1000 to 1000] [default: under the take's start, else 0]
-    #[arg(long, value_name = "METRES", requires = "plan", allow_negative_numbers = true, value_parser = within(-1000.0..=1000.0_f64))]
+    #[arg(long, value_name = "METRES", requires = "plan", value_parser = within(-1000.0..=1000.0_f64))]
     floor: Option<f64>,
     /// Places for one more camera around each ring [0 to 72] [default: 12]
-    #[arg(long, value_name = "N", requires = "plan", allow_negative_numbers = true, value_parser = within(0..=72_usize))]
+    #[arg(long, value_name = "N", requires = "plan", value_parser = within(0..=72_usize))]
     candidates: Option<usize>,
     /// How silhouettes err: deviation of a pixel as if pixels erred by themselves, grey levels [1 to 100000]
-    #[arg(long, value_name = "G", default_value_t = PLANNED_NOISE, allow_negative_numbers = true, value_parser = within(1.0..=100_000.0_f64))]
+    #[arg(long, value_name = "G", default_value_t = PLANNED_NOISE, value_parser = within(1.0..=100_000.0_f64))]
     noise: f64,
     #[arg(long, value_name = "MODEL", requires = "plan", help = format!("{MODEL_HELP} [default: the take's, else full_body]"))]
     model: Option<String>,

@@ -36,7 +36,7 @@ pub struct CameraArguments {
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u64; 2]>,
     /// Metres in one unit of a file that does not say its unit [0.000000001 to 1000000000]
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(1e-9..=1e9_f64))]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = within(1e-9..=1e9_f64))]
     metres_per_unit: f64,
     /// Format to write
     #[arg(long, value_name = "FORMAT", requires = "out", value_parser = PossibleValuesParser::new(Format::ALL.map(Format::name)))]

@@ -37,7 +37,7 @@ pub struct CheckArguments {
     /// Take: its folder, its take.toml, or a project about it
     take: PathBuf,
     /// Most frames that are looked at; a longer take is thinned evenly [2 to 1000000]
-    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, allow_negative_numbers = true, value_parser = within(2..=1_000_000_usize))]
+    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, value_parser = within(2..=1_000_000_usize))]
     frames: usize,
     /// Write the cameras with what was found repaired, in Backlit's own format
     #[arg(long, value_name = "FILE")]

@@ -51,16 +51,16 @@ pub struct CompareArguments {
     #[arg(long, value_name = "FRAMES")]
     frames: Option<FrameSpan>,
     /// Seconds that the references are late, where it is known [-1000000 to 1000000] [default: found from the motion]
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = within(-1e6..=1e6))]
+    #[arg(long, value_name = "SECONDS", value_parser = within(-1e6..=1e6))]
     offset: Option<f64>,
     /// Largest offset that is looked for, seconds [0 to 600]
-    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, allow_negative_numbers = true, value_parser = within(0.0..=600.0))]
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = within(0.0..=600.0))]
     most_offset: f64,
     /// The references have the take's own axes and metres: nothing is fitted
     #[arg(long)]
     same_world: bool,
     /// Frames a second of references that do not say it [0.01 to 100000]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
+    #[arg(long, value_name = "HZ", value_parser = within(0.01..=100_000.0))]
     frame_rate: Option<f64>,
     /// A joint that has another name in the references: NAME=JOINT, JOINT as `right knee`; may be given several times
     #[arg(long, value_name = "NAME=JOINT", value_parser = joint)]

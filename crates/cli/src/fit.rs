@@ -47,7 +47,7 @@ pub struct FitArguments {
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
     take: Option<PathBuf>,
     /// The take's frame, counted from 0 [0 to 999999]
-    #[arg(long, value_name = "K", requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "K", requires = "take", value_parser = within(0..=999_999_usize))]
     frame: Option<usize>,
     /// Body model.
     #[arg(long, required_unless_present = "take", help = MODEL_HELP)]

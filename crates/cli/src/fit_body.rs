@@ -54,7 +54,7 @@ pub struct FitBodyArguments {
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
     frames: Option<FrameChoice>,
     /// How many frames to take from a range [1 to 64]
-    #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = within(1..=64_u32))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = within(1..=64_u32))]
     count: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -82,14 +82,14 @@ pub struct FitBodyArguments {
     hold: Option<[bool; 2]>,
     /// How much the proportions of people count [default, for a body built as the built-in full one:
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20] [0.000001 to 1000000]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = within(1e-6..=1e6_f64))]
+    #[arg(long, value_name = "FACTOR", value_parser = within(1e-6..=1e6_f64))]
     proportions: Option<f64>,
     /// Make a body of spheres, about N in all: one tree for each limb, carved from the silhouettes and fitted to them; for
     /// --renderer sphere-tree [1 to 4096]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=4096_u32))]
+    #[arg(long, value_name = "N", value_parser = within(1..=4096_u32))]
     spheres: Option<u32>,
     /// Levels of those trees [1 to 6]
-    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", allow_negative_numbers = true, value_parser = within(1..=6_u32))]
+    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", value_parser = within(1..=6_u32))]
     levels: u32,
     /// Write the body to this file
     #[arg(long, value_name = "MODEL.toml")]

@@ -28,7 +28,7 @@ pub(crate) struct RendererArguments {
     #[arg(long, value_name = "SOLID", help = format!("{} [default: {}]", solid_help(), RendererKind::default()))]
     pub(crate) renderer: Option<RendererKind>,
     /// With the sphere tree: equal spheres along each limb [1 to 1024] [default: the limb's own, else 1 + ⌈2·length/radius⌉]
-    #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = within(1..=MAX_SPHERES as u16))]
+    #[arg(long, value_name = "N", requires = "renderer", value_parser = within(1..=MAX_SPHERES as u16))]
     pub(crate) spheres: Option<u16>,
 }
 
@@ -90,11 +90,11 @@ pub(crate) struct SolverArguments {
     pub(crate) parameters: Option<Parameters>,
     /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm, of a column's own entry if
     /// that is larger [0 to 1000000000000] [default: the preset's]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = within(0.0..=1e12_f64))]
+    #[arg(long, value_name = "FACTOR", value_parser = within(0.0..=1e12_f64))]
     pub(crate) damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages
     /// [0 to 100000] [default: report 25, robust 60]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(0..=100_000_usize))]
+    #[arg(long, value_name = "N", value_parser = within(0..=100_000_usize))]
     pub(crate) iterations: Option<usize>,
     /// Run all iterations, whatever the cost does
     #[arg(long)]

@@ -34,11 +34,11 @@ pub(crate) struct FollowArguments {
     #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', value_parser = within(1e-6..=1e6_f64))]
     pub(crate) noise: Option<Vec<f64>>,
     /// Smooth every frame by only this many frames after it, as a live track with that delay could [0 to 1000]
-    #[arg(long, value_name = "FRAMES", allow_negative_numbers = true, value_parser = within(0..=1000_usize))]
+    #[arg(long, value_name = "FRAMES", value_parser = within(0..=1000_usize))]
     pub(crate) lag: Option<usize>,
     /// Carry this many hypotheses from frame to frame where silhouettes do not decide [1 to 16] [default: 8, with the
     /// report preset 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=16_u8))]
+    #[arg(long, value_name = "N", value_parser = within(1..=16_u8))]
     pub(crate) hypotheses: Option<u8>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one
     /// [default: poor, with the report preset never]

@@ -54,10 +54,10 @@ pub struct ImportArguments {
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Metres in one unit of a calibration that does not say its unit [0.000000001 to 1000000000]
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(1e-9..=1e9_f64))]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = within(1e-9..=1e9_f64))]
     metres_per_unit: f64,
     /// Frames a second [0.001 to 100000] [default: what the footage or the project says]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = within(1e-3..=100_000.0_f64))]
+    #[arg(long, value_name = "RATE", value_parser = within(1e-3..=100_000.0_f64))]
     fps: Option<f64>,
     /// How pictures of another size than the calibration's were made: scaled, letterboxed, cut-at-corner or cut-around
     #[arg(long, value_name = "HOW", value_parser = picture_size)]

@@ -47,7 +47,7 @@ pub struct ObservabilityArguments {
     #[arg(required_unless_present = "ring")]
     take: Option<PathBuf>,
     /// The take's frame, counted from 0 [0 to 999999]
-    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = within(0..=999_999_usize))]
     frame: usize,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]

@@ -27,7 +27,7 @@ use crate::{output, progress};
 pub(crate) struct PersonArguments {
     /// Follow one of several people, by number: 1 is who is in view longest. Pixels of others are unknown. Needs three
     /// cameras or more [1 to 100]
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = within(1..=100_usize))]
+    #[arg(long, value_name = "K", value_parser = within(1..=100_usize))]
     person: Option<usize>,
 }
 

@@ -33,7 +33,7 @@ pub struct PriorArguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Components of the mixture that each part of the body gets [1 to 1000]
-    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().components, allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
+    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().components, value_parser = within(1..=1000_usize))]
     components: usize,
     /// What the motions are and whom to thank for them: kept in the file
     #[arg(long, value_name = "TEXT")]

@@ -9,7 +9,7 @@ use std::path::Path;
 use backlit_formats::memory;
 use backlit_tracking::processor;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser};
+use clap::{Arg, Args, CommandFactory, Parser};
 
 use crate::interrupt::{self, Interrupted};
 use crate::output;
@@ -71,7 +71,7 @@ fn gigabytes(text: &str) -> Result<f64, &'static str> {
 
 /// Parses a program's arguments, the first of which is its name, does what they say, and reports errors. Returns the exit code.
 pub fn run<P: Program>(arguments: &[OsString]) -> u8 {
-    let program = match P::try_parse_from(arguments) {
+    let program = match parsed::<P>(arguments) {
         Ok(program) => program,
         Err(error) => {
             return usage(&stray_word::<P>(arguments).unwrap_or_else(|| as_told::<P>(arguments, error)));
@@ -93,6 +93,21 @@ pub fn run<P: Program>(arguments: &[OsString]) -> u8 {
     } else {
         FAILED
     }
+}
+
+fn parsed<P: Parser>(arguments: &[OsString]) -> Result<P, clap::Error> {
+    let mut command = with_negative_numbers(P::command());
+    let mut matches = command.try_get_matches_from_mut(arguments)?;
+    P::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
+}
+
+/// Takes a negative number after an option for its value, so that its range is told, not that `-1` is no option.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let number = |argument: Arg| {
+        let has_value = !argument.is_positional() && argument.get_action().takes_values();
+        if has_value { argument.allow_negative_numbers(true) } else { argument }
+    };
+    command.mut_args(number).mut_subcommands(with_negative_numbers)
 }
 
 /// Does what the environment says of vectors and memory: for who computes without a program's arguments.
@@ -137,8 +152,8 @@ fn stray_word<P: CommandFactory>(arguments: &[OsString]) -> Option<clap::Error> 
 
 /// The same complaint about arguments that can be shown: it repeats them, whatever their letters and length.
 fn as_told<P: Parser>(arguments: &[OsString], error: clap::Error) -> clap::Error {
-    let told = arguments.iter().map(|argument| output::printable(&argument.to_string_lossy()));
-    P::try_parse_from(told).err().unwrap_or(error)
+    let told = arguments.iter().map(|argument| output::printable(&argument.to_string_lossy()).into());
+    parsed::<P>(&told.collect::<Vec<_>>()).err().unwrap_or(error)
 }
 
 /// Help goes to standard output, an error in the command to standard error.
@@ -146,4 +161,29 @@ fn usage(error: &clap::Error) -> u8 {
     // Nobody is left to hear that the terminal is gone.
     let _ = error.print();
     u8::try_from(error.exit_code()).unwrap_or(NOT_UNDERSTOOD)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::within;
+
+    #[derive(Debug, Parser)]
+    struct Counter {
+        #[arg(long, value_parser = within(1..=9_usize))]
+        count: usize,
+        #[arg(long)]
+        loud: bool,
+    }
+
+    #[test]
+    fn a_negative_number_is_told_its_range() {
+        let counter = |count: &str| {
+            let arguments = ["counter", "--loud", "--count", count].map(OsString::from);
+            parsed::<Counter>(&arguments).map(|counter| (counter.count, counter.loud))
+        };
+        assert_eq!(counter("3").unwrap(), (3, true));
+        let error = counter("-1").unwrap_err().to_string();
+        assert!(error.contains("from 1 to 9"), "{error}");
+    }
 }

@@ -67,7 +67,7 @@ pub struct RecogniseArguments {
     #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
     leave_classes_out: bool,
     /// With --test: add the noise of a tracker to the joints, this many millimetres (root mean square) [0 to 1000]
-    #[arg(long, value_name = "MM", requires = "test", allow_negative_numbers = true, value_parser = within(0.0..=1000.0_f64))]
+    #[arg(long, value_name = "MM", requires = "test", value_parser = within(0.0..=1000.0_f64))]
     noise: Option<f64>,
     /// With --test: draw the confusion matrix
     #[arg(long, value_name = "FILE.svg", requires = "test")]

@@ -37,7 +37,7 @@ pub struct RefineCamerasArguments {
     #[command(flatten)]
     free: FreeNumbers,
     /// Frames that are fitted to [3 to 64]
-    #[arg(long, value_name = "N", default_value_t = 16, allow_negative_numbers = true, value_parser = within(3..=64_usize))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = within(3..=64_usize))]
     count: usize,
     #[command(flatten)]
     part: PartArguments,

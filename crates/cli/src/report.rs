@@ -50,13 +50,13 @@ pub struct ReportArguments {
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
     /// Frames with a picture of each camera, spread over the track and at its most doubtful frames [0 to 1000]
-    #[arg(long, value_name = "N", default_value_t = PICTURES, allow_negative_numbers = true, value_parser = within(0..=1000_usize))]
+    #[arg(long, value_name = "N", default_value_t = PICTURES, value_parser = within(0..=1000_usize))]
     pictures: usize,
     /// Recording, track or project that the track is compared with, as by `backlit compare`; may be given several times
     #[arg(long, value_name = "REFERENCE")]
     compare: Vec<PathBuf>,
     /// Frames that are fitted again to show every step, with commas between [0 to 999999] [default: the first and the most doubtful one]
-    #[arg(long, value_name = "FRAMES", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "FRAMES", value_delimiter = ',', value_parser = within(0..=999_999_usize))]
     steps_of: Option<Vec<usize>>,
 }
 

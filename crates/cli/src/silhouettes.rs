@@ -51,7 +51,7 @@ pub struct SilhouetteArguments {
     #[arg(long, value_name = "DIR", required_unless_present_any = ["worst", "tune"])]
     out: Option<PathBuf>,
     /// List the worst silhouettes: what other cameras, neighbours in time and, with --tune, the body contradict [1 to 1000000]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=1_000_000_usize))]
+    #[arg(long, value_name = "N", value_parser = within(1..=1_000_000_usize))]
     worst: Option<usize>,
     /// Choose the settings by how well cameras and body agree
     #[arg(long)]

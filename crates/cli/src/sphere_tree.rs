@@ -36,10 +36,10 @@ pub struct SphereTreeArguments {
     #[arg(long)]
     skinned: bool,
     /// Most spheres of the last level [1 to 4096]
-    #[arg(long, value_name = "N", default_value_t = 512, allow_negative_numbers = true, value_parser = within(1..=MAX_SPHERES as u32))]
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = within(1..=MAX_SPHERES as u32))]
     spheres: u32,
     /// Levels, the coarsest first [1 to 12]
-    #[arg(long, value_name = "L", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=MAX_LEVELS as u32))]
+    #[arg(long, value_name = "L", default_value_t = 3, value_parser = within(1..=MAX_LEVELS as u32))]
     levels: u32,
     /// File to write: a tree (.json), or a body of one limb (.toml) for --renderer sphere-tree
     #[arg(long, value_name = "FILE.json|BODY.toml")]

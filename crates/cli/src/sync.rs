@@ -36,10 +36,10 @@ pub struct SyncArguments {
     #[arg(long)]
     write: bool,
     /// Most time between the starts of two cameras, seconds [0 to 1000000] [default: as far as they overlap by three tenths]
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = within(0.0..=1e6_f64))]
+    #[arg(long, value_name = "SECONDS", value_parser = within(0.0..=1e6_f64))]
     within: Option<f64>,
     /// Most frames that are looked at; a longer take is thinned evenly [1 to 1000000]
-    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, allow_negative_numbers = true, value_parser = within(1..=1_000_000_usize))]
+    #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, value_parser = within(1..=1_000_000_usize))]
     frames: usize,
     /// Print what was found as JSON
     #[arg(long)]

@@ -62,13 +62,13 @@ pub struct SynthArguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Cameras in a ring around the motion [1 to 32]
-    #[arg(long, value_name = "N", default_value_t = 4, allow_negative_numbers = true, value_parser = within(1..=32_usize))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = within(1..=32_usize))]
     cameras: usize,
     /// Size of the pictures in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
     size: [u64; 2],
     /// Frames a second of the take [0.01 to 100000] [default: the motion's]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
+    #[arg(long, value_name = "HZ", value_parser = within(0.01..=100_000.0))]
     frame_rate: Option<f64>,
     /// Frames of the take that are filmed: A..B, A.., ..B, A..=B or one frame [default: all]
     #[arg(long, value_name = "FRAMES")]
@@ -80,7 +80,7 @@ pub struct SynthArguments {
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = direction)]
     up: Option<DVec3>,
     /// Frames a second of a motion that does not say it [0.01 to 100000]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = within(0.01..=100_000.0))]
+    #[arg(long, value_name = "HZ", value_parser = within(0.01..=100_000.0))]
     motion_rate: Option<f64>,
     /// Write exact masks, not pictures: some fifteen times as fast
     #[arg(long)]
@@ -89,22 +89,22 @@ pub struct SynthArguments {
     #[arg(long, value_enum, default_value_t = Clothes::Usual)]
     clothes: Clothes,
     /// Noise of the sensor, as a multiple of a usual one [0 to 20]
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(0.0..=20.0))]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.0..=20.0))]
     noise: f64,
     /// Draw without shadows: about six times as fast
     #[arg(long, conflicts_with = "masks")]
     no_shadows: bool,
     /// Pixels by which masks are too wide all round [0 to 50]
-    #[arg(long, value_name = "PX", default_value_t = 0.0, requires = "masks", allow_negative_numbers = true, value_parser = within(0.0..=50.0))]
+    #[arg(long, value_name = "PX", default_value_t = 0.0, requires = "masks", value_parser = within(0.0..=50.0))]
     wide: f64,
     /// Share of the pixels at the masks' edges that are wrong [0 to 1]
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, requires = "masks", allow_negative_numbers = true, value_parser = within(0.0..=1.0))]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, requires = "masks", value_parser = within(0.0..=1.0))]
     mask_noise: f64,
     /// A post before every camera, as a share of the picture's width [0 to 0.9]
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true, value_parser = within(0.0..=0.9))]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = within(0.0..=0.9))]
     occluder: f64,
     /// Seed of all noise [0 to 4294967295]
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=u64::from(u32::MAX)))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = within(0..=u64::from(u32::MAX)))]
     seed: u64,
 }
 

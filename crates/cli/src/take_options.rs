@@ -32,7 +32,7 @@ pub(crate) struct PartArguments {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub(crate) frames: Option<FrameSpan>,
     /// Use only every Kth frame [1 to 1000000]
-    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=1_000_000_u32))]
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = within(1..=1_000_000_u32))]
     pub(crate) every: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -111,7 +111,7 @@ pub(crate) struct StartArguments {
     #[arg(long, value_name = "ANGLE,DISTANCE", allow_hyphen_values = true)]
     pub(crate) start_noise: Option<StartNoise>,
     /// Seed of the noise [0 to 4294967295]
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     pub(crate) seed: u64,
 }
 
@@ -198,7 +198,7 @@ pub(crate) struct ReferenceArguments {
     #[arg(long, value_name = "AXES", requires = "reference", allow_hyphen_values = true, value_parser = axes)]
     reference_axes: Option<Axes>,
     /// Which frame number of the file is frame 0 of the take [0 to 1000000000] [default: that of the first row; for a CSV, 0]
-    #[arg(long, value_name = "N", requires = "reference", allow_negative_numbers = true, value_parser = within(0..=1_000_000_000_u64))]
+    #[arg(long, value_name = "N", requires = "reference", value_parser = within(0..=1_000_000_000_u64))]
     reference_first: Option<u64>,
     /// Where the keypoints' tool puts its markers beside the joints, as --learn-placement has written it; the line "placed" is by it
     /// [default: that of the take, else learnt in frames that are not judged]

@@ -78,7 +78,7 @@ pub struct TrackArguments {
     pub(crate) out: PathBuf,
     /// Track several people, each into a folder of its own, person-1 and so on: 1 is who is in view longest. Needs three cameras
     /// or more [2 to 20]
-    #[arg(long, value_name = "N", conflicts_with_all = ["person", "resume", "reference", "learn_placement"], allow_negative_numbers = true, value_parser = within(2..=20_usize))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["person", "resume", "reference", "learn_placement"], value_parser = within(2..=20_usize))]
     people: Option<usize>,
     /// Go on where an earlier track into the same folder was stopped; give the same options again
     #[arg(long)]

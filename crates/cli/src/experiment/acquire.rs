@@ -61,16 +61,16 @@ impl Arguments {
 #[derive(Debug, Args, Serialize)]
 struct AcquiredPeople {
     /// How many of the six builds [1 to 6]
-    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = within(1..=6_u32))]
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = within(1..=6_u32))]
     people: u32,
     /// Moments of the built-in movement (its frames, 0 to 59); in the first, nothing is known of the person [0 to 59]
-    #[arg(long, value_name = "K,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(0.0..=59.0_f64))]
+    #[arg(long, value_name = "K,…", value_delimiter = ',', value_parser = within(0.0..=59.0_f64))]
     moments: Option<Vec<f64>>,
     /// Frames that are tracked with every body [0 to 10000]
-    #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true, value_parser = within(0..=10_000_u32))]
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = within(0..=10_000_u32))]
     tracked: u32,
     /// Seed of the poses that fits of sizes begin with [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
 }
 

@@ -58,10 +58,10 @@ impl OutputArguments {
 #[derive(Debug, Clone, Copy, Args, Serialize)]
 pub(crate) struct Starts {
     /// Number of starts [1 to 1000]
-    #[arg(long, value_name = "N", required = false, allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
+    #[arg(long, value_name = "N", required = false, value_parser = within(1..=1000_usize))]
     pub(crate) starts: usize,
     /// Seed of the random starts [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     pub(crate) seed: u64,
     /// How far every joint of a start is turned and its root moved [0 to 180deg, 0 to 100m]
     #[arg(long, value_name = "ANGLE,DISTANCE", required = false)]

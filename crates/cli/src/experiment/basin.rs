@@ -34,17 +34,17 @@ const BYTES_A_PIXEL: u64 = 8;
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Numbers of cameras [1 to 64]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4], allow_negative_numbers = true, value_parser = within(1..=64_usize))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4], value_parser = within(1..=64_usize))]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10,
     /// 15 and 20 cm of the root; with --take any whole degrees [1 to 180] [default: all five]
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map", allow_negative_numbers = true, value_parser = within(1..=180_u32))]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map", value_parser = within(1..=180_u32))]
     angles: Vec<u32>,
     /// Starts of every angle [1 to 1000]; or a file of starts with their truth and masks, of which all are taken
     #[arg(long, value_name = "N|FILE", default_value = "40", conflicts_with = "map")]
     starts: String,
     /// Seed of poses, cameras and starts that are drawn [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map", allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map", value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36")]

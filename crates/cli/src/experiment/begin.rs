@@ -39,11 +39,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', default_values_t = InitialisationMethod::COMPARED)]
     methods: Vec<InitialisationMethod>,
     /// Numbers of cameras; with --take all sets of this many are tried [1 to 64]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2], allow_negative_numbers = true, value_parser = within(1..=64_usize))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2], value_parser = within(1..=64_usize))]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10, 15 and 20 cm
     /// of the root [1 to 180]
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [10, 30], allow_negative_numbers = true, value_parser = within(1..=180_u32))]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [10, 30], value_parser = within(1..=180_u32))]
     angles: Vec<u32>,
     /// Starts of every angle [1 to 1000]; or a file of starts with their truth and masks
     #[arg(long, value_name = "N|FILE", default_value = "10", conflicts_with = "take")]
@@ -52,19 +52,19 @@ pub(crate) struct Arguments {
     #[arg(long)]
     no_start: bool,
     /// Seed of what is drawn [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, default_value = "48x36", conflicts_with = "take")]
     size: [u64; 2],
     /// Particles of the filter [1 to 100000] [default: 200 from a start, 400 without]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=100_000_usize))]
+    #[arg(long, value_name = "N", value_parser = within(1..=100_000_usize))]
     particles: Option<usize>,
     /// Annealing layers of the filter [1 to 100]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=100_usize))]
+    #[arg(long, value_name = "N", value_parser = within(1..=100_usize))]
     layers: Option<usize>,
     /// Places of the head that templates go on with; 1 as Mikić et al. do it [1 to 100]
-    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=100_usize))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = within(1..=100_usize))]
     heads: usize,
     /// Take with reference keypoints whose frames are used instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE")]
@@ -73,10 +73,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MODEL", requires = "take")]
     model: Option<String>,
     /// Frames of the take, counted from 0 [0 to 999999]
-    #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take", value_parser = within(0..=999_999_usize))]
     frames: Vec<usize>,
     /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints, millimetres [0 to 10000]
-    #[arg(long, value_name = "MM", default_value_t = 25.0, requires = "take", allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
+    #[arg(long, value_name = "MM", default_value_t = 25.0, requires = "take", value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
     #[command(flatten)]
     output: OutputArguments,

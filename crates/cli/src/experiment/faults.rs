@@ -29,16 +29,16 @@ pub(crate) struct CalibrationFaults {
     #[arg(long, value_name = "FILE", num_args = 1..)]
     calibrations: Vec<PathBuf>,
     /// Height of the pictures, pixels [120 to 2160]
-    #[arg(long, value_name = "PIXELS", default_value_t = 480, allow_negative_numbers = true, value_parser = within(120..=2160_u64))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 480, value_parser = within(120..=2160_u64))]
     height: u64,
     /// Frames of the 12 seconds [20 to 1000]
-    #[arg(long, value_name = "N", default_value_t = 186, allow_negative_numbers = true, value_parser = within(20..=1000_usize))]
+    #[arg(long, value_name = "N", default_value_t = 186, value_parser = within(20..=1000_usize))]
     frames: usize,
     /// A fault is told where it explains so much more than none, nats [0 to 1000]
-    #[arg(long, value_name = "NATS", default_value_t = DiagnosisOptions::default().least_evidence, allow_negative_numbers = true, value_parser = within(0.0..=1e3_f64))]
+    #[arg(long, value_name = "NATS", default_value_t = DiagnosisOptions::default().least_evidence, value_parser = within(0.0..=1e3_f64))]
     least_evidence: f64,
     /// Keypoints of the simulated person are off by so much, pixels; there are none without it [0.1 to 100]
-    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = within(0.1..=100.0_f64))]
+    #[arg(long, value_name = "PIXELS", value_parser = within(0.1..=100.0_f64))]
     keypoint_noise: Option<f64>,
     /// Keypoints of the takes: CSV of camera, frame, marker (`RKnee`), `u_WIDTH`, `v_HEIGHT`, confidence, in pictures of that size
     #[arg(long, value_name = "FILE")]

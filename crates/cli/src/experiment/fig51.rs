@@ -35,10 +35,10 @@ const ITERATIONS: usize = 60;
 #[derive(Debug, Args, Serialize)]
 pub(crate) struct SingleLimb {
     /// Distances of the camera, metres; the limb is as large in all pictures [0.3 to 1000]
-    #[arg(long = "distance", value_name = "M,…", value_delimiter = ',', default_values_t = [10.0, 0.8], allow_negative_numbers = true, value_parser = within(0.3..=1000.0_f64))]
+    #[arg(long = "distance", value_name = "M,…", value_delimiter = ',', default_values_t = [10.0, 0.8], value_parser = within(0.3..=1000.0_f64))]
     distances_m: Vec<f64>,
     /// How far along its axis the limb starts from the truth, metres [-10 to 10]
-    #[arg(long = "offset", value_name = "M", default_value_t = OFFSET_M, allow_negative_numbers = true, value_parser = within(-10.0..=10.0_f64))]
+    #[arg(long = "offset", value_name = "M", default_value_t = OFFSET_M, value_parser = within(-10.0..=10.0_f64))]
     offset_m: f64,
     #[arg(skip = [192, 144])]
     size_px: [u64; 2],

@@ -49,7 +49,7 @@ pub(crate) struct UpperBody<const CAMERAS: usize> {
     #[arg(long = "data", value_parser = one_of(SIMULATIONS), default_value = "prediction")]
     simulation: Simulation,
     /// Iterations of every fit, more than most need to converge [1 to 10000]
-    #[arg(long, value_name = "N", default_value_t = 300, allow_negative_numbers = true, value_parser = within(1..=10_000_usize))]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = within(1..=10_000_usize))]
     iterations: usize,
     #[arg(skip)]
     #[serde(rename = "ways")]

@@ -48,7 +48,7 @@ pub(crate) struct Followed<const WIDTH: u64, const HEIGHT: u64> {
     #[serde(rename = "ways")]
     methods: Vec<SequenceMethod>,
     /// Frames of the sequence, from its first [1 to 1000]
-    #[arg(long, value_name = "N", default_value_t = 50, allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = within(1..=1000_usize))]
     #[serde(skip)]
     frames: usize,
     #[command(flatten)]

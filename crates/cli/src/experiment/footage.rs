@@ -38,19 +38,19 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
     /// How many starts: seeds from --seed on [1 to 1000]
-    #[arg(long, value_name = "N", default_value_t = 12, allow_negative_numbers = true, value_parser = within(1..=1000_u64))]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = within(1..=1000_u64))]
     starts: u64,
     /// A start has held if no joint of any frame is farther than this from its keypoint, millimetres [0 to 10000]
-    #[arg(long, value_name = "MM", default_value_t = 150.0, allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
+    #[arg(long, value_name = "MM", default_value_t = 150.0, value_parser = within(0.0..=10_000.0_f64))]
     within_mm: f64,
     /// What disturbs the pictures of one camera
     #[arg(long, value_name = "WHAT", value_parser = one_of(DISTURBANCES))]
     disturb: Option<PictureDisturbance>,
     /// The number of that camera, from 1 [1 to 64]
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=64_usize))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = within(1..=64_usize))]
     disturbed_camera: usize,
     /// The first frame that is disturbed [0 to 999999]
-    #[arg(long, value_name = "K", default_value_t = 20, allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "K", default_value_t = 20, value_parser = within(0..=999_999_usize))]
     disturbed_from: usize,
     /// Backgrounds that change are not learnt again
     #[arg(long)]

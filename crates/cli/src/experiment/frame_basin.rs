@@ -45,7 +45,7 @@ pub(crate) struct FrameArguments {
     #[arg(long, value_name = "TAKE", conflicts_with_all = ["cameras", "size"])]
     pub(crate) take: Option<PathBuf>,
     /// The frame, counted from 0 [0 to 999999]
-    #[arg(long, value_name = "K", default_value_t = 0, requires = "take", allow_negative_numbers = true, value_parser = within(0..=999_999_usize))]
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "take", value_parser = within(0..=999_999_usize))]
     frame: usize,
     /// Turn this limb's joint alone, by the limb's name
     #[arg(long, value_name = "LIMB", requires = "take", conflicts_with = "map")]
@@ -56,10 +56,10 @@ pub(crate) struct FrameArguments {
     about: Option<PathBuf>,
     /// How far the root is moved, centimetres, one for each angle, the last one for all that follow [default: 2, 5,
     /// 10, 15 and 20 at 5, 10, 20, 30 and 45 degrees, half a centimetre a degree at others] [0 to 1000]
-    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take", conflicts_with = "map", allow_negative_numbers = true, value_parser = within(0.0..=1000.0_f64))]
+    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take", conflicts_with = "map", value_parser = within(0.0..=1000.0_f64))]
     root: Vec<f64>,
     /// A fit has found its target when root and leaf joints are less than this off on average, millimetres [0 to 10000]
-    #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take", allow_negative_numbers = true, value_parser = within(0.0..=10_000.0_f64))]
+    #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take", value_parser = within(0.0..=10_000.0_f64))]
     within: f64,
     /// Fit the same starts in other ways too, three at most: robust, report, or search, which is robust with a search
     /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
@@ -70,10 +70,10 @@ pub(crate) struct FrameArguments {
     #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", value_parser = two_angles, requires = "take")]
     map: Option<[(String, Angle); 2]>,
     /// How far a map turns the angles to either side, degrees [0.1 to 180]
-    #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map", allow_negative_numbers = true, value_parser = within(0.1..=180.0_f64))]
+    #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map", value_parser = within(0.1..=180.0_f64))]
     farthest: f64,
     /// Cells of a map across and up; with an odd number the pose itself is one of them [1 to 101]
-    #[arg(long, value_name = "N", default_value_t = 11, requires = "map", allow_negative_numbers = true, value_parser = within(1..=101_usize))]
+    #[arg(long, value_name = "N", default_value_t = 11, requires = "map", value_parser = within(1..=101_usize))]
     cells: usize,
 }
 

@@ -49,16 +49,16 @@ const START: (f64, f64) = (3.0, 0.02);
 #[derive(Debug, Args, Serialize)]
 pub(crate) struct PlannedCameras {
     /// Cameras evenly on a ring in place of the built-in take's four [2 to 12]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(2..=12_usize))]
+    #[arg(long, value_name = "N", value_parser = within(2..=12_usize))]
     ring: Option<usize>,
     /// Height of the pictures, pixels [32 to 1080]
-    #[arg(long, value_name = "PIXELS", default_value_t = studio::HEIGHT, allow_negative_numbers = true, value_parser = within(32..=1080_u64))]
+    #[arg(long, value_name = "PIXELS", default_value_t = studio::HEIGHT, value_parser = within(32..=1080_u64))]
     height: u64,
     /// Use only every Kth frame of the movement [1 to 20]
-    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=20_usize))]
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = within(1..=20_usize))]
     every: usize,
     /// Starts of each track, by seeds from 1 on [1 to 20]
-    #[arg(long, value_name = "N", default_value_t = 2, allow_negative_numbers = true, value_parser = within(1..=20_u64))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = within(1..=20_u64))]
     seeds: u64,
 }
 

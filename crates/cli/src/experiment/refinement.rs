@@ -32,27 +32,27 @@ pub(crate) struct RefinedRigs {
     #[arg(long)]
     take: Option<PathBuf>,
     /// Turn of every camera, degrees [0 to 20]
-    #[arg(long, value_name = "DEGREES", default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(0.0..=20.0_f64))]
+    #[arg(long, value_name = "DEGREES", default_value_t = 1.0, value_parser = within(0.0..=20.0_f64))]
     turn: f64,
     /// Move of every camera, metres [0 to 1]
-    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = within(0.0..=1.0_f64))]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = within(0.0..=1.0_f64))]
     shift: f64,
     /// Error of every focal length, per cent [0 to 50]
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, allow_negative_numbers = true, value_parser = within(0.0..=50.0_f64))]
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = within(0.0..=50.0_f64))]
     focal: f64,
     /// By how much every clock but the first is early or late, seconds; of simulated cameras [0 to 1]
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = within(0.0..=1.0_f64))]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = within(0.0..=1.0_f64))]
     offset: f64,
     #[command(flatten)]
     free: FreeNumbers,
     /// Disturbances that are tried [1 to 100]
-    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = within(1..=100_u64))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = within(1..=100_u64))]
     seeds: u64,
     /// Frames that are fitted to [3 to 64]
-    #[arg(long, value_name = "N", default_value_t = 16, allow_negative_numbers = true, value_parser = within(3..=64_usize))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = within(3..=64_usize))]
     count: usize,
     /// Height of simulated pictures, pixels [60 to 2160]
-    #[arg(long, value_name = "PIXELS", default_value_t = 480, allow_negative_numbers = true, value_parser = within(60..=2160_u64))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 480, value_parser = within(60..=2160_u64))]
     height: u64,
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct SequenceArguments {
     #[serde(skip)]
     cameras: Option<Vec<String>>,
     /// Radius of the box over which the report's fit smooths its masks, pixels; 0: not at all [0 to 100]
-    #[arg(long, value_name = "PX", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=100_usize))]
+    #[arg(long, value_name = "PX", default_value_t = 1, value_parser = within(0..=100_usize))]
     #[serde(skip)]
     smoothing: usize,
     #[arg(skip)]

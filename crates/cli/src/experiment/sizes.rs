@@ -63,14 +63,14 @@ pub(crate) struct OwnSizes {
     #[arg(skip = 60_usize)]
     frames: usize,
     /// Only every Nth frame of the movement is seen [1 to 20]
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = within(1..=20_u32))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = within(1..=20_u32))]
     every: u32,
     #[arg(skip = 5.0_f64.to_radians())]
     start_angle_rad: f64,
     #[arg(skip = 0.03)]
     start_distance_m: f64,
     /// Seed of the poses that tracks begin with [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// How much the proportions count in the first frame, and afterwards.
     #[arg(skip = [20.0, CLOTHED])]

@@ -44,19 +44,19 @@ pub(crate) struct Speeds {
     #[arg(skip)]
     size_px: [u64; 2],
     /// Cameras around the upper body [1 to 64]
-    #[arg(long, value_name = "N", default_value_t = 2, allow_negative_numbers = true, value_parser = within(1..=64_usize))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = within(1..=64_usize))]
     cameras: usize,
     /// Frames of every track [1 to 10000] [default: 50; of squats 100; of exercises 240]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=10_000_usize))]
+    #[arg(long, value_name = "N", value_parser = within(1..=10_000_usize))]
     frames: Option<usize>,
     /// Times the movement's own speed; for squats, only every Nth frame is seen [1 to 100] [default: 1,2,3,4; of squats 1,2,4; of exercises 1,2]
-    #[arg(long, value_name = "N", value_delimiter = ',', allow_negative_numbers = true, value_parser = within(1..=100_usize))]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = within(1..=100_usize))]
     speeds: Option<Vec<usize>>,
     /// Number of starts [1 to 1000] [default: 5; of squats and exercises 2]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = within(1..=1000_usize))]
+    #[arg(long, value_name = "N", value_parser = within(1..=1000_usize))]
     starts: Option<usize>,
     /// Seed of the random starts and of all noise [0 to 4294967295]
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = within(0..=4_294_967_295_u64))]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = within(0..=4_294_967_295_u64))]
     seed: u64,
     /// How far every joint of a start is turned and its root moved [0 to 180deg, 0 to 100m]
     #[arg(long, value_name = "ANGLE,DISTANCE", default_value = "5deg,3cm")]

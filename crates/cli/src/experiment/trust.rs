@@ -45,13 +45,13 @@ pub(crate) struct Trust {
     #[serde(skip)]
     take: Option<PathBuf>,
     /// Hypotheses that are carried from frame to frame [1 to 16]
-    #[arg(long, value_name = "N", default_value_t = RIVALS + 1, allow_negative_numbers = true, value_parser = within(1..=16_usize))]
+    #[arg(long, value_name = "N", default_value_t = RIVALS + 1, value_parser = within(1..=16_usize))]
     hypotheses: usize,
     /// Track without the prior learnt from motion; it judges all the same
     #[arg(long)]
     without_prior: bool,
     /// Seconds of every simulated movement [0.1 to 20]
-    #[arg(long, value_name = "S", default_value_t = 2.0 * PERIOD, allow_negative_numbers = true, value_parser = within(0.1..=20.0_f64))]
+    #[arg(long, value_name = "S", default_value_t = 2.0 * PERIOD, value_parser = within(0.1..=20.0_f64))]
     seconds: f64,
     /// Learn what is told from the half that is not held out, and write it to this file of source
     #[arg(long, value_name = "FILE")]
