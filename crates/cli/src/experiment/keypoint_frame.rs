@@ -14,6 +14,7 @@ use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 
 use super::Run;
+use crate::take_options::reference_joints;
 
 /// All sets of this many of `all` cameras, in order.
 pub(super) fn sets(all: usize, count: usize) -> Result<Vec<Vec<usize>>> {
@@ -53,7 +54,7 @@ impl<'a> KeypointFrame<'a> {
     pub(super) fn new(footage: &'a Footage, set: &[usize], frame: usize, run: &Run) -> Result<Self> {
         let take = footage.take();
         let model = take.model();
-        let joints = take.reference().map(|reference| reference.joints(frame)).unwrap_or_default();
+        let joints = reference_joints(take, frame);
         let Some(at_keypoints) = start::from_joints(model, &joints) else {
             bail!("`frames` is {frame}; expected a frame that has reference keypoints");
         };
